@@ -1,0 +1,64 @@
+# Every target sets up what it needs: a virtual environment in .venv with the pinned dependencies of constraints.txt.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := PIP_CONSTRAINT=constraints.txt PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
+OUT ?= results
+WORKERS ?= auto
+
+.DEFAULT_GOAL := help
+.PHONY: help sweep maps smoke test test-fast lint schemas bench clean
+
+help: ## this list
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
+
+$(VENV)/.made:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "hknob needs Python 3.11 or newer, found " + sys.version.split()[0] + "; choose one with make PYTHON=...")'
+	@echo "making $(VENV)" >&2
+	@$(PYTHON) -m venv $(VENV)
+	@touch $@
+
+$(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
+	@echo "installing pinned dependencies" >&2
+	@$(PIP) --editable .
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.made pyproject.toml constraints.txt
+	@echo "installing pinned dependencies, with those of the tests" >&2
+	@$(PIP) --editable '.[dev]'
+	@touch $@ $(VENV)/.run
+
+sweep: $(VENV)/.run ## the 7x7 grid of sample rate and encoder resolution: table, files, picture
+	@$(BIN)/hknob sweep experiments/hand_on_knob.yaml --plot --out $(OUT)/hand-on-knob
+
+maps: $(VENV)/.run ## every sweep in experiments/, with pictures
+	@for spec in experiments/*.yaml; do \
+	    echo "== $$spec"; $(BIN)/hknob sweep $$spec --plot --out $(OUT)/$$(basename $$spec .yaml) || exit 1; done
+
+smoke: $(VENV)/.run ## the 3x3 grid, in under a second
+	@$(BIN)/hknob sweep experiments/smoke.yaml --out $(OUT)/smoke
+
+test: $(VENV)/.dev ## lint, types, and every test
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check --quiet .
+	@$(BIN)/mypy
+	@$(BIN)/python -m pytest -n $(WORKERS)
+
+test-fast: $(VENV)/.dev ## every test that is not marked slow
+	@$(BIN)/python -m pytest -n $(WORKERS) -m 'not slow'
+
+lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+	@$(BIN)/mypy
+
+schemas: $(VENV)/.run ## regenerate schemas/ from the models
+	@$(BIN)/hknob schema sweep > schemas/sweep.schema.json
+
+bench: $(VENV)/.dev ## throughput, start-up, and rival methods
+	@for file in tests/benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+
+clean: ## remove the environment, caches and results
+	@rm -rf $(VENV) results build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +

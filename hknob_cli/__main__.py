@@ -1,0 +1,5 @@
+"""``python -m hknob_cli``: the same as ``hknob``."""
+
+from hknob_cli.cli.app import main
+
+main()

@@ -1,0 +1,64 @@
+"""What can go wrong, and the exit code that says so.
+
+Every error a user can meet is an `HknobError`; the command line prints its message, without a traceback, and exits with
+its code.
+"""
+
+from collections.abc import Sequence
+from enum import IntEnum
+from typing import NamedTuple
+
+
+class ExitCode(IntEnum):
+    """Exit codes of every command."""
+
+    DONE = 0
+    FAILED = 1
+    USAGE = 2
+    REFUSED = 3
+    DEVICE = 4
+    INTERRUPTED = 130
+
+
+class HknobError(Exception):
+    """Base of all errors shown to the user; the message is complete as it stands."""
+
+    exit_code = ExitCode.FAILED
+
+
+class ComputationError(HknobError):
+    """The computation or a check failed."""
+
+
+class UsageError(HknobError):
+    """The command line, or a file it names, cannot be used."""
+
+    exit_code = ExitCode.USAGE
+
+
+class RefusedError(HknobError):
+    """The output belongs to another run, or to something else."""
+
+    exit_code = ExitCode.REFUSED
+
+
+class Fault(NamedTuple):
+    """One fault of a spec: where (``FILE:LINE:COL`` or the option that set it), which key, and what is wrong."""
+
+    where: str
+    line: int
+    column: int
+    key: str
+    message: str
+
+    def __str__(self) -> str:
+        place = f"{self.where}:{self.line}:{self.column}" if self.line else self.where
+        return f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}"
+
+
+class SpecError(UsageError):
+    """A spec with faults, one line each."""
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        self.faults = tuple(sorted(set(faults)))
+        super().__init__("\n".join(str(fault) for fault in self.faults))
