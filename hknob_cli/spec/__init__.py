@@ -1,0 +1,1 @@
+"""Specs: YAML to validated models, every fault with its place."""

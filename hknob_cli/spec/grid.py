@@ -1,0 +1,206 @@
+"""The grid: axes of values, and the cells they span.
+
+An axis is a list of values, ``{log: [first, last, count]}`` or ``{lin: [first, last, count]}``; a single value is an
+axis of one. Beside the two that every grid has, any number of the scene is an axis by its dotted path.
+"""
+
+import itertools
+import math
+from collections.abc import Iterator
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
+from pydantic.fields import FieldInfo
+
+from hknob_cli.spec.quantity import SampleRate, Unit
+from hknob_cli.spec.scene import Part, Scene
+
+MAX_CELLS = 1_000_000
+RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
+
+Value = float | int | str
+Listed = Annotated[list[Value], Field(min_length=1, max_length=MAX_CELLS)]
+Counts = Annotated[int, Field(strict=True, ge=1, le=2**31)]
+
+
+class LogAxis(Part):
+    """Values evenly spaced on a log scale."""
+
+    log: Annotated[tuple[Value, Value, Annotated[int, Field(strict=True, ge=1, le=MAX_CELLS)]], Field()]
+
+
+class LinAxis(Part):
+    """Values evenly spaced."""
+
+    lin: Annotated[tuple[Value, Value, Annotated[int, Field(strict=True, ge=1, le=MAX_CELLS)]], Field()]
+
+
+def _form(value: Any) -> str:
+    """Which form of axis this is; picks the model that validates it."""
+    if isinstance(value, dict):
+        return "lin axis" if "lin" in value and "log" not in value else "log axis"
+    if isinstance(value, LogAxis | LinAxis):
+        return "log axis" if isinstance(value, LogAxis) else "lin axis"
+    return "list axis" if isinstance(value, list) else "one value"
+
+
+AxisSpec = Annotated[
+    Annotated[Listed, Tag("list axis")]
+    | Annotated[LogAxis, Tag("log axis")]
+    | Annotated[LinAxis, Tag("lin axis")]
+    | Annotated[Value, Tag("one value")],
+    Discriminator(_form),
+]
+
+
+def scalar_field(path: str) -> FieldInfo | None:
+    """The scene's number at a dotted path, ``wall.stiffness``; None if there is none."""
+    model: type[BaseModel] = Scene
+    *parents, last = path.split(".")
+    for part in parents:
+        info = model.model_fields.get(part)
+        inner = _model_of(info) if info else None
+        if inner is None:
+            return None
+        model = inner
+    found = model.model_fields.get(last)
+    return None if found is None or _model_of(found) or not _is_number(found) else found
+
+
+def scalar_paths() -> list[str]:
+    """Every dotted path that may be an axis."""
+    paths = []
+    for part, info in Scene.model_fields.items():
+        model = _model_of(info)
+        if model:
+            paths += [f"{part}.{name}" for name, inner in model.model_fields.items() if _is_number(inner)]
+    return paths
+
+
+def _arms(info: FieldInfo) -> tuple[Any, ...]:
+    annotation = info.annotation
+    return getattr(annotation, "__args__", None) or (annotation,)
+
+
+def _model_of(info: FieldInfo) -> type[BaseModel] | None:
+    for arm in _arms(info):
+        if isinstance(arm, type) and issubclass(arm, BaseModel):
+            return arm
+    return None
+
+
+def _is_number(info: FieldInfo) -> bool:
+    arms = _arms(info)
+    return float in arms or any(getattr(arm, "__origin__", None) is float for arm in arms)
+
+
+def axis_unit(name: str) -> str:
+    """SI unit of a scene value that is an axis, as its field declares it; "1" for a pure number."""
+    info = scalar_field(name)
+    units = [item.name for item in _metadata(info) if isinstance(item, Unit)] if info else []
+    return units[0] if units else "1"
+
+
+def _metadata(info: FieldInfo) -> list[Any]:
+    """Metadata of a field and of the arms of its union."""
+    return [*info.metadata, *(item for arm in _arms(info) for item in getattr(arm, "__metadata__", ()))]
+
+
+class AxisError(ValueError):
+    """A value of an axis is not allowed; ``steps`` leads to it below the axis."""
+
+    def __init__(self, steps: tuple[str | int, ...], message: str) -> None:
+        super().__init__(message)
+        self.steps = steps
+
+
+def _spread(axis: LogAxis | LinAxis, adapter: TypeAdapter[float]) -> list[float]:
+    """Values of a log or lin axis, its end points exact."""
+    name = "log" if isinstance(axis, LogAxis) else "lin"
+    first_raw, last_raw, count = axis.log if isinstance(axis, LogAxis) else axis.lin
+    first, last = (_checked(raw, adapter, (name, i)) for i, raw in enumerate((first_raw, last_raw)))
+    if count == 1:
+        if first != last:
+            raise AxisError((name, 2), f"must be >= 2 between {first:g} and {last:g}, got 1")
+        return [first]
+    if name == "log" and not (first > 0 and last > 0):
+        raise AxisError((name, 0 if first <= 0 else 1), "must be > 0 on a log axis, got 0")
+    steps = [i / (count - 1) for i in range(count)]
+    if name == "log":
+        inner = [first * (last / first) ** step for step in steps[1:-1]]
+    else:
+        inner = [first + (last - first) * step for step in steps[1:-1]]
+    return [first, *(_snapped(value) for value in inner), last]
+
+
+def _snapped(value: float) -> float:
+    """The 12-digit number that ``value`` misses by rounding only, as 1000.0000000000001 does; else the value."""
+    short = float(f"{value:.12g}")
+    return short if abs(short - value) <= 4.0 * math.ulp(value) else value
+
+
+def _checked(raw: Value, adapter: TypeAdapter[Any], steps: tuple[str | int, ...]) -> Any:
+    from hknob_cli.spec.messages import message
+
+    try:
+        return adapter.validate_python(raw)
+    except ValidationError as error:
+        raise AxisError(steps, message(error.errors()[0], ())) from None
+
+
+def axis_values(name: str, axis: AxisSpec) -> list[float | int]:
+    """Values of one axis in SI units. Raises `AxisError`."""
+    if name == COUNTS:
+        wide: TypeAdapter[Any] = TypeAdapter(Annotated[float, Field(strict=True, ge=1, le=2**31)])
+        exact: TypeAdapter[Any] = TypeAdapter(Counts)
+        if isinstance(axis, LogAxis | LinAxis):
+            values: list[Any] = [round(value) for value in _spread(axis, wide)]
+        else:
+            listed = axis if isinstance(axis, list) else [axis]
+            values = [_checked(raw, exact, (i,) if isinstance(axis, list) else ()) for i, raw in enumerate(listed)]
+    else:
+        info = scalar_field(name)
+        kind = SampleRate if name == RATE else _annotated(info)
+        adapter: TypeAdapter[Any] = TypeAdapter(kind)
+        if isinstance(axis, LogAxis | LinAxis):
+            values = list(_spread(axis, adapter))
+        else:
+            listed = axis if isinstance(axis, list) else [axis]
+            values = [
+                float(_checked(raw, adapter, (i,) if isinstance(axis, list) else ())) for i, raw in enumerate(listed)
+            ]
+    seen: set[float | int] = set()
+    for i, value in enumerate(values):
+        if value in seen:
+            raise AxisError((i,) if isinstance(axis, list) else (), f"must not repeat a value, got {value:g} twice")
+        seen.add(value)
+    return values
+
+
+def _annotated(info: FieldInfo | None) -> Any:
+    assert info is not None
+    annotation: Any = info.annotation
+    for item in info.metadata:
+        annotation = Annotated[annotation, item]
+    return annotation
+
+
+class Grid(BaseModel):
+    """Axes by name. Cells follow in the order of the axes, the last one fastest."""
+
+    model_config = ConfigDict(frozen=True, extra="allow", defer_build=True)
+    __pydantic_extra__: dict[str, AxisSpec]
+
+    sample_rate_hz: Annotated[AxisSpec, Field(description="sample rate, Hz")]
+    counts_per_rev: Annotated[AxisSpec, Field(description="encoder counts per revolution")]
+
+    def axes(self) -> dict[str, AxisSpec]:
+        """Axes as written, in the order written."""
+        names = [RATE, COUNTS, *(self.__pydantic_extra__ or {})]
+        return {name: getattr(self, name) for name in names}
+
+
+def cells(axes: dict[str, list[float | int]]) -> Iterator[dict[str, float | int]]:
+    """Every combination of axis values."""
+    for values in itertools.product(*axes.values()):
+        yield dict(zip(axes, values, strict=True))

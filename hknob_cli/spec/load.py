@@ -1,0 +1,169 @@
+"""From a file (and overrides) to a validated spec, or to the list of its faults with their places."""
+
+from math import prod
+from pathlib import Path
+from typing import Any, NamedTuple, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from hknob_cli.errors import Fault, SpecError, UsageError
+from hknob_cli.spec import source as yaml
+from hknob_cli.spec.grid import (
+    COUNTS,
+    MAX_CELLS,
+    RATE,
+    AxisError,
+    Grid,
+    axis_values,
+    scalar_field,
+    scalar_paths,
+)
+from hknob_cli.spec.messages import keys_of, message, nearest
+from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.source import Source
+from hknob_cli.spec.sweep import SweepSpec
+
+KINDS: dict[str, type[SweepSpec]] = {"sweep": SweepSpec}
+
+
+class Loaded(NamedTuple):
+    """A validated spec, its axes in SI numbers, and the plain values it was read from (overrides applied)."""
+
+    spec: SweepSpec
+    axes: dict[str, list[float | int]]
+    values: dict[str, Any]
+
+
+def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Loaded:
+    """Read and validate one spec.
+
+    ``overrides`` are ``key.path=value`` strings; ``kind`` is the kind required, any if None. Raises `UsageError` if the
+    file cannot be read, `SpecError` with every fault found.
+    """
+    source = yaml.read(path)
+    faults = [fault for text in overrides if (fault := _override(source, text))]
+    if faults:
+        raise SpecError(faults)
+    return validate(source, kind=kind)
+
+
+def validate(source: Source, *, kind: str | None = None) -> Loaded:
+    """Validate the values of ``source``. Raises `SpecError`."""
+    given = source.value.get("kind")
+    if given is None:
+        raise SpecError([source.fault(("kind",), f"missing, and required; one of: {', '.join(KINDS)}")])
+    model = KINDS.get(given) if isinstance(given, str) else None
+    if model is None or (kind is not None and given != kind):
+        allowed = [kind] if kind else list(KINDS)
+        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
+    faults: list[Fault] = []
+    scene: Scene | None = None
+    try:
+        spec = model.model_validate(source.value)
+        grid, scene = spec.grid, spec.scene
+    except ValidationError as error:
+        faults += [_fault(source, model, item) for item in error.errors(include_url=False)]
+        try:
+            grid = Grid.model_validate(source.value.get("grid"))
+        except ValidationError:
+            raise SpecError(faults) from None
+    axes, more = _resolve_axes(source, grid, scene)
+    if faults or more:
+        raise SpecError(faults + more)
+    return Loaded(spec=spec, axes=axes, values=source.value)
+
+
+def _fault(source: Source, model: type[BaseModel], error: Any) -> Fault:
+    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words."""
+    path: list[str | int] = []
+    value: Any = source.value
+    last = len(error["loc"]) - 1
+    for i, part in enumerate(error["loc"]):
+        if isinstance(value, dict) and (part in value or (error["type"] == "missing" and i == last)):
+            path.append(part)
+            value = value.get(part)
+        elif isinstance(value, list) and isinstance(part, int):
+            path.append(part)
+            value = value[part] if part < len(value) else None
+        # anything else is a union's tag, which the user never wrote
+    allowed = keys_of(_model_at(model, tuple(path[:-1])))
+    return source.fault(tuple(path), message(error, allowed), at_key=error["type"] == "extra_forbidden")
+
+
+def _model_at(model: type[BaseModel], path: tuple[str | int, ...]) -> type[BaseModel] | None:
+    current: type[BaseModel] | None = model
+    for part in path:
+        info = current.model_fields.get(str(part)) if current else None
+        arms = [info.annotation, *get_args(info.annotation)] if info else []
+        current = next((arm for arm in arms if isinstance(arm, type) and issubclass(arm, BaseModel)), None)
+    return current
+
+
+def _resolve_axes(source: Source, grid: Grid, scene: Scene | None) -> tuple[dict[str, list[float | int]], list[Fault]]:
+    """Values of every axis in SI numbers, and the faults found; ``scene`` is None where it is itself at fault."""
+    faults: list[Fault] = []
+    axes: dict[str, list[float | int]] = {}
+    for name, axis in grid.axes().items():
+        if name not in (RATE, COUNTS):
+            wrong = _axis_fault(name, scene)
+            if wrong:
+                faults.append(source.fault(("grid", name), wrong, at_key=True))
+                continue
+        try:
+            axes[name] = axis_values(name, axis)
+        except AxisError as error:
+            faults.append(source.fault(("grid", name, *error.steps), str(error)))
+    count = prod(len(values) for values in axes.values())
+    if count > MAX_CELLS:
+        faults.append(source.fault(("grid",), f"must span at most {MAX_CELLS} cells, got {count}", at_key=True))
+    return axes, faults
+
+
+def _axis_fault(name: str, scene: Scene | None) -> str | None:
+    """Why a value of the scene cannot be an axis; None if it can."""
+    if scalar_field(name) is None:
+        return nearest(name, [RATE, COUNTS, *scalar_paths()])
+    if scene is None:
+        return None
+    part = name.split(".")[0]
+    if getattr(scene, part) is None:
+        return f"must vary a part of the scene, which has no '{part}'"
+    if name == "bias.torque" and scene.bias and scene.bias.half_quantum:
+        return "must not vary the torque of a half-quantum bias"
+    return None
+
+
+def _override(source: Source, text: str) -> Fault | None:
+    """Apply one ``key.path=value``; the fault if it cannot be."""
+    where = f"--set {text}"
+    path_text, sign, value_text = text.partition("=")
+    if not sign or not all(part.strip() for part in path_text.split(".")):
+        return Fault(where, 0, 0, "", "must be key.path=value")
+    path = tuple(path_text.strip().split("."))
+    if path[0] == "grid" and len(path) > 2:
+        path = ("grid", ".".join(path[1:]))
+    try:
+        value = yaml.parse_value(value_text)
+    except ValueError as error:
+        return Fault(where, 0, 0, path_text.strip(), str(error))
+    target = source.value
+    for part in path[:-1]:
+        inner = target.get(part)
+        if inner is None:
+            inner = target[part] = {}
+        if not isinstance(inner, dict):
+            return Fault(where, 0, 0, path_text.strip(), f"must lead through mappings, but '{part}' is a value")
+        target = inner
+    target[path[-1]] = value
+    for place in [place for place in (*source.keys, *source.values) if place[: len(path)] == path]:
+        source.keys.pop(place, None)
+        source.values.pop(place, None)
+    source.overridden[path] = text
+    return None
+
+
+def spec_model(kind: str) -> type[BaseModel]:
+    """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
+    if kind not in KINDS:
+        raise UsageError(f"unknown kind '{kind}'; one of: {', '.join(KINDS)}")
+    return KINDS[kind]

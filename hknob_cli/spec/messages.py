@@ -1,0 +1,81 @@
+"""Faults of a spec in the user's words: what is wrong, the value given, what is allowed."""
+
+import difflib
+from typing import Any
+
+from pydantic import BaseModel
+
+_BOUNDS = {
+    "greater_than": (">", "gt"),
+    "greater_than_equal": (">=", "ge"),
+    "less_than": ("<", "lt"),
+    "less_than_equal": ("<=", "le"),
+}
+_KINDS = {
+    "float_type": "a number",
+    "int_type": "a whole number",
+    "string_type": "text",
+    "bool_type": "true or false",
+    "list_type": "a list",
+    "tuple_type": "a list",
+    "dict_type": "a mapping of keys to values",
+    "model_type": "a mapping of keys to values",
+    "model_attributes_type": "a mapping of keys to values",
+    "finite_number": "a finite number",
+    "int_from_float": "a whole number",
+}
+
+
+def shown(value: Any) -> str:
+    """A value as it appears in a message; long ones are cut."""
+    if isinstance(value, str):
+        text = f"'{value}'"
+    elif value is None or isinstance(value, bool):
+        text = {None: "null", True: "true", False: "false"}[value]
+    else:
+        text = str(value)
+    if isinstance(value, dict):
+        text = "a mapping"
+    if isinstance(value, list):
+        text = f"a list of {len(value)}"
+    text = "".join(c if c.isprintable() else "?" for c in text)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def nearest(key: str, allowed: list[str]) -> str:
+    """Hint for an unknown key: the nearest valid one, and all of them."""
+    if not allowed:
+        return "unknown key"
+    close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.5)
+    hint = f"did you mean '{close[0]}'? " if close else ""
+    return f"unknown key; {hint}allowed: {', '.join(allowed)}"
+
+
+def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
+    """Message for one pydantic error; ``allowed`` are the keys valid beside an unknown one."""
+    kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
+    if kind == "extra_forbidden":
+        return nearest(str(error["loc"][-1]), list(allowed))
+    if kind == "missing":
+        return "missing, and required"
+    if kind in _BOUNDS:
+        sign, key = _BOUNDS[kind]
+        bound = context[key]
+        return f"must be {sign} {bound:g}, got {shown(value)}"
+    if kind == "literal_error":
+        return f"must be {context['expected']}, got {shown(value)}"
+    if kind == "unit":
+        return f"{shown(value)} {context['reason']}"
+    if kind in _KINDS:
+        return f"must be {_KINDS[kind]}, got {shown(value)}"
+    if kind in {"too_short", "too_long"}:
+        side = "at least" if kind == "too_short" else "at most"
+        return f"must have {side} {context.get('min_length', context.get('max_length'))} items, got {shown(value)}"
+    if kind.startswith("string_"):
+        return f"{error['msg'].replace('String should', 'must')}, got {shown(value)}"
+    return f"{error['msg']}, got {shown(value)}"
+
+
+def keys_of(model: type[BaseModel] | None) -> list[str]:
+    """Keys a part of a spec may have."""
+    return list(model.model_fields) if model else []

@@ -1,0 +1,181 @@
+"""A YAML file as plain values, with the line and column of every key and value.
+
+YAML 1.2 by ruamel.yaml's parser, read as a tree of nodes: that tree has the positions, shows every duplicate key, and
+constructs nothing but plain scalars, lists and mappings.
+"""
+
+from pathlib import Path
+from typing import Any
+
+from ruamel.yaml import YAML
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+
+from hknob_cli.errors import Fault, SpecError, UsageError
+
+Path_ = tuple[str | int, ...]
+
+MAX_BYTES = 1_000_000
+MAX_NODES = 100_000
+MAX_DEPTH = 50
+
+_PLAIN = {
+    "tag:yaml.org,2002:int",
+    "tag:yaml.org,2002:float",
+    "tag:yaml.org,2002:bool",
+    "tag:yaml.org,2002:null",
+    "tag:yaml.org,2002:str",
+}
+
+
+class Source:
+    """Values of one spec and where they stand.
+
+    ``keys`` and ``values`` give line and column by key path; ``overridden`` the option that set a path.
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.value: Any = None
+        self.keys: dict[Path_, tuple[int, int]] = {}
+        self.values: dict[Path_, tuple[int, int]] = {}
+        self.overridden: dict[Path_, str] = {}
+
+    def fault(self, path: Path_, message: str, *, at_key: bool = False) -> Fault:
+        """Fault at ``path``: at its value or key, else at the nearest enclosing one; in the option that set it."""
+        key = dotted(path)
+        for end in range(len(path), -1, -1):
+            part = path[:end]
+            if part in self.overridden:
+                return Fault(f"--set {self.overridden[part]}", 0, 0, key, message)
+            place = self.keys if at_key or end < len(path) else self.values
+            if part in place:
+                line, column = place[part]
+                return Fault(self.name, line, column, key, message)
+        return Fault(self.name, 1, 1, key, message)
+
+
+def dotted(path: Path_) -> str:
+    """Key path as the user writes it: ``scene.wall.stiffness``, ``grid.sample_rate_hz[2]``."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        elif "." in part:
+            text += f'["{part}"]' if text else f'"{part}"'
+        else:
+            text += f".{part}" if text else part
+    return text
+
+
+def read(path: Path) -> Source:
+    """Read a spec file.
+
+    Raises `UsageError` if it cannot be read at all, `SpecError` for bad YAML, duplicate keys, foreign tags.
+    """
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(MAX_BYTES + 1)
+    except OSError as error:
+        raise UsageError(f"{path}: {error.strerror or error}") from None
+    if len(data) > MAX_BYTES:
+        raise UsageError(f"{path}: larger than {MAX_BYTES} bytes, which no spec needs")
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SpecError([Fault(str(path), line, 1, "", f"not UTF-8 text: byte 0x{data[error.start]:02x}")]) from None
+    return parse(text, str(path))
+
+
+def parse(text: str, name: str) -> Source:
+    """Read a spec from text; ``name`` stands for the file in faults. Raises `SpecError`."""
+    source = Source(name)
+    loader = YAML(typ="rt", pure=True)
+    try:
+        node = loader.compose(text)
+    except MarkedYAMLError as error:
+        mark = error.problem_mark or error.context_mark
+        line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
+        what = " ".join(filter(None, [error.problem, error.context and f"({error.context})"]))
+        raise SpecError([Fault(name, line, column, "", f"not YAML: {what}")]) from None
+    except (YAMLError, ValueError, RecursionError) as error:
+        first = str(error).strip().splitlines()[:1] or [type(error).__name__]
+        raise SpecError([Fault(name, 1, 1, "", f"not YAML: {first[0]}")]) from None
+    if node is None:
+        raise SpecError([Fault(name, 1, 1, "", "empty; a spec starts with 'kind: ...'")])
+    if not isinstance(node, MappingNode):
+        raise SpecError([Fault(name, *_place(node), "", "a spec is a mapping of keys to values")])
+    reader = _Reader(source, loader)
+    source.value = reader.construct(node, ())
+    if reader.faults:
+        raise SpecError(reader.faults)
+    return source
+
+
+def parse_value(text: str) -> Any:
+    """Value of an override, read as YAML. Raises `ValueError` with the reason."""
+    try:
+        source = parse(f"value: {text}", "")
+    except SpecError as error:
+        raise ValueError(error.faults[0].message) from None
+    return source.value["value"]
+
+
+def _place(node: Node) -> tuple[int, int]:
+    return node.start_mark.line + 1, node.start_mark.column + 1
+
+
+class _Reader:
+    """Turns nodes into values and notes positions and faults on the way."""
+
+    def __init__(self, source: Source, loader: YAML) -> None:
+        self.source = source
+        self.loader = loader
+        self.faults: list[Fault] = []
+        self.count = 0
+
+    def fail(self, node: Node, path: Path_, message: str) -> None:
+        self.faults.append(Fault(self.source.name, *_place(node), dotted(path), message))
+
+    def construct(self, node: Node, path: Path_) -> Any:
+        self.count += 1
+        if self.count > MAX_NODES or len(path) > MAX_DEPTH:
+            self.fail(node, (), f"more than {MAX_NODES} values or {MAX_DEPTH} levels, aliases expanded")
+            raise SpecError(self.faults)
+        self.source.values[path] = _place(node)
+        if isinstance(node, ScalarNode):
+            return self.scalar(node, path)
+        if isinstance(node, SequenceNode):
+            return [self.construct(item, (*path, i)) for i, item in enumerate(node.value)]
+        if isinstance(node, MappingNode):
+            return self.mapping(node, path)
+        raise AssertionError(node)
+
+    def scalar(self, node: ScalarNode, path: Path_) -> Any:
+        tag = str(node.tag)
+        if tag not in _PLAIN:
+            self.fail(node, path, f"tag {tag!r} is not allowed here; numbers, text, true, false and null are")
+            return None
+        if tag.endswith(":str"):
+            return str(node.value)
+        try:
+            return self.loader.constructor.construct_object(node)
+        except (YAMLError, ValueError, OverflowError) as error:
+            self.fail(node, path, f"cannot be read as a number: {error}")
+            return None
+
+    def mapping(self, node: MappingNode, path: Path_) -> dict[str, Any]:
+        result: dict[str, Any] = {}
+        for key_node, value_node in node.value:
+            if not isinstance(key_node, ScalarNode):
+                self.fail(key_node, path, "a key must be a word")
+                continue
+            key = str(key_node.value)
+            if key in result:
+                first = self.source.keys[(*path, key)][0]
+                self.fail(key_node, (*path, key), f"duplicate key, first given at line {first}")
+                continue
+            self.source.keys[(*path, key)] = _place(key_node)
+            result[key] = self.construct(value_node, (*path, key))
+        return result

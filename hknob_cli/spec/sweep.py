@@ -1,0 +1,41 @@
+"""The sweep's spec: a scene, a grid, and how trials start."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from hknob_cli.spec.grid import Grid
+from hknob_cli.spec.quantity import Angle, Velocity
+from hknob_cli.spec.scene import Part, Scene
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
+
+
+class Starts(Part):
+    """Where the trials of a cell begin, and how many sample clocks are tried."""
+
+    angle: Annotated[Angle, Field(description="knob angle at the start, above the wall where positive")] = 0.02
+    velocity: Annotated[Velocity, Field(description="knob speed at the start")] = 0.0
+    phases: Annotated[
+        int, Field(strict=True, ge=1, le=10_000_000, description="trials, whose first samples spread over an interval")
+    ] = 64
+
+
+class Limits(Part):
+    """Bounds on the work."""
+
+    max_samples: Annotated[
+        int | None,
+        Field(strict=True, ge=100, le=2**30, description="samples a trial may take; null: by the plant's slowest mode"),
+    ] = None
+
+
+class SweepSpec(Part):
+    """Simulate every cell of a grid to its proven limit cycles."""
+
+    kind: Literal["sweep"]
+    name: Annotated[Name, Field(description="names the results folder; letters, digits, '.', '_', '-'")]
+    scene: Scene
+    grid: Grid
+    starts: Annotated[Starts, Field(default_factory=Starts)]
+    limits: Annotated[Limits, Field(default_factory=Limits)]

@@ -1,0 +1,47 @@
+"""The JSON Schemas: those in schemas/ are what the models say, and the experiments satisfy them."""
+
+import json
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from hknob_cli.spec.load import KINDS
+from hknob_cli.spec.schema import json_schema
+from hknob_cli.spec.source import read
+from tests.conftest import EXPERIMENTS, ROOT
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_stored_schema_is_current(kind: str) -> None:
+    stored = json.loads((ROOT / "schemas" / f"{kind}.schema.json").read_text())
+    assert stored == json_schema(kind), "run: make schemas"
+
+
+@pytest.mark.parametrize("path", sorted(EXPERIMENTS.glob("*.yaml")), ids=lambda path: path.stem)
+def test_experiments_satisfy_the_schema_and_name_it(path) -> None:
+    values = read(path).value
+    Draft202012Validator(json_schema(values["kind"])).validate(values)
+    assert path.read_text().startswith(f"# yaml-language-server: $schema=../schemas/{values['kind']}.schema.json")
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"kind": "sweeep"},
+        {"starts": {"phases": 0}},
+        {"scene": {"knob": {"inertia": -1}, "wall": {"stiffness": 1}}},
+        {"scene": {"knob": {"inertia": 1, "mass": 2}, "wall": {"stiffness": 1}}},
+        {"grid": {"sample_rate_hz": [], "counts_per_rev": 1}},
+        {"grid": {"counts_per_rev": 1}},
+        {"extra": 1},
+    ],
+)
+def test_an_editor_sees_faults(change: dict[str, object]) -> None:
+    values = {**read(EXPERIMENTS / "smoke.yaml").value, **change}
+    assert not Draft202012Validator(json_schema("sweep")).is_valid(values)
+
+
+def test_units_pass_the_schema() -> None:
+    values = read(EXPERIMENTS / "smoke.yaml").value
+    values["scene"]["wall"]["stiffness"] = "0.27 N*m/rad"
+    assert Draft202012Validator(json_schema("sweep")).is_valid(values)
