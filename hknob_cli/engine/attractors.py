@@ -1,0 +1,198 @@
+"""What a cell's trials settle to: its attractors, each with its proof and its share of the trials."""
+
+from collections.abc import Callable
+from math import inf, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine import ensemble as plain_ensemble
+from hknob_cli.engine import follow
+from hknob_cli.engine import trace as plain_trace
+from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.propagator import slowest_rate
+
+LANES = 64  # trials side by side: 64 keep the vector units full and the block in the first cache
+CAPACITY = 1024  # distinct orbits a cell keeps
+FINEST = 2.0**45  # counts; beyond it a double leaves a count less than 8 bits of fraction
+SETTLE = 10.0  # transient skipped before detection, in time constants of the slowest mode
+PATIENCE = 20_000  # samples a trial may take in the interpreter
+_UNDAMPED_SAMPLES = 65_536
+_FEWEST_SAMPLES, _MOST_SAMPLES = 65_536, 2**24
+
+_FATES = {
+    follow.CYCLE_PROVEN: (Outcome.CYCLE, Reason.NONE),
+    follow.CYCLE_ON_EDGE: (Outcome.CYCLE, Reason.ON_EDGE),
+    follow.CYCLE_CONTINUUM: (Outcome.CYCLE, Reason.CONTINUUM),
+    follow.REST_PROVEN: (Outcome.REST, Reason.NONE),
+    follow.REST_EDGE: (Outcome.REST, Reason.REST_ON_EDGE),
+    follow.GREW: (Outcome.DIVERGED, Reason.GREW),
+    follow.LEFT: (Outcome.DIVERGED, Reason.LEAVES),
+    follow.UNSETTLED: (Outcome.UNDECIDED, Reason.NO_REPEAT),
+    follow.UNDAMPED: (Outcome.UNDECIDED, Reason.NO_DAMPING),
+}
+
+
+class Attractor(NamedTuple):
+    """One attractor of a cell, dimensionless (counts, samples).
+
+    ``period``: samples, 1 at rest, 0 without an orbit. ``x``, ``v``: state at its deepest sample; ``line``: levels
+    under way there, oldest first. ``margin``: least distance of a sample to an edge that changes the torque; ``edge``:
+    to any count edge; ``closure``: residual of the period map; ``bound``: rounding error of the orbit's positions.
+    """
+
+    outcome: Outcome
+    reason: Reason
+    trials: int
+    period: int = 0
+    x: float = 0.0
+    v: float = 0.0
+    line: tuple[float, ...] = ()
+    margin: float = 0.0
+    edge: float = 0.0
+    closure: float = 0.0
+    bound: float = 0.0
+
+    @property
+    def certified(self) -> bool:
+        """Whether the attractor, and that its trials reach it, is proven."""
+        return self.reason is Reason.NONE
+
+
+class Search(NamedTuple):
+    """Attractors of one cell, the most frequent first, and the trial-samples it took to find them."""
+
+    attractors: tuple[Attractor, ...]
+    samples: int
+
+
+def sample_limit(loop: Loop) -> int:
+    """Samples a trial may take: 600 time constants of the slowest mode, within bounds."""
+    rate = slowest_rate(loop.alpha, loop.beta)
+    if loop.alpha == 0.0:
+        return _UNDAMPED_SAMPLES
+    return int(min(max(600.0 / rate if rate > 0.0 else inf, _FEWEST_SAMPLES), _MOST_SAMPLES))
+
+
+def settling_samples(loop: Loop, limit: int) -> int:
+    """Samples to pass before detection begins, at most an eighth of ``limit``."""
+    rate = slowest_rate(loop.alpha, loop.beta)
+    if rate == 0.0:
+        return 0
+    return int(min(SETTLE / rate, limit // 8))
+
+
+class NeedsCompilerError(Exception):
+    """A trial is too long for the interpreter."""
+
+
+class Engine:
+    """The ensemble kernel and its work space, plain or compiled; one per thread."""
+
+    def __init__(self, functions: dict[str, Callable[..., Any]] | None = None) -> None:
+        self.compiled = functions is not None
+        self._ensemble = functions["ensemble"] if functions else plain_ensemble.ensemble
+        self._trace = functions["trace"] if functions else plain_trace.trace
+
+    def _zeros(self, count: int) -> Any:
+        """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
+        return np.zeros(count) if self.compiled else [0.0] * count
+
+    def search(
+        self, loop: Loop, *, x: float, v: float, phases: int, delay_line: int, max_samples: int | None
+    ) -> Search:
+        """Run ``phases`` trials from (``x`` counts, ``v`` counts per sample) and name what they settle to.
+
+        Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed.
+        """
+        budget = max_samples or sample_limit(loop)
+        static = loop.gamma / (loop.kappa + loop.beta) if loop.kappa + loop.beta > 0.0 else 0.0
+        coast = abs(v) * min(1000.0, 1.0 / sqrt(loop.beta) if loop.beta > 0.0 else inf)
+        scale = max(1.0, abs(x), abs(static), coast)
+        if not scale < FINEST:
+            return Search(attractors=(_whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
+        if loop.kappa == 0.0 and loop.beta == 0.0 and loop.gamma > 0.0:
+            return Search(attractors=(_whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
+        skip = settling_samples(loop, budget)
+        cut = not self.compiled and budget > PATIENCE
+        width = min(LANES, phases)
+        table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
+        rows, overflow, samples = self._ensemble(
+            x,
+            v,
+            phases,
+            self._zeros(width),
+            self._zeros(width),
+            self._zeros(width * delay_line),
+            self._zeros(delay_line),
+            skip,
+            PATIENCE if cut else budget,
+            1e6 * scale,
+            CAPACITY,
+            table,
+            lines,
+            loop,
+        )
+        if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
+            raise NeedsCompilerError
+        why = _why_unrepeated(loop, budget)
+        found = [
+            _attractor(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
+            for row in range(rows)
+        ]
+        if overflow:
+            found.append(_whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
+        found.sort(key=lambda one: (-one.trials, one.outcome, one.period, one.x))
+        return Search(attractors=tuple(found), samples=int(samples))
+
+    def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
+        """One period of an orbit: states at its samples (n + 1 each), older and newer drives (n each)."""
+        n = orbit.period
+        ring = np.array(orbit.line) if self.compiled else list(orbit.line)
+        out = [self._zeros(n + 1), self._zeros(n + 1), self._zeros(n), self._zeros(n)]
+        self._trace(orbit.x, orbit.v, ring, 0, n, loop, *out)
+        return tuple(np.asarray(values) for values in out)
+
+
+def _whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:
+    return Attractor(outcome=outcome, reason=reason, trials=trials)
+
+
+def _why_unrepeated(loop: Loop, budget: int) -> Reason:
+    """Why a trial found no repeating levels within ``budget`` samples."""
+    if loop.beta == 0.0:
+        return Reason.NO_STIFFNESS
+    rate = slowest_rate(loop.alpha, loop.beta)
+    return Reason.TOO_SLOW if 0.0 < rate * budget < SETTLE else Reason.NO_REPEAT
+
+
+def _attractor(row: Any, line: Any, unrepeated: Reason) -> Attractor:
+    """Attractor from a row of the kernel's table; ``unrepeated``: the reason for one whose levels never repeated."""
+    fate, n, x, v, margin, edge, closure, bound, trials, _ = (float(value) for value in row)
+    outcome, reason = _FATES[int(fate)]
+    if reason is Reason.NO_REPEAT:
+        reason = unrepeated
+    if int(n) == 0:
+        return _whole(outcome, reason, int(trials))
+    if outcome is Outcome.REST:
+        edge = min(x % 1.0, 1.0 - x % 1.0)
+    return Attractor(
+        outcome=outcome,
+        reason=reason,
+        trials=int(trials),
+        period=int(n),
+        x=x,
+        v=v,
+        line=tuple(float(level) for level in line),
+        margin=margin,
+        edge=edge,
+        closure=closure,
+        bound=bound,
+    )
+
+
+def expected_samples(loop: Loop, phases: int) -> float:
+    """Rough number of trial-samples a cell takes; decides whether compiling pays."""
+    return phases * (settling_samples(loop, sample_limit(loop)) + 300.0)

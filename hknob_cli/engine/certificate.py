@@ -1,0 +1,142 @@
+"""Proof of a limit cycle: solve the period map for its fixed point and check that its levels are the ones assumed.
+
+With damping and hand stiffness the plant is a contraction and a given sequence of levels has exactly one periodic
+motion. If that motion, sampled, visits the very levels it was built from, with a margin above rounding, it is an
+orbit of the sampled system. A trial whose distance from it, in the norm in which the free plant never grows
+(beta x^2 + v^2, its energy), is below the margin follows the same levels for ever and converges to it.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.loop import interval, level_of, lower_edge, push, upper_edge
+from hknob_cli.engine.propagator import hold_coefficients
+
+EPSILON = 2.220446049250313e-16
+
+DIFFERENT = 0  # the levels do not repeat, or the periodic motion visits others
+PROVEN = 1  # orbit proven, and the trial is captured by it
+NOT_CAPTURED = 2  # orbit proven, the trial may still end elsewhere
+ON_EDGE = 3  # levels agree, but a margin is within rounding
+NEUTRAL = 4  # no hand stiffness: one of a continuum of motions
+
+
+def distance(dx, dv, loop):
+    """Bound on how far apart two motions under the same levels ever get in position, from their distance now."""
+    if loop.beta > 0.0:
+        return sqrt(dx * dx + dv * dv / loop.beta)
+    return abs(dx) + abs(dv) / loop.alpha
+
+
+def forced_response(x, v, ring, head, n, loop):
+    """Response from zero to the ``n`` levels that a motion from ``(x, v)`` visits: ``(zx, zv, repeats)``.
+
+    ``repeats`` is False when the delay line does not return to its own content.
+    """
+    line = ring.copy()
+    delay = len(ring)
+    zx, zv = 0.0, 0.0
+    at = head
+    for _ in range(n):
+        older, newer = push(level_of(x, loop.sense), line, at, loop)
+        x, v = interval(x, v, older, newer, loop)
+        zx, zv = interval(zx, zv, older, newer, loop)
+        if delay > 0:
+            at = (at + 1) % delay
+    repeats = True
+    for j in range(delay):
+        if line[(at + j) % delay] != ring[(head + j) % delay]:
+            repeats = False
+    return zx, zv, repeats
+
+
+def solve_period(rx, rv, n, loop):
+    """Solve ``(I - Phi^n) z = r``: the offset of the fixed point that a residual ``r`` of the period map means."""
+    s, g, _ = hold_coefficients(loop.alpha, loop.beta, float(n))
+    p = loop.beta * g
+    q = p + loop.alpha * s
+    det = p * q + loop.beta * s * s
+    return (q * rx + s * rv) / det, (p * rv - loop.beta * s * rx) / det
+
+
+def period_bound(rx, rv, n, loop):
+    """Like `solve_period` for bounds: the largest position offset that residuals up to ``rx``, ``rv`` allow."""
+    s, g, _ = hold_coefficients(loop.alpha, loop.beta, float(n))
+    p = loop.beta * g
+    q = p + loop.alpha * s
+    det = p * q + loop.beta * s * s
+    return (abs(q) * rx + abs(s) * rv) / det
+
+
+def compare(x, v, tx, tv, ring, head, n, loop):
+    """Run a periodic motion beside the trial it was built from, for one period.
+
+    Returns ``(same, ex, ev, margin, edge, reach, pace)``: whether all levels agree; where the motion ends less where
+    it began; its least distance to an edge that changes the torque, and to any count edge; the largest ``|x|`` and
+    the largest velocity plus increment, which scale the rounding.
+    """
+    line = ring.copy()
+    delay = len(ring)
+    x0, v0 = x, v
+    at = head
+    margin = float("inf")
+    edge = float("inf")
+    reach, pace = 0.0, 0.0
+    same = True
+    for _ in range(n):
+        level = level_of(tx, loop.sense)
+        if level_of(x, loop.sense) != level:
+            same = False
+            break
+        below = x - lower_edge(level, loop.sense)
+        margin = min(margin, below, upper_edge(level, loop.sense) - x)
+        part = x % 1.0
+        edge = min(edge, part, 1.0 - part)
+        older, newer = push(level, line, at, loop)
+        reach = max(reach, abs(x))
+        pace = max(pace, abs(v) + abs(loop.s2 * (newer - loop.beta * x)))
+        x, v = interval(x, v, older, newer, loop)
+        tx, tv = interval(tx, tv, older, newer, loop)
+        if delay > 0:
+            at = (at + 1) % delay
+    return same, x - x0, v - v0, margin, edge, reach, pace
+
+
+def certify(x, v, ring, head, n, loop):
+    """Try to prove an orbit of ``n`` samples from a trial at ``(x, v)`` whose levels seem to repeat.
+
+    Returns ``(status, x*, v*, margin, edge, closure, bound)``: the orbit's state at this sample, its margins in
+    counts as in `compare`, the residual of the period map in counts, and a bound on the rounding error of the orbit's
+    positions. The bound adds the residual and n roundings of state and coefficients, through (I - Phi^n)^-1.
+    """
+    zx, zv, repeats = forced_response(x, v, ring, head, n, loop)
+    if not repeats:
+        return DIFFERENT, x, v, 0.0, 0.0, 0.0, 0.0
+    neutral = loop.beta == 0.0
+    if neutral:
+        s, _, _ = hold_coefficients(loop.alpha, 0.0, float(n))
+        ov = zv / (loop.alpha * s)
+        ox = x + (v - ov) / loop.alpha
+    else:
+        ox, ov = solve_period(zx, zv, n, loop)
+        same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
+        if not same:
+            return DIFFERENT, ox, ov, 0.0, 0.0, 0.0, 0.0
+        cx, cv = solve_period(ex, ev, n, loop)
+        ox, ov = ox + cx, ov + cv
+    same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
+    if not same:
+        return DIFFERENT, ox, ov, 0.0, 0.0, 0.0, 0.0
+    rx = abs(ex) + 4.0 * EPSILON * n * (reach + pace)
+    rv = abs(ev) + 8.0 * EPSILON * n * pace
+    closure = sqrt(ex * ex + ev * ev)
+    if neutral:
+        bound = rx + rv / loop.alpha
+        if abs(ex) > bound - abs(ex):
+            return DIFFERENT, ox, ov, margin, edge, closure, bound
+    else:
+        bound = period_bound(rx, rv, n, loop)
+    if not margin > bound:
+        return ON_EDGE, ox, ov, margin, edge, closure, bound
+    if not distance(x - ox, v - ov, loop) + bound < margin:
+        return NOT_CAPTURED, ox, ov, margin, edge, closure, bound
+    return (NEUTRAL if neutral else PROVEN), ox, ov, margin, edge, closure, bound

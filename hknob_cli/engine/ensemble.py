@@ -1,0 +1,159 @@
+"""The ensemble of one cell: trials that differ in where the first sample falls, side by side.
+
+Lanes of trials advance together, branch-free, through the transient; then each is followed to its proof and counted
+under the orbit it reaches. Nothing is stored per sample, nor per trial beyond one block of lanes.
+"""
+
+from hknob_cli.engine.certificate import DIFFERENT, certify
+from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, follow, same_line
+from hknob_cli.engine.loop import drive_of, interval, level_of, push
+from hknob_cli.engine.propagator import hold_coefficients
+
+
+def advance(x, v, line, head, delay, steps, loop):
+    """Advance all lanes by ``steps`` samples in place; the new head of the delay line.
+
+    ``x`` and ``v`` have one entry a lane; ``line`` holds ``delay`` rows of queued levels, one entry a lane, flat.
+    """
+    lanes = len(x)
+    sense, offset, kappa, gamma, beta = loop.sense, loop.offset, loop.kappa, loop.gamma, loop.beta
+    s1, g1, f1, s2, g2, f2 = loop.s1, loop.g1, loop.f1, loop.s2, loop.g2, loop.f2
+    if delay == 0:
+        for _ in range(steps):
+            for j in range(lanes):
+                at, speed = x[j], v[j]
+                level = level_of(at, sense)
+                wall = -kappa * (level + offset) - gamma if level < 0.0 else -gamma
+                y = wall - beta * at
+                x[j] = at + (s2 * speed + g2 * y)
+                v[j] = f2 * speed + s2 * y
+        return head
+    split = loop.split > 0.0
+    for _ in range(steps):
+        now = head * lanes
+        following = ((head + 1) % delay) * lanes
+        for j in range(lanes):
+            at, speed = x[j], v[j]
+            older = line[now + j]
+            line[now + j] = level_of(at, sense)
+            newer = line[following + j]
+            if split:
+                y = (-kappa * (older + offset) - gamma if older < 0.0 else -gamma) - beta * at
+                at, speed = at + (s1 * speed + g1 * y), f1 * speed + s1 * y
+            y = (-kappa * (newer + offset) - gamma if newer < 0.0 else -gamma) - beta * at
+            x[j] = at + (s2 * speed + g2 * y)
+            v[j] = f2 * speed + s2 * y
+        head = (head + 1) % delay
+    return head
+
+
+def near(a, b):
+    """Whether two states of an orbit are the same but for rounding; distinct orbits are many orders further apart."""
+    return abs(a - b) <= 1e-9 * (1.0 + abs(a))
+
+
+def deepest(x, v, ring, head, n, loop):
+    """Turn an orbit to its deepest sample, where every trial that reaches it can recognise it.
+
+    Returns ``(x, v, head, period)``; the period is shorter than ``n`` where the orbit was found over several turns.
+    ``ring`` is left as it stands at that sample.
+    """
+    delay = len(ring)
+    line = ring.copy()
+    at = head
+    x0, v0 = x, v
+    bx, bv, bhead = x, v, head
+    best = ring.copy()
+    period = n
+    for i in range(n):
+        if i > 0 and n % i == 0 and near(x0, x) and near(v0, v) and same_line(line, at, ring, head):
+            period = i
+            break
+        if x < bx:
+            bx, bv, bhead = x, v, at
+            best = line.copy()
+        older, newer = push(level_of(x, loop.sense), line, at, loop)
+        x, v = interval(x, v, older, newer, loop)
+        if delay > 0:
+            at = (at + 1) % delay
+    for j in range(delay):
+        ring[j] = best[j]
+    return bx, bv, bhead, period
+
+
+def find(fate, n, x, v, table, found):
+    """Row of the table that holds this orbit, or ``found`` when it is new; fates without an orbit share one row."""
+    for row in range(found):
+        base = row * 10
+        if table[base] != fate or table[base + 1] != n:
+            continue
+        if n == 0:
+            return row
+        if near(x, table[base + 2]) and near(v, table[base + 3]):
+            return row
+    return found
+
+
+def ensemble(angle, velocity, phases, x, v, line, ring, skip, budget, limit, capacity, table, lines, loop):
+    """Run ``phases`` trials of one cell and count them by the orbit they reach.
+
+    Trial i starts at (``angle``, ``velocity``), torque zero, and is first sampled (i + 1/2)/phases of a period later.
+    ``x``, ``v``, ``line``, ``ring`` are work space for one block of lanes; ``skip`` samples pass before detection
+    begins. Each row of ``table`` is filled with fate, n, x*, v*, margin, edge, closure, bound, trials, samples; the
+    same row of ``lines`` with the delay line. Returns ``(rows, overflow, samples)``; ``overflow`` counts the trials
+    that found the table full.
+    """
+    delay = len(ring)
+    width = len(x)
+    free = drive_of(0.0, loop)
+    s, g, f = hold_coefficients(loop.alpha, loop.beta, 0.5 / phases)
+    y = free - loop.beta * angle
+    ax, av = angle + (s * velocity + g * y), f * velocity + s * y
+    s, g, f = hold_coefficients(loop.alpha, loop.beta, 1.0 / phases)
+    rows, overflow, samples = 0, 0, 0
+    for start in range(0, phases, width):
+        lanes = min(width, phases - start)
+        for j in range(width):
+            x[j], v[j] = ax, av
+            if j < lanes:
+                y = free - loop.beta * ax
+                ax, av = ax + (s * av + g * y), f * av + s * y
+        for j in range(width * delay):
+            line[j] = 0.0
+        head = advance(x, v, line, 0, delay, skip, loop)
+        for j in range(lanes):
+            for k in range(delay):
+                ring[k] = line[k * width + j]
+            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget, limit, loop)
+            samples += used + skip
+            turns = n
+            cycle = fate == CYCLE_PROVEN or fate == CYCLE_ON_EDGE or fate == CYCLE_CONTINUUM
+            if cycle:
+                ox, ov, at, n = deepest(ox, ov, ring, at, n, loop)
+            row = find(fate, n, ox, ov, table, rows)
+            margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+            if cycle and row == rows:
+                status, px, pv, margin, edge, closure, bound = certify(ox, ov, ring, at, n, loop)
+                if status == DIFFERENT and n < turns:
+                    # The shorter turn was near, not equal: it is an orbit of all its turns.
+                    n = turns
+                    row = find(fate, n, ox, ov, table, rows)
+                    _, px, pv, margin, edge, closure, bound = certify(ox, ov, ring, at, n, loop)
+                if fate == CYCLE_PROVEN:
+                    ox, ov = px, pv
+            if row == capacity:
+                overflow += 1
+                continue
+            base = row * 10
+            if row == rows:
+                rows += 1
+                table[base], table[base + 1] = fate, n
+                table[base + 2], table[base + 3] = ox, ov
+                table[base + 4], table[base + 5] = margin, edge
+                table[base + 6], table[base + 7] = closure, bound
+                table[base + 8], table[base + 9] = 0.0, 0.0
+                for k in range(delay):
+                    lines[row * delay + k] = ring[(at + k) % delay]
+            table[base + 8] += 1.0
+            table[base + 9] += used + skip
+    return rows, overflow, samples

@@ -1,0 +1,45 @@
+"""How a trial ends, and why it may not: the codes that the engine returns, and their words."""
+
+from enum import IntEnum
+
+
+class Outcome(IntEnum):
+    """End of a trial, as ``orbits.parquet`` spells it (lower case)."""
+
+    CYCLE = 0
+    REST = 1
+    DIVERGED = 2
+    UNDECIDED = 3
+
+
+class Reason(IntEnum):
+    """Why an outcome is not proven; ``NONE`` where it is."""
+
+    NONE = 0
+    GREW = 1
+    LEAVES = 2
+    NO_DAMPING = 3
+    NO_REPEAT = 4
+    TOO_SLOW = 5
+    ON_EDGE = 6
+    CONTINUUM = 7
+    TOO_FINE = 8
+    TOO_MANY = 9
+    REST_ON_EDGE = 10
+    NO_STIFFNESS = 11
+
+
+WORDS = {
+    Reason.NONE: "",
+    Reason.GREW: "grew beyond a million times its start and static depth",
+    Reason.LEAVES: "leaves the wall and nothing brings it back",
+    Reason.NO_DAMPING: "no damping: nothing makes the motion settle",
+    Reason.NO_REPEAT: "no level sequence repeated within the sample limit",
+    Reason.TOO_SLOW: "the slowest mode needs more samples than the limit",
+    Reason.ON_EDGE: "a sample of the cycle lies on a count edge to within rounding",
+    Reason.CONTINUUM: "no hand stiffness: cycles form a continuum, drift per period zero only to rounding",
+    Reason.TOO_FINE: "the motion spans more counts than double precision resolves",
+    Reason.TOO_MANY: "more distinct orbits than a cell keeps",
+    Reason.NO_STIFFNESS: "no hand stiffness: nothing holds the knob's position, and no level sequence repeated",
+    Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
+}

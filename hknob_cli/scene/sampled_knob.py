@@ -1,0 +1,87 @@
+"""One cell of a grid: the scene at one sample rate and one encoder, reduced to the numbers that the engine runs on.
+
+Angles become counts, times sample periods, and the position is measured from the encoder edge that bounds level 0, so
+that the wall's levels are whole numbers. Hand and knob move as one body: their inertias and dampings add.
+"""
+
+from math import isfinite, pi
+from typing import NamedTuple
+
+from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.errors import ComputationError
+from hknob_cli.spec.scene import Actuator, Bias, Hand, Scene
+
+
+class SampledKnob(NamedTuple):
+    """A scene sampled: its dimensionless loop, and the scales back to SI.
+
+    ``quantum_rad``: angle of one count; ``period_s``: sample period; ``inertia_kg_m2``: of hand and knob; ``shift``:
+    angle in counts = x + shift; ``delay_line``: number of commands that are under way.
+    """
+
+    loop: Loop
+    quantum_rad: float
+    period_s: float
+    inertia_kg_m2: float
+    shift: float
+    delay_line: int
+
+    def angle_rad(self, x: float) -> float:
+        """Angle of a position ``x`` of the loop."""
+        return (x + self.shift) * self.quantum_rad
+
+    def position(self, angle_rad: float) -> float:
+        """Position of the loop, in counts, at an angle."""
+        return angle_rad / self.quantum_rad - self.shift
+
+    def speed(self, velocity_rad_s: float) -> float:
+        """Velocity in counts per sample."""
+        return velocity_rad_s * self.period_s / self.quantum_rad
+
+    @property
+    def energy_j(self) -> float:
+        """One unit of the loop's energy, J (counts per sample)², in joules."""
+        return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
+
+
+def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> SampledKnob:
+    """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
+    hand = scene.hand or Hand()
+    bias = scene.bias or Bias(torque=0.0)
+    actuator = scene.actuator or Actuator()
+    inertia = scene.knob.inertia + hand.inertia
+    period = 1.0 / sample_rate_hz
+    quantum = 2.0 * pi / counts_per_rev
+    square = period * period / inertia
+    alpha = (scene.knob.damping + hand.damping) * period / inertia
+    beta = hand.stiffness * square
+    kappa = scene.wall.stiffness * square
+    push = 0.5 * kappa if bias.half_quantum else (bias.torque or 0.0) * square / quantum
+    nearest = scene.encoder.rounding == "nearest"
+    shift = scene.encoder.offset_counts - (0.5 if nearest else 0.0)
+    # Level 0 of `truncate` also holds the count above the edge of `ceil`'s, where the wall is off all the same.
+    upper = scene.encoder.rounding in ("ceil", "truncate")
+    whole = int(actuator.delay_samples)
+    split = actuator.delay_samples - whole
+    if not all(isfinite(value * value) for value in (alpha, beta, kappa, push)):
+        raise ComputationError(f"at {sample_rate_hz:g} Hz and {counts_per_rev} counts the scene's numbers overflow")
+    loop = Loop(
+        alpha,
+        beta,
+        kappa,
+        push + beta * shift,
+        -1.0 if upper else 1.0,
+        scene.encoder.offset_counts,
+        split,
+        *hold_coefficients(alpha, beta, split),
+        *hold_coefficients(alpha, beta, 1.0 - split),
+    )
+    return SampledKnob(
+        loop=loop,
+        quantum_rad=quantum,
+        period_s=period,
+        inertia_kg_m2=inertia,
+        shift=shift,
+        delay_line=whole + 1 if actuator.delay_samples > 0.0 else 0,
+    )

@@ -1,0 +1,122 @@
+"""Attractors of whole cells: what is known to exist is found, and every path of the engine agrees."""
+
+from collections import Counter
+
+import pytest
+
+from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search, sample_limit, settling_samples
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.spec.scene import Scene
+
+BASE = {
+    "knob": {"inertia": 1.9e-6},
+    "hand": {"inertia": 3e-7, "damping": 3.45e-4, "stiffness": 0.04},
+    "wall": {"stiffness": 0.27},
+    "bias": {"torque": 0.001},
+}
+
+
+def knob(rate: float = 1000.0, counts: int = 1024, **parts: object) -> SampledKnob:
+    return sample_knob(Scene.model_validate({**BASE, **parts}), sample_rate_hz=rate, counts_per_rev=counts)
+
+
+def search(engine: Engine, one: SampledKnob, phases: int = 64, max_samples: int | None = None) -> Search:
+    return engine.search(
+        one.loop, x=one.position(0.02), v=0.0, phases=phases, delay_line=one.delay_line, max_samples=max_samples
+    )
+
+
+@pytest.mark.parametrize("rate", [215.44, 1000.0, 4641.6])
+@pytest.mark.parametrize("counts", [128, 1024, 8192])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {},
+        {"bias": {"half_quantum": True}},
+        {"actuator": {"delay_samples": 0.3}},
+        {"actuator": {"delay_samples": 2.0}},
+        {"encoder": {"rounding": "ceil"}},
+        {"encoder": {"rounding": "nearest", "offset_counts": 0.25}},
+    ],
+    ids=["printed", "half", "fraction", "two", "ceil", "nearest"],
+)
+def test_compiled_and_interpreted_agree_to_the_last_bit(rate: float, counts: int, parts: dict[str, object]) -> None:
+    one = knob(rate, counts, **parts)
+    assert search(Engine(), one, phases=6) == search(Engine(compiled()), one, phases=6)
+
+
+def test_blocks_of_lanes_are_one_ensemble() -> None:
+    """257 phases run in five blocks; each trial ends as it does in an ensemble of its own."""
+    one = knob()
+    found = search(Engine(compiled()), one, phases=257)
+    assert sum(a.trials for a in found.attractors) == 257
+    periods = {a.period for a in found.attractors}
+    assert {10, 47} <= periods
+
+
+def test_orbits_of_10_12_and_14_samples_coexist() -> None:
+    """physics.md: at 1 kHz with half-quantum bias all three exist and attract, at any resolution."""
+    trials: Counter[int] = Counter()
+    for counts in (128, 256, 512, 1024, 2048, 4096, 8192):
+        for a in search(Engine(compiled()), knob(counts=counts, bias={"half_quantum": True})).attractors:
+            assert a.certified
+            trials[a.period] += a.trials
+    assert {10, 12, 14} <= set(trials)
+
+
+def test_ladder_of_periods_over_bias() -> None:
+    """physics.md, print error 4: 12, 25/2, 13, 31/2 and 21 samples a cycle at g / (K dtheta) = .5, .3, .2, .1, .05.
+
+    Several orbits may coexist; the stated one is among them.
+    """
+    from hknob_cli.measure.orbit import Measurer
+
+    quantum = knob().quantum_rad
+    for part, wanted in ((0.5, 12), (0.3, 12.5), (0.2, 13), (0.1, 15.5), (0.05, 21)):
+        one = knob(bias={"torque": part * 0.27 * quantum})
+        engine = Engine(compiled())
+        measurer = Measurer(one, engine)
+        found = search(engine, one, phases=256).attractors
+        assert wanted in {a.period / measurer.measure(a).cycles for a in found}
+
+
+def test_an_orbit_found_over_several_turns_is_one_orbit() -> None:
+    found = search(Engine(compiled()), knob(counts=8192, actuator={"delay_samples": 1.3}))
+    orbits = [(a.period, a.x) for a in found.attractors]
+    for n, x in orbits:
+        assert not any(m > n and m % n == 0 and abs(y - x) < 1e-6 for m, y in orbits)
+
+
+def test_attractors_come_most_frequent_first() -> None:
+    trials = [a.trials for a in search(Engine(), knob(counts=4096, bias={"half_quantum": True}), 32).attractors]
+    assert trials == sorted(trials, reverse=True)
+
+
+def test_a_limit_on_samples_gives_undecided_with_its_reason() -> None:
+    (only,) = search(Engine(compiled()), knob(rate=1e4), phases=4, max_samples=780).attractors
+    assert (only.outcome, only.reason) == (Outcome.UNDECIDED, Reason.NO_REPEAT)
+    heavy = knob(knob={"inertia": 1.0})
+    (only,) = search(Engine(compiled()), heavy, phases=1, max_samples=1000).attractors
+    assert (only.outcome, only.reason) == (Outcome.UNDECIDED, Reason.TOO_SLOW)
+
+
+def test_the_interpreter_hands_long_trials_over() -> None:
+    with pytest.raises(NeedsCompilerError):
+        search(Engine(), knob(hand={}), phases=1)
+
+
+def test_samples_follow_the_slowest_mode() -> None:
+    loop = knob().loop
+    limit = sample_limit(loop)
+    # The plant decays at b / 2J = 78.4 / s: six time constants are 76.5 samples at 1 kHz.
+    assert settling_samples(loop, limit) == 76
+    assert limit == 76_521 if limit > 65_536 else 65_536
+
+
+def test_reasons_have_words() -> None:
+    from hknob_cli.engine.outcome import WORDS
+
+    assert set(WORDS) == set(Reason)
+    assert all(WORDS[reason] for reason in Reason if reason is not Reason.NONE)
