@@ -1,0 +1,1 @@
+"""Measures of a proven orbit: extremes, integrals, energy."""

@@ -1,0 +1,71 @@
+"""The measures of one attractor, in SI units: what a row of ``orbits.parquet`` says."""
+
+from math import nan
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.attractors import Attractor, Engine
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.energy import damping_loss, wall_work
+from hknob_cli.measure.extrema import find_extrema
+from hknob_cli.measure.moments import Forms, find_moments, hold_forms
+from hknob_cli.measure.period import split_holds
+from hknob_cli.scene.sampled_knob import SampledKnob
+
+
+class OrbitMeasures(NamedTuple):
+    """Peak-to-peak is peak minus trough, not half of it. NaN where the outcome has no orbit."""
+
+    cycles: int = 0
+    p2p_rad: float = nan
+    min_rad: float = nan
+    max_rad: float = nan
+    rms_rad: float = nan
+    frequency_hz: float = nan
+    wall_work_j: float = nan
+    damping_loss_j: float = nan
+
+
+class Measurer:
+    """Measures the attractors of one cell; integrals over a hold are computed once, and only if there is a cycle."""
+
+    def __init__(self, knob: SampledKnob, engine: Engine) -> None:
+        self.knob = knob
+        self.engine = engine
+        self._forms: dict[float, Forms] = {}
+
+    def measure(self, attractor: Attractor) -> OrbitMeasures:
+        """Measures of ``attractor``."""
+        if attractor.outcome is Outcome.REST:
+            theta = self.knob.angle_rad(attractor.x)
+            return OrbitMeasures(
+                p2p_rad=0.0,
+                min_rad=theta,
+                max_rad=theta,
+                rms_rad=0.0,
+                frequency_hz=0.0,
+                wall_work_j=0.0,
+                damping_loss_j=0.0,
+            )
+        if attractor.outcome is not Outcome.CYCLE:
+            return OrbitMeasures()
+        knob, loop = self.knob, self.knob.loop
+        period = split_holds(loop, *self.engine.trace(loop, attractor))
+        for kind in period.kinds:
+            if kind not in self._forms:
+                self._forms[kind] = hold_forms(loop.alpha, loop.beta, kind)
+        extrema = find_extrema(period)
+        moments = find_moments(period, {kind: self._forms[kind] for kind in period.kinds}, extrema.reference)
+        cycles = len(extrema.maxima)
+        quantum = knob.quantum_rad
+        return OrbitMeasures(
+            cycles=cycles,
+            p2p_rad=float(np.mean(extrema.maxima) - np.mean(extrema.minima)) * quantum,
+            min_rad=knob.angle_rad(extrema.reference + float(extrema.minima.min())),
+            max_rad=knob.angle_rad(extrema.reference + float(extrema.maxima.max())),
+            rms_rad=moments.rms * quantum,
+            frequency_hz=cycles / (period.samples * knob.period_s),
+            wall_work_j=wall_work(period) * knob.energy_j,
+            damping_loss_j=damping_loss(period, moments) * knob.energy_j,
+        )
