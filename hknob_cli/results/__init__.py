@@ -1,0 +1,1 @@
+"""Result files: their columns, provenance, and how they are written."""

@@ -1,0 +1,64 @@
+"""The columns of the sweep's files: name, type, unit and meaning, as each file's field metadata says them."""
+
+from typing import NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.spec.grid import COUNTS, RATE
+
+
+class Column(NamedTuple):
+    """One column; ``unit`` is "1" for pure numbers, empty where there is none."""
+
+    name: str
+    type: pa.DataType
+    unit: str
+    meaning: str
+
+    def field(self) -> pa.Field:
+        """Arrow field with unit and meaning as metadata."""
+        return pa.field(self.name, self.type, metadata={"unit": self.unit, "meaning": self.meaning})
+
+
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
+
+CELLS = (
+    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, weighted by basin; 0 at rest, null if all diverge"),
+    Column("p2p_counts", _REAL, "count", "p2p_rad in encoder counts"),
+    Column("frequency_hz", _REAL, "Hz", "cycles per second, weighted by basin; 0 at rest"),
+    Column("rms_rad", _REAL, "rad", "root mean square about the orbit's mean over continuous time, weighted by basin"),
+    Column("orbit_count", _WHOLE, "1", "distinct attractors found, cycles and rest points"),
+    Column("certified_fraction", _REAL, "1", "part of the trials whose end is proven"),
+    Column("at_rest_fraction", _REAL, "1", "part of the trials that come to rest"),
+    Column("diverged_fraction", _REAL, "1", "part of the trials that diverge"),
+    Column("undecided_fraction", _REAL, "1", "part of the trials without a decided end; orbits.parquet says why"),
+)
+
+ORBITS = (
+    Column("orbit", _WHOLE, "1", "number of the attractor within its cell, the most frequent first"),
+    Column("outcome", _TEXT, "", "cycle, rest, diverged or undecided"),
+    Column("reason", _TEXT, "", "why it is not certified; empty where it is"),
+    Column("period_samples", _WHOLE, "sample", "samples after which the motion repeats; 1 at rest"),
+    Column("cycles_per_period", _WHOLE, "1", "local maxima of the angle in one period"),
+    Column("p2p_rad", _REAL, "rad", "mean local maximum minus mean local minimum over the period"),
+    Column("min_rad", _REAL, "rad", "least angle over the period, between samples included"),
+    Column("max_rad", _REAL, "rad", "largest angle over the period, between samples included"),
+    Column("rms_rad", _REAL, "rad", "root mean square about the orbit's mean, over continuous time"),
+    Column("frequency_hz", _REAL, "Hz", "cycles_per_period / (period_samples * sample period)"),
+    Column("basin_fraction", _REAL, "1", "part of the cell's trials that reach this attractor"),
+    Column("certified", _FLAG, "", "whether the attractor, and that its trials reach it, is proven"),
+    Column("margin_counts", _REAL, "count", "least distance of a sample to a count edge"),
+    Column("closure_rad", _REAL, "rad", "distance between the orbit's start and its end, one period later"),
+    Column("wall_work_j", _REAL, "J", "work of the wall torque over one period"),
+    Column("damping_loss_j", _REAL, "J", "energy the damping dissipates over one period"),
+)
+
+_AXES = {
+    RATE: Column(RATE, _REAL, "Hz", "sample rate of the controller"),
+    COUNTS: Column(COUNTS, _WHOLE, "1/rev", "encoder counts per revolution"),
+}
+
+
+def axis_column(name: str, unit: str) -> Column:
+    """Column of a grid axis; any value of the scene may be one."""
+    return _AXES.get(name) or Column(name, _REAL, unit, f"grid axis: scene.{name}")
