@@ -1,0 +1,53 @@
+"""Talking to the user: results on stdout, everything else on stderr, errors without tracebacks."""
+
+import contextlib
+import signal
+import sys
+from collections.abc import Callable, Iterator
+from types import FrameType
+
+import typer
+
+from hknob_cli.errors import ExitCode, HknobError
+
+
+def say(text: str) -> None:
+    """A message, on stderr."""
+    typer.echo(text, err=True)
+
+
+def _terminate(_signal: int, _frame: FrameType | None) -> None:
+    raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def reporting() -> Iterator[None]:
+    """Turn errors into one message and the exit code that stands for it; SIGTERM counts as an interruption."""
+    with contextlib.suppress(ValueError):  # only the main thread may set it
+        signal.signal(signal.SIGTERM, _terminate)
+    try:
+        yield
+    except HknobError as error:
+        say(str(error))
+        raise typer.Exit(error.exit_code) from None
+    except KeyboardInterrupt:
+        say("interrupted; nothing was changed, run the same command again")
+        raise typer.Exit(ExitCode.INTERRUPTED) from None
+    except MemoryError:
+        say("out of memory; make the grid smaller or the phases fewer")
+        raise typer.Exit(ExitCode.FAILED) from None
+
+
+@contextlib.contextmanager
+def progress_bar(total: int, *, show: bool) -> Iterator[Callable[[int, int], None]]:
+    """Progress on stderr while cells are computed, if ``show`` and stderr is a terminal."""
+    if not show or not sys.stderr.isatty():
+        yield lambda _done, _total: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task("cells", total=total)
+        yield lambda done, _total: bar.update(task, completed=done)

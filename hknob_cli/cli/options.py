@@ -1,0 +1,36 @@
+"""Options that every stage takes."""
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+class ExecutorName(str, Enum):
+    """How work is spread."""
+
+    local = "local"
+    dask = "dask"
+
+
+SpecFile = Annotated[Path, typer.Argument(metavar="SPEC.yaml", help="The spec to run.", show_default=False)]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", "-o", metavar="DIR", help="Where results go.  [default: results/NAME]", show_default=False),
+]
+Sets = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY.PATH=VALUE", help="Override one value of the spec; repeatable."),
+]
+Jobs = Annotated[
+    int | None,
+    typer.Option("--jobs", "-j", min=1, metavar="N", help="Threads.  [default: all cores]", show_default=False),
+]
+Executor = Annotated[ExecutorName, typer.Option("--executor", help="How work is spread.")]
+Scheduler = Annotated[str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Address of a Dask scheduler.")]
+Force = Annotated[bool, typer.Option("--force", help="Recompute even where results are up to date.")]
+DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; write nothing.")]
+Json = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object instead of a table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no messages, only results and errors.")]
+Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say how the work was done.")]

@@ -1,0 +1,154 @@
+"""The picture of a sweep: peak-to-peak and frequency over the grid, with the orbits that coexist.
+
+Over two axes: two maps with their values written in. Over one: every orbit as a point, sized by its share of the
+trials, which shows steps and coexistence that a line through means would hide.
+"""
+
+from math import isnan
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+
+from hknob_cli.errors import ComputationError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_NAMES = {
+    "sample_rate_hz": "sample rate, Hz",
+    "counts_per_rev": "encoder, counts per revolution",
+    "bias.torque": "bias torque, N·m",
+    "hand.stiffness": "hand stiffness, N·m/rad",
+    "hand.damping": "hand damping, N·m·s/rad",
+    "wall.stiffness": "wall stiffness, N·m/rad",
+}
+_MOST_LABELS = 400
+
+
+def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
+    """Draw a sweep into ``path`` (PNG); False, drawing nothing, for more than two axes of several values.
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    rows = cells.to_pylist()
+    wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
+    if len(wide) > 2:
+        return False
+    fixed = ", ".join(f"{axis} = {rows[0][axis]:g}" for axis in axes if axis not in wide)
+    from matplotlib.figure import Figure
+
+    if len(wide) == 2:
+        figure = Figure(figsize=(13.5, 0.52 * len({row[wide[0]] for row in rows}) + 2.6), layout="constrained")
+        _draw_maps(figure, rows, wide)
+    else:
+        figure = Figure(figsize=(9.5, 6.4), layout="constrained")
+        _draw_orbits(figure, orbits.to_pylist(), (wide or axes[:1])[0])
+    figure.suptitle(f"{title}: limit cycles against a virtual wall" + (f"  ({fixed})" if fixed else ""))
+    partial = path.with_name(f".{path.name}.partial")
+    try:
+        figure.savefig(partial, dpi=130, format="png")
+        partial.replace(path)
+    except OSError as error:
+        partial.unlink(missing_ok=True)
+        raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
+    return True
+
+
+def _name(axis: str) -> str:
+    return _NAMES.get(axis, axis)
+
+
+def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) -> None:
+    import numpy as np
+
+    down, across = wide
+    downs, acrosses = (sorted({row[axis] for row in rows}) for axis in wide)
+    grid = {(row[down], row[across]): row for row in rows}
+    left, right = figure.subplots(1, 2, sharey=True)
+    panels = (
+        (left, "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
+        (right, "frequency_hz", 1.0, "frequency, Hz"),
+    )
+    for axes, column, scale, label in panels:
+        values = np.array(
+            [
+                [(grid[d, a][column] if grid[d, a][column] is not None else np.nan) * scale for a in acrosses]
+                for d in downs
+            ]
+        )
+        inks = _map(axes, values, label)
+        axes.set_xticks(range(len(acrosses)), [f"{value:.6g}" for value in acrosses], rotation=30, ha="right")
+        axes.set_xlabel(_name(across))
+        if len(rows) <= _MOST_LABELS:
+            for i, d in enumerate(downs):
+                for j, a in enumerate(acrosses):
+                    _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j])
+    left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
+    left.set_ylabel(_name(down))
+    marks = (
+        "a dot for each orbit that coexists in a cell (the value is their mean, weighted by how often trials reach it)"
+    )
+    figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
+
+
+def _map(axes: "Axes", values: Any, label: str) -> list[list[str]]:
+    """Draw one map; the colour in which to write on each of its cells."""
+    import numpy as np
+    from matplotlib.colors import LogNorm
+
+    shown = np.where(values > 0, values, np.nan)
+    found = shown[np.isfinite(shown)]
+    low, high = (float(found.min()), float(found.max())) if found.size else (1.0, 1.0)
+    norm = LogNorm(low, high if high > low else low * 1.01)
+    axes.set_facecolor("0.85")
+    image = axes.imshow(shown, origin="lower", aspect="auto", cmap="cividis", norm=norm)
+    axes.set_title(label, fontsize=10)
+    axes.tick_params(length=0)
+    # Relative luminance (ITU-R BT.709) decides; cells without a value are light grey.
+    light = image.to_rgba(shown)[..., :3] @ np.array([0.2126, 0.7152, 0.0722])
+    return [
+        ["white" if dark and some else "black" for dark, some in zip(*row, strict=True)]
+        for row in zip(light < 0.5, np.isfinite(shown), strict=True)
+    ]
+
+
+def _write(axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, ink: str) -> None:
+    """The value of a cell, a dot per coexisting orbit, and how trials end that do not cycle."""
+    words = [
+        word
+        for word, column in (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
+        if row[column] > 0
+    ]
+    text = "" if isnan(value) or (value == 0 and words) else f"{value:.3g}"
+    axes.text(x, y, "\n".join(filter(None, [text, " ".join(words)])), ha="center", va="center", fontsize=8, color=ink)
+    count = int(row["orbit_count"])
+    if count > 1:
+        axes.text(x, y - 0.33, "•" * min(count, 8), ha="center", va="center", fontsize=7, color=ink)
+
+
+def _draw_orbits(figure: "Figure", orbits: list[dict[str, Any]], axis: str) -> None:
+    top, bottom = figure.subplots(2, 1, sharex=True)
+    shown = [row for row in orbits if row["p2p_rad"] is not None]
+    xs = [row[axis] for row in shown]
+    size = [6.0 + 30.0 * row["basin_fraction"] for row in shown]
+    colour = [row["basin_fraction"] for row in shown]
+    for axes, column, scale, label in (
+        (top, "p2p_rad", 1e3, "peak to peak, mrad"),
+        (bottom, "frequency_hz", 1.0, "frequency, Hz"),
+    ):
+        ys = [row[column] * scale for row in shown]
+        dots = axes.scatter(xs, ys, s=size, c=colour, cmap="cividis_r", vmin=0.0, vmax=1.0, linewidths=0)
+        axes.set_ylabel(label)
+        axes.set_ylim(0.0, 1.06 * max(ys, default=0.0) or 1.0)
+        axes.grid(alpha=0.3)
+    bottom.set_xlabel(_name(axis))
+    if xs and min(xs) > 0 and _is_geometric(sorted(set(xs))):
+        bottom.set_xscale("log")
+    figure.colorbar(dots, ax=[top, bottom], label="share of the trials that reach the orbit", shrink=0.6)
+
+
+def _is_geometric(values: list[float]) -> bool:
+    """Whether axis values grow by a factor rather than by a step."""
+    return len(values) > 2 and values[-1] / values[-2] > 0.9 * values[1] / values[0] and values[1] > 1.2 * values[0]

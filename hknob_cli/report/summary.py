@@ -1,0 +1,125 @@
+"""A sweep in words and numbers: the summary as data, and as the table on the terminal."""
+
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+MAX_ROWS = 60
+
+
+def describe_sweep(
+    cells: pa.Table, orbits: pa.Table, axes: list[str], *, name: str, status: str, files: list[Path]
+) -> dict[str, Any]:
+    """Summary of a sweep as plain data, one entry per cell under ``cells``."""
+    rows = cells.to_pylist()
+    outcomes = orbits["outcome"].to_pylist()
+    return {
+        "kind": "sweep",
+        "name": name,
+        "status": status,
+        "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
+        "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
+        "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
+        "files": [str(path) for path in files],
+        "cells": rows,
+    }
+
+
+def table_text(summary: dict[str, Any], axes: list[str]) -> str:
+    """The table on the terminal: two matrices over two axes, else one line per cell."""
+    rows = summary["cells"]
+    wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
+    fixed = [f"{axis} = {_short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
+    lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if len(wide) == 2:
+        lines += ["", *_matrix(rows, wide, "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)")]
+        lines += ["", *_matrix(rows, wide, "frequency_hz", 1.0, "frequency, Hz")]
+    else:
+        lines += ["", *_list(rows, wide)]
+    notes = _notes(rows)
+    lines += ["", *notes] if notes else []
+    lines += ["", *(f"wrote {path}" if summary["status"] == "computed" else str(path) for path in summary["files"])]
+    return "\n".join(lines)
+
+
+def _headline(summary: dict[str, Any]) -> str:
+    counts = summary["orbits"]
+    found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
+    share = summary["certified_fraction"]
+    proven = "all proven" if share == 1.0 else f"{100 * share:.4g} % of trials proven"
+    stale = " (up to date)" if summary["status"] == "up to date" else ""
+    cells = len(summary["cells"])
+    return f"{summary['name']}: {cells} {'cell' if cells == 1 else 'cells'}, {found}, {proven}{stale}"
+
+
+def _plural(kind: str, number: int) -> str:
+    names = {"cycle": ("limit cycle", "limit cycles"), "rest": ("rest point", "rest points")}
+    one, many = names.get(kind, (f"{kind} end", f"{kind} ends"))
+    return one if number == 1 else many
+
+
+def _mark(row: dict[str, Any]) -> str:
+    """Mark of a cell: several orbits, some rest, some diverge, some undecided."""
+    marks = "*" if row["orbit_count"] > 1 else ""
+    marks += "r" if row["at_rest_fraction"] > 0 else ""
+    marks += "!" if row["diverged_fraction"] > 0 else ""
+    return marks + ("?" if row["undecided_fraction"] > 0 else "")
+
+
+def _notes(rows: list[dict[str, Any]]) -> list[str]:
+    marks = "".join(_mark(row) for row in rows)
+    words = {
+        "*": "several orbits coexist; which one a trial reaches depends on when it is sampled, the value is their mean",
+        "r": "trials come to rest",
+        "!": "trials diverge",
+        "?": "trials undecided; orbits.parquet says why",
+    }
+    return [f"{mark} {text}" for mark, text in words.items() if mark in marks]
+
+
+def _short(value: float | None, digits: int = 4) -> str:
+    if value is None:
+        return "-"
+    if value == 0:
+        return "0"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text and abs(value) < 1e7 else text
+
+
+def _matrix(rows: list[dict[str, Any]], axes: list[str], column: str, scale: float, title: str) -> list[str]:
+    down, across = axes
+    heads = list(dict.fromkeys(row[across] for row in rows))
+    table: dict[Any, dict[Any, str]] = {}
+    for row in rows:
+        value = row[column]
+        table.setdefault(row[down], {})[row[across]] = _short(None if value is None else scale * value) + _mark(row)
+    names = [_short(value) for value in table]
+    left = max(len(down), *(len(name) for name in names))
+    width = max(8, *(len(cell) + 1 for line in table.values() for cell in line.values()))
+    lines = [title, f"{down:<{left}}  {across}"]
+    lines.append(" " * left + "".join(f"{_short(head):>{width}}" for head in heads))
+    for name, line in zip(names, table.values(), strict=True):
+        lines.append(f"{name:>{left}}" + "".join(f"{line[head]:>{width}}" for head in heads))
+    return lines
+
+
+def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
+    heads = [*axes, "p2p mrad", "frequency Hz", "orbits", ""]
+    body = [
+        [
+            *(_short(row[axis], 6) for axis in axes),
+            _short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
+            _short(row["frequency_hz"]),
+            str(row["orbit_count"]),
+            _mark(row),
+        ]
+        for row in rows[:MAX_ROWS]
+    ]
+    widths = [max(len(line[i]) for line in [heads, *body]) for i in range(len(heads))]
+    lines = [
+        "  ".join(f"{text:>{w}}" for text, w in zip(line, widths, strict=True)).rstrip() for line in [heads, *body]
+    ]
+    if len(rows) > MAX_ROWS:
+        lines.append(f"... and {len(rows) - MAX_ROWS} more cells in cells.parquet")
+    return lines

@@ -1,0 +1,1 @@
+"""The stages of the pipeline: spec in, result tables out."""

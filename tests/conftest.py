@@ -1,0 +1,84 @@
+"""Fixtures shared by all tests: specs as text, and sweeps of the main grid, run once."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hknob_cli.spec.load import Loaded, load, validate
+from hknob_cli.spec.source import parse
+from hknob_cli.stages.sweep import SweepResult, SweepStage
+
+ROOT = Path(__file__).parent.parent
+EXPERIMENTS = ROOT / "experiments"
+HKNOB = Path(sys.executable).with_name("hknob")
+
+SPEC = """\
+kind: sweep
+name: small
+scene:
+  knob: {inertia: 1.9e-6}
+  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}
+  wall: {stiffness: 0.27}
+  bias: {torque: 0.001}
+grid:
+  sample_rate_hz: [1000]
+  counts_per_rev: [1024]
+starts: {angle: 0.02, phases: 8}
+"""
+
+
+def loaded(text: str = SPEC) -> Loaded:
+    """Validated spec from text."""
+    return validate(parse(text, "spec.yaml"))
+
+
+def swept(path: Path, *overrides: str) -> SweepResult:
+    """Result of a spec file with overrides."""
+    return SweepStage(load(path, overrides)).run()
+
+
+@pytest.fixture
+def spec_file(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a spec into a temporary folder; keyword arguments are replacements ``old=new`` done in order."""
+
+    def write(text: str = SPEC, name: str = "spec.yaml") -> Path:
+        path = tmp_path / name
+        path.write_text(text)
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def main_grid() -> dict[str, list[dict[str, Any]]]:
+    """Cells and orbits of the four readings of the 7x7 grid, by experiment name."""
+    names = ("", "_half_quantum", "_stiffer", "_stiffer_half_quantum")
+    results = {name: swept(EXPERIMENTS / f"hand_on_knob{name}.yaml") for name in names}
+    return {
+        f"{name or '_printed'}:{table}"[1:]: getattr(result, table).to_pylist()
+        for name, result in results.items()
+        for table in ("cells", "orbits")
+    }
+
+
+@pytest.fixture
+def hknob(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    """Runs ``hknob`` in a temporary folder."""
+
+    def run(*args: object, **env: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [HKNOB, *map(str, args)],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=120,
+            env={**os.environ, "COLUMNS": "120", **env},
+        )
+
+    return run

@@ -1,0 +1,121 @@
+"""Interrupted runs: nothing half written, nothing lost, the next run gives the same bytes."""
+
+import os
+import random
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import EXPERIMENTS, HKNOB, SPEC
+
+BUSY = SPEC.replace("phases: 8", "phases: 20000").replace("[1000]", "{lin: [1000, 2000, 30]}")
+
+
+def start(spec: Path, out: Path, *args: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [HKNOB, "sweep", spec, "-o", out, *args], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_interruption_exits_130_and_leaves_nothing(kind: signal.Signals, spec_file, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(spec_file(BUSY), out)
+    deadline = time.monotonic() + 60
+    while not (out / ".hknob.lock").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    time.sleep(0.2)
+    process.send_signal(kind)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert errors.startswith("interrupted")
+    assert not out.exists()
+
+
+def test_kill_at_random_instants(spec_file, tmp_path: Path) -> None:
+    spec = EXPERIMENTS / "smoke.yaml"
+    subprocess.run([HKNOB, "sweep", spec, "-o", tmp_path / "undisturbed", "-q"], check=True, capture_output=True)
+    out = tmp_path / "out"
+    chance = random.Random(20261121)
+    killed = 0
+    for _ in range(12):
+        process = start(spec, out, "--force")
+        time.sleep(chance.uniform(0.1, 0.5))
+        process.kill()
+        process.communicate()
+        killed += process.returncode == -signal.SIGKILL
+    assert killed > 0
+    subprocess.run([HKNOB, "sweep", spec, "-o", out, "-q"], check=True, capture_output=True)
+    for name in ("cells.parquet", "orbits.parquet"):
+        assert (out / name).read_bytes() == (tmp_path / "undisturbed" / name).read_bytes()
+    assert {path.name for path in out.iterdir()} == {"cells.parquet", "orbits.parquet", ".hknob.lock"}
+
+
+def test_two_runs_on_one_folder(hknob, spec_file, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    process = start(spec_file(BUSY), out)
+    deadline = time.monotonic() + 60
+    while not (out / ".hknob.lock").exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    second = hknob("sweep", spec_file(SPEC, "other.yaml"), "-o", out)
+    process.kill()
+    process.communicate()
+    assert second.returncode == 3
+    assert "another run is writing here" in second.stderr
+
+
+def test_output_of_another_origin_is_refused(hknob, spec_file, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "cells.parquet").write_text("mine")
+    done = hknob("sweep", spec_file(), "-o", out, "--force")
+    assert (done.returncode, (out / "cells.parquet").read_text()) == (3, "mine")
+    (out / "cells.parquet").unlink()
+    assert hknob("sweep", spec_file(), "-o", out).returncode == 0
+    done = hknob("sweep", spec_file(SPEC.replace("small", "large"), "l.yaml"), "-o", out)
+    assert done.returncode == 3
+    assert "holds the sweep 'small'" in done.stderr
+
+
+def test_output_that_cannot_be_written(hknob, spec_file, tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = hknob("sweep", spec_file(), "-o", tmp_path / "file" / "out")
+    assert done.returncode == 1
+    assert "cannot be written" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
+def test_full_disk(hknob, spec_file, tmp_path: Path) -> None:
+    """Every partial file is a link to a device without room."""
+    out = tmp_path / "out"
+    out.mkdir()
+    code = (
+        "import sys, pyarrow.parquet as pq; from hknob_cli.results import store\n"
+        "plain = pq.write_table\n"
+        "pq.write_table = lambda table, stream, **kw: plain(table, open('/dev/full', 'wb'), **kw)\n"
+        f"sys.argv = ['hknob', 'sweep', {str(spec_file())!r}, '-o', {str(out)!r}]\n"
+        "from hknob_cli.cli.app import main; main()"
+    )
+    done = subprocess.run([HKNOB.with_name("python"), "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 1, done.stderr
+    assert "No space left" in done.stderr
+    assert {path.name for path in out.iterdir()} == {".hknob.lock"}
+
+
+def test_closed_pipe(spec_file, tmp_path: Path) -> None:
+    read, write = os.pipe()
+    os.close(read)
+    done = subprocess.run(
+        [HKNOB, "sweep", spec_file(), "-o", tmp_path / "out"],
+        stdout=write,
+        stderr=subprocess.PIPE,
+        text=True,
+        check=False,
+    )
+    os.close(write)
+    assert "Traceback" not in done.stderr
+    assert (tmp_path / "out" / "orbits.parquet").exists()

@@ -1,0 +1,67 @@
+"""The layout: data flows one way, and start-up stays light."""
+
+import ast
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import HKNOB, ROOT
+
+PACKAGE = ROOT / "hknob_cli"
+# Each layer may use the ones before it.
+ORDER = ["errors", "spec", "engine", "scene", "measure", "results", "report", "stages", "cli"]
+
+
+def imports(path: Path) -> set[str]:
+    """Layers that a module imports, inside functions and for type checking too."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("hknob_cli."):
+            found.add(node.module.split(".")[1])
+    return found
+
+
+@pytest.mark.parametrize("layer", ORDER)
+def test_no_layer_imports_one_downstream(layer: str) -> None:
+    allowed = set(ORDER[: ORDER.index(layer) + 1])
+    for path in (PACKAGE / layer).glob("*.py"):
+        assert imports(path) <= allowed, path
+
+
+def test_every_folder_is_a_known_layer() -> None:
+    folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    assert folders <= set(ORDER)
+
+
+def test_files_hold_one_idea_each() -> None:
+    lines = {path: len(path.read_text().splitlines()) for path in PACKAGE.rglob("*.py")}
+    assert not {str(path): count for path, count in lines.items() if count > 330}
+
+
+def loaded_by(*args: str) -> set[str]:
+    code = f"import sys; sys.argv = {['hknob', *args]!r}\nimport os; os._exit = lambda code: None\n"
+    code += "from hknob_cli.cli.app import main\nmain()\nprint('\\n'.join(sys.modules), file=sys.stderr)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return set(done.stderr.splitlines())
+
+
+def test_help_loads_nothing_heavy() -> None:
+    assert not {"numpy", "numba", "pyarrow", "scipy", "pandas", "matplotlib", "pint"} & loaded_by("--help")
+
+
+def test_a_small_sweep_loads_only_what_it_needs(tmp_path: Path) -> None:
+    modules = loaded_by("sweep", str(ROOT / "experiments" / "smoke.yaml"), "-o", str(tmp_path / "out"))
+    assert "numpy" in modules
+    assert not {"numba", "scipy", "pandas", "matplotlib", "pint", "rich", "pyarrow.dataset"} & modules
+
+
+def test_start_up_is_not_slow() -> None:
+    """A generous ceiling; the ratios are measured by tests/benchmarks/startup.py."""
+    begin = time.perf_counter()
+    done = subprocess.run([HKNOB, "--help"], capture_output=True, text=True, check=True)
+    assert time.perf_counter() - begin < 5.0
+    assert done.stderr == ""
+    assert "sweep" in done.stdout
