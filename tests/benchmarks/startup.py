@@ -1,0 +1,73 @@
+"""Start-up and memory: whole processes against the imports they cannot do without.
+
+Each command is run in turn with its floor, so that a drift of the machine hits both; the ratio is of medians. Cold means
+a fresh process and no results; the compiler's cache is warm. Run it as ``python tests/benchmarks/startup.py [RUNS]``.
+"""
+
+import resource
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BIN = Path(sys.executable).parent
+OUT = Path(tempfile.mkdtemp()) / "out"
+
+CASES = [
+    ("hknob --help", ["--help"], "import typer", 3.0),
+    (
+        "3x3 smoke sweep",
+        ["sweep", str(ROOT / "experiments/smoke.yaml"), "-o", str(OUT)],
+        "import typer, pydantic, numpy, pyarrow",
+        1.5,
+    ),
+    (
+        "7x7 sweep, 64 phases",
+        ["sweep", str(ROOT / "experiments/hand_on_knob.yaml"), "-o", str(OUT)],
+        "import typer, pydantic, numpy, numba, pyarrow",
+        2.0,
+    ),
+]
+
+
+def seconds(command: list[str]) -> float:
+    """Wall time of one run in a folder without results."""
+    shutil.rmtree(OUT, ignore_errors=True)
+    begin = time.perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    return time.perf_counter() - begin
+
+
+def peak_kib(command: list[str]) -> int:
+    """Peak memory of one run, KiB, as the kernel accounts it for a child of its own."""
+    code = "import resource, subprocess, sys; subprocess.run(sys.argv[1:], check=True, capture_output=True); "
+    code += "print(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)"
+    shutil.rmtree(OUT, ignore_errors=True)
+    return int(
+        subprocess.run([BIN / "python", "-c", code, *command], check=True, capture_output=True, text=True).stdout
+    )
+
+
+def main() -> None:
+    """Print ratios beside their ceilings."""
+    runs = int(sys.argv[1]) if len(sys.argv) > 1 else 15
+    print(f"{'command':24}{'ms':>8}{'floor ms':>10}{'ratio':>8}{'ceiling':>9}")
+    for name, args, floor, ceiling in CASES:
+        command = [str(BIN / "hknob"), *args]
+        base = [str(BIN / "python"), "-c", floor]
+        seconds(command)
+        pairs = [(seconds(command), seconds(base)) for _ in range(runs)]
+        ours, theirs = (statistics.median(pair[i] for pair in pairs) * 1e3 for i in (0, 1))
+        print(f"{name:24}{ours:8.0f}{theirs:10.0f}{ours / theirs:8.2f}{ceiling:9.1f}")
+    sweep = [str(BIN / "hknob"), "sweep", str(ROOT / "experiments/hand_on_knob.yaml"), "-o", str(OUT)]
+    few, many = (peak_kib([*sweep, "--set", f"starts.phases={phases}"]) for phases in (64, 65536))
+    print(f"peak memory: {few / 1024:.0f} MiB at 64 phases, {many / 1024:.0f} MiB at 65536: ratio {many / few:.3f}")
+    print(f"(this process: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB)")
+
+
+if __name__ == "__main__":
+    main()
