@@ -1,5 +1,5 @@
 """``python -m hknob_cli``: the same as ``hknob``."""
 
-from hknob_cli.cli.app import main
+from hknob_cli.cli.main import main
 
 main()

@@ -9,7 +9,8 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.spec.load import Loaded, load, validate
+from hknob_cli.spec.load import load, validate
+from hknob_cli.spec.plan import SweepPlan
 from hknob_cli.spec.source import parse
 from hknob_cli.stages.sweep import SweepResult, SweepStage
 
@@ -32,7 +33,7 @@ starts: {angle: 0.02, phases: 8}
 """
 
 
-def loaded(text: str = SPEC) -> Loaded:
+def loaded(text: str = SPEC) -> SweepPlan:
     """Validated spec from text."""
     return validate(parse(text, "spec.yaml"))
 

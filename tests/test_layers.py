@@ -43,7 +43,7 @@ def test_files_hold_one_idea_each() -> None:
 
 def loaded_by(*args: str) -> set[str]:
     code = f"import sys; sys.argv = {['hknob', *args]!r}\nimport os; os._exit = lambda code: None\n"
-    code += "from hknob_cli.cli.app import main\nmain()\nprint('\\n'.join(sys.modules), file=sys.stderr)"
+    code += "from hknob_cli.cli.main import main\nmain()\nprint('\\n'.join(sys.modules), file=sys.stderr)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     return set(done.stderr.splitlines())
 

@@ -1,14 +1,6 @@
 """The ``hknob`` command: its subcommands, each in a file of its own."""
 
-import gc
-import os
-import sys
-from typing import Annotated, NoReturn
-
-# Start-up: pydantic would open the metadata of every installed package to look for plugins, and the collector would
-# walk the modules as they load.
-os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-gc.disable()
+from typing import Annotated
 
 import typer
 
@@ -16,7 +8,6 @@ from hknob_cli import __version__
 from hknob_cli.cli.check import check
 from hknob_cli.cli.schema import schema
 from hknob_cli.cli.sweep import sweep
-from hknob_cli.errors import ExitCode
 
 app = typer.Typer(
     name="hknob",
@@ -43,15 +34,3 @@ def _root(
     ] = False,
 ) -> None:
     pass
-
-
-def main() -> NoReturn:
-    """Run the command line, and leave without tearing down: freeing every module takes as long as a small sweep."""
-    code: object = ExitCode.DONE
-    try:
-        app()
-    except SystemExit as leaving:
-        code = leaving.code
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code if isinstance(code, int) else ExitCode.DONE if code is None else ExitCode.FAILED)

@@ -22,13 +22,13 @@ def check(
     with reporting():
         for path in specs:
             try:
-                loaded = load(path, tuple(sets or ()))
+                plan = load(path, tuple(sets or ()))
             except UsageError as error:
                 say(str(error))
                 failed = True
                 continue
-            count = prod(len(values) for values in loaded.axes.values())
+            count = prod(len(values) for values in plan.axes.values())
             cells = "1 cell" if count == 1 else f"{count} cells"
-            typer.echo(f"{path}: {loaded.spec.kind} '{loaded.spec.name}', {cells}: good")
+            typer.echo(f"{path}: {plan.values['kind']} '{plan.name}', {cells}: good")
     if failed:
         raise typer.Exit(ExitCode.USAGE)

@@ -1,41 +1,31 @@
 """Talking to the user: results on stdout, everything else on stderr, errors without tracebacks."""
 
 import contextlib
-import signal
 import sys
 from collections.abc import Callable, Iterator
-from types import FrameType
-
-import typer
 
 from hknob_cli.errors import ExitCode, HknobError
 
 
 def say(text: str) -> None:
     """A message, on stderr."""
-    typer.echo(text, err=True)
-
-
-def _terminate(_signal: int, _frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
+    print(text, file=sys.stderr)
 
 
 @contextlib.contextmanager
 def reporting() -> Iterator[None]:
-    """Turn errors into one message and the exit code that stands for it; SIGTERM counts as an interruption."""
-    with contextlib.suppress(ValueError):  # only the main thread may set it
-        signal.signal(signal.SIGTERM, _terminate)
+    """Turn errors into one message and the exit code that stands for it."""
     try:
         yield
     except HknobError as error:
         say(str(error))
-        raise typer.Exit(error.exit_code) from None
+        sys.exit(error.exit_code)
     except KeyboardInterrupt:
         say("interrupted; nothing was changed, run the same command again")
-        raise typer.Exit(ExitCode.INTERRUPTED) from None
+        sys.exit(ExitCode.INTERRUPTED)
     except MemoryError:
         say("out of memory; make the grid smaller or the phases fewer")
-        raise typer.Exit(ExitCode.FAILED) from None
+        sys.exit(ExitCode.FAILED)
 
 
 @contextlib.contextmanager

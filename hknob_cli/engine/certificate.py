@@ -118,12 +118,12 @@ def certify(x, v, ring, head, n, loop):
         ox = x + (v - ov) / loop.alpha
     else:
         ox, ov = solve_period(zx, zv, n, loop)
-        same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
-        if not same:
-            return DIFFERENT, ox, ov, 0.0, 0.0, 0.0, 0.0
+    same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
+    if same and not neutral and abs(ex) + abs(ev) > 2.0 * EPSILON * (reach + pace):
+        # One step of iterative refinement, where the first solution is not good to rounding already.
         cx, cv = solve_period(ex, ev, n, loop)
         ox, ov = ox + cx, ov + cv
-    same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
+        same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
     if not same:
         return DIFFERENT, ox, ov, 0.0, 0.0, 0.0, 0.0
     rx = abs(ex) + 4.0 * EPSILON * n * (reach + pace)

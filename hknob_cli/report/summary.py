@@ -9,7 +9,7 @@ MAX_ROWS = 60
 
 
 def describe_sweep(
-    cells: pa.Table, orbits: pa.Table, axes: list[str], *, name: str, status: str, files: list[Path]
+    cells: pa.Table, orbits: pa.Table, *, axes: list[str], name: str, status: str, files: list[Path]
 ) -> dict[str, Any]:
     """Summary of a sweep as plain data, one entry per cell under ``cells``."""
     rows = cells.to_pylist()

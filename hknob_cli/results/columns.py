@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.spec.grid import COUNTS, RATE
+from hknob_cli.spec.plan import COUNTS, RATE
 
 
 class Column(NamedTuple):

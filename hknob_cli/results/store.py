@@ -51,7 +51,7 @@ def _clear(made: list[Path], out: Path) -> None:
                 folder.rmdir()
 
 
-def read_current(paths: list[Path], provenance: bytes) -> list[pa.Table] | None:
+def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] | None:
     """Tables at ``paths`` if all are there, readable, and of exactly this provenance; else None."""
     if not all(path.exists() for path in paths):
         return None
@@ -65,7 +65,7 @@ def read_current(paths: list[Path], provenance: bytes) -> list[pa.Table] | None:
         if (table.schema.metadata or {}).get(KEY) != provenance:
             return None
         tables.append(table)
-    return tables
+    return tuple(tables)
 
 
 def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.errors import ComputationError
-from hknob_cli.spec.scene import Actuator, Bias, Hand, Scene
+from hknob_cli.spec.plan import Actuator, Bias, Hand, Scene
 
 
 class SampledKnob(NamedTuple):

@@ -1,22 +1,20 @@
-"""The grid: axes of values, and the cells they span.
+"""The grid: axes of values.
 
 An axis is a list of values, ``{log: [first, last, count]}`` or ``{lin: [first, last, count]}``; a single value is an
 axis of one. Beside the two that every grid has, any number of the scene is an axis by its dotted path.
 """
 
-import itertools
 import math
-from collections.abc import Iterator
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
 
+from hknob_cli.spec.plan import COUNTS, RATE
 from hknob_cli.spec.quantity import SampleRate, Unit
-from hknob_cli.spec.scene import Part, Scene
+from hknob_cli.spec.scene import Part, SceneSpec
 
 MAX_CELLS = 1_000_000
-RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 
 Value = float | int | str
 Listed = Annotated[list[Value], Field(min_length=1, max_length=MAX_CELLS)]
@@ -55,7 +53,7 @@ AxisSpec = Annotated[
 
 def scalar_field(path: str) -> FieldInfo | None:
     """The scene's number at a dotted path, ``wall.stiffness``; None if there is none."""
-    model: type[BaseModel] = Scene
+    model: type[BaseModel] = SceneSpec
     *parents, last = path.split(".")
     for part in parents:
         info = model.model_fields.get(part)
@@ -70,7 +68,7 @@ def scalar_field(path: str) -> FieldInfo | None:
 def scalar_paths() -> list[str]:
     """Every dotted path that may be an axis."""
     paths = []
-    for part, info in Scene.model_fields.items():
+    for part, info in SceneSpec.model_fields.items():
         model = _model_of(info)
         if model:
             paths += [f"{part}.{name}" for name, inner in model.model_fields.items() if _is_number(inner)]
@@ -95,7 +93,9 @@ def _is_number(info: FieldInfo) -> bool:
 
 
 def axis_unit(name: str) -> str:
-    """SI unit of a scene value that is an axis, as its field declares it; "1" for a pure number."""
+    """SI unit of a grid axis, as the scene declares it; "1" for a pure number."""
+    if name == RATE:
+        return "Hz"
     info = scalar_field(name)
     units = [item.name for item in _metadata(info) if isinstance(item, Unit)] if info else []
     return units[0] if units else "1"
@@ -198,9 +198,3 @@ class Grid(BaseModel):
         """Axes as written, in the order written."""
         names = [RATE, COUNTS, *(self.__pydantic_extra__ or {})]
         return {name: getattr(self, name) for name in names}
-
-
-def cells(axes: dict[str, list[float | int]]) -> Iterator[dict[str, float | int]]:
-    """Every combination of axis values."""
-    for values in itertools.product(*axes.values()):
-        yield dict(zip(axes, values, strict=True))

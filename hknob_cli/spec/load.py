@@ -1,40 +1,32 @@
-"""From a file (and overrides) to a validated spec, or to the list of its faults with their places."""
+"""From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
 from math import prod
 from pathlib import Path
-from typing import Any, NamedTuple, get_args
+from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.grid import (
-    COUNTS,
     MAX_CELLS,
-    RATE,
     AxisError,
     Grid,
+    axis_unit,
     axis_values,
     scalar_field,
     scalar_paths,
 )
 from hknob_cli.spec.messages import keys_of, message, nearest
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.plan import COUNTS, RATE, Axes, Starts, SweepPlan
+from hknob_cli.spec.scene import SceneSpec
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
 KINDS: dict[str, type[SweepSpec]] = {"sweep": SweepSpec}
 
 
-class Loaded(NamedTuple):
-    """A validated spec, its axes in SI numbers, and the plain values it was read from (overrides applied)."""
-
-    spec: SweepSpec
-    axes: dict[str, list[float | int]]
-    values: dict[str, Any]
-
-
-def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Loaded:
+def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> SweepPlan:
     """Read and validate one spec.
 
     ``overrides`` are ``key.path=value`` strings; ``kind`` is the kind required, any if None. Raises `UsageError` if the
@@ -47,7 +39,7 @@ def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None
     return validate(source, kind=kind)
 
 
-def validate(source: Source, *, kind: str | None = None) -> Loaded:
+def validate(source: Source, *, kind: str | None = None) -> SweepPlan:
     """Validate the values of ``source``. Raises `SpecError`."""
     given = source.value.get("kind")
     if given is None:
@@ -57,7 +49,7 @@ def validate(source: Source, *, kind: str | None = None) -> Loaded:
         allowed = [kind] if kind else list(KINDS)
         raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
     faults: list[Fault] = []
-    scene: Scene | None = None
+    scene: SceneSpec | None = None
     try:
         spec = model.model_validate(source.value)
         grid, scene = spec.grid, spec.scene
@@ -70,7 +62,16 @@ def validate(source: Source, *, kind: str | None = None) -> Loaded:
     axes, more = _resolve_axes(source, grid, scene)
     if faults or more:
         raise SpecError(faults + more)
-    return Loaded(spec=spec, axes=axes, values=source.value)
+    starts = spec.starts
+    return SweepPlan(
+        name=spec.name,
+        scene=spec.scene.plain(),
+        axes=axes,
+        units={name: axis_unit(name) for name in axes},
+        starts=Starts(starts.angle, starts.velocity, starts.phases),
+        max_samples=spec.limits.max_samples,
+        values=source.value,
+    )
 
 
 def _fault(source: Source, model: type[BaseModel], error: Any) -> Fault:
@@ -99,10 +100,10 @@ def _model_at(model: type[BaseModel], path: tuple[str | int, ...]) -> type[BaseM
     return current
 
 
-def _resolve_axes(source: Source, grid: Grid, scene: Scene | None) -> tuple[dict[str, list[float | int]], list[Fault]]:
+def _resolve_axes(source: Source, grid: Grid, scene: SceneSpec | None) -> tuple[Axes, list[Fault]]:
     """Values of every axis in SI numbers, and the faults found; ``scene`` is None where it is itself at fault."""
     faults: list[Fault] = []
-    axes: dict[str, list[float | int]] = {}
+    axes: Axes = {}
     for name, axis in grid.axes().items():
         if name not in (RATE, COUNTS):
             wrong = _axis_fault(name, scene)
@@ -119,7 +120,7 @@ def _resolve_axes(source: Source, grid: Grid, scene: Scene | None) -> tuple[dict
     return axes, faults
 
 
-def _axis_fault(name: str, scene: Scene | None) -> str | None:
+def _axis_fault(name: str, scene: SceneSpec | None) -> str | None:
     """Why a value of the scene cannot be an axis; None if it can."""
     if scalar_field(name) is None:
         return nearest(name, [RATE, COUNTS, *scalar_paths()])

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
+from hknob_cli.spec import plan
 from hknob_cli.spec.quantity import AddedInertia, Damping, Inertia, Seconds, Stiffness, Torque
 
 
@@ -34,7 +35,7 @@ def _sampled(value: Any) -> Any:
     return value
 
 
-class Knob(Part):
+class KnobSpec(Part):
     """The device: what turns, felt without any control."""
 
     inertia: Annotated[Inertia, Field(description="moment of inertia of knob and motor")]
@@ -44,7 +45,7 @@ class Knob(Part):
     ] = 0.0
 
 
-class Hand(Part):
+class HandSpec(Part):
     """The hand on the knob, second order, to ground; its neutral angle is 0."""
 
     inertia: Annotated[AddedInertia, Field(description="moment of inertia the grasp adds")] = 0.0
@@ -52,7 +53,7 @@ class Hand(Part):
     stiffness: Annotated[Stiffness, Field(description="stiffness of the grasp")] = 0.0
 
 
-class Wall(Part):
+class WallSpec(Part):
     """The virtual wall: a spring for measured angles below 0, nothing above."""
 
     stiffness: Annotated[Stiffness, Field(description="virtual stiffness")]
@@ -61,7 +62,7 @@ class Wall(Part):
     )
 
 
-class Bias(Part):
+class BiasSpec(Part):
     """The user's constant push into the wall: a torque, or half the torque step of one count."""
 
     torque: Annotated[Torque | None, Field(description="constant torque into the wall")] = None
@@ -70,13 +71,13 @@ class Bias(Part):
     ] = None
 
     @model_validator(mode="after")
-    def _one_of(self) -> "Bias":
+    def _one_of(self) -> "BiasSpec":
         if (self.torque is None) == (self.half_quantum is None):
             raise PydanticCustomError("one_of", "must have exactly one of 'torque' and 'half_quantum'")
         return self
 
 
-class Encoder(Part):
+class EncoderSpec(Part):
     """The angle sensor: reports the edge of a count that ``rounding`` picks."""
 
     rounding: Annotated[
@@ -95,7 +96,7 @@ class Encoder(Part):
     ] = 0.0
 
 
-class Actuator(Part):
+class ActuatorSpec(Part):
     """From command to torque."""
 
     delay_samples: Annotated[
@@ -111,15 +112,26 @@ class Actuator(Part):
     torque_step: Annotated[Torque, _absent("a torque step"), Field(description="D/A step; 0 in this version")] = 0.0
 
 
-class Scene(Part):
+class SceneSpec(Part):
     """Knob and wall, and whatever else is listed."""
 
-    knob: Knob
-    wall: Wall
-    hand: Hand | None = None
-    bias: Bias | None = None
-    encoder: Annotated[Encoder, BeforeValidator(_sampled), Field(default_factory=Encoder)]
-    actuator: Actuator | None = None
+    knob: KnobSpec
+    wall: WallSpec
+    hand: HandSpec | None = None
+    bias: BiasSpec | None = None
+    encoder: Annotated[EncoderSpec, BeforeValidator(_sampled), Field(default_factory=EncoderSpec)]
+    actuator: ActuatorSpec | None = None
     sampling: Annotated[Literal["zero_order_hold"], Field(description="how the controller acts in time")] = (
         "zero_order_hold"
     )
+
+    def plain(self) -> plan.Scene:
+        """The scene as plain values."""
+        return plan.Scene(
+            knob=plan.Knob(**dict(self.knob)),
+            wall=plan.Wall(**dict(self.wall)),
+            hand=plan.Hand(**dict(self.hand)) if self.hand else None,
+            bias=plan.Bias(**dict(self.bias)) if self.bias else None,
+            encoder=plan.Encoder(**dict(self.encoder)),
+            actuator=plan.Actuator(**dict(self.actuator)) if self.actuator else None,
+        )

@@ -6,12 +6,12 @@ from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
 from hknob_cli.spec.quantity import Angle, Velocity
-from hknob_cli.spec.scene import Part, Scene
+from hknob_cli.spec.scene import Part, SceneSpec
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
 
-class Starts(Part):
+class StartsSpec(Part):
     """Where the trials of a cell begin, and how many sample clocks are tried."""
 
     angle: Annotated[Angle, Field(description="knob angle at the start, above the wall where positive")] = 0.02
@@ -21,7 +21,7 @@ class Starts(Part):
     ] = 64
 
 
-class Limits(Part):
+class LimitsSpec(Part):
     """Bounds on the work."""
 
     max_samples: Annotated[
@@ -35,7 +35,7 @@ class SweepSpec(Part):
 
     kind: Literal["sweep"]
     name: Annotated[Name, Field(description="names the results folder; letters, digits, '.', '_', '-'")]
-    scene: Scene
+    scene: SceneSpec
     grid: Grid
-    starts: Annotated[Starts, Field(default_factory=Starts)]
-    limits: Annotated[Limits, Field(default_factory=Limits)]
+    starts: Annotated[StartsSpec, Field(default_factory=StartsSpec)]
+    limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]

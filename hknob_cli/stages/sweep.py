@@ -15,14 +15,11 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import CELLS, ORBITS, Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.grid import COUNTS, RATE, axis_unit, cells
-from hknob_cli.spec.load import Loaded
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.plan import COUNTS, RATE, Cell, SweepPlan, cells, scene_at
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
 THREADS_ABOVE = 20_000_000
 
-Cell = dict[str, float | int]
 Progress = Callable[[int, int], None]
 
 
@@ -44,24 +41,11 @@ class SweepResult(NamedTuple):
     samples: int
 
 
-def scene_at(scene: Scene, cell: Cell) -> Scene:
-    """The scene with a cell's values in place; values are validated already."""
-    parts: dict[str, dict[str, float | int]] = {}
-    for name, value in cell.items():
-        if name not in (RATE, COUNTS):
-            part, field = name.split(".")
-            parts.setdefault(part, {})[field] = value
-    if not parts:
-        return scene
-    return scene.model_copy(update={part: getattr(scene, part).model_copy(update=new) for part, new in parts.items()})
-
-
 class SweepStage:
     """A sweep that is ready to run."""
 
-    def __init__(self, loaded: Loaded, *, jobs: int | None = None) -> None:
-        self.spec = loaded.spec
-        self.axes = loaded.axes
+    def __init__(self, plan: SweepPlan, *, jobs: int | None = None) -> None:
+        self.plan = plan
         self.jobs = jobs or os.cpu_count() or 1
         self._local = threading.local()
         self._functions: dict[str, Callable[..., Any]] | None = None
@@ -69,7 +53,7 @@ class SweepStage:
     @property
     def cell_count(self) -> int:
         """Number of cells."""
-        return prod(len(values) for values in self.axes.values())
+        return prod(len(values) for values in self.plan.axes.values())
 
     @property
     def compiled(self) -> bool:
@@ -79,8 +63,8 @@ class SweepStage:
     @cached_property
     def expected(self) -> float:
         """Rough number of trial-samples of the whole grid."""
-        phases = self.spec.starts.phases
-        return sum(expected_samples(self._sample(cell).loop, phases) for cell in cells(self.axes))
+        phases = self.plan.starts.phases
+        return sum(expected_samples(self._sample(cell).loop, phases) for cell in cells(self.plan.axes))
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
@@ -116,18 +100,18 @@ class SweepStage:
         )
 
     def _search(self, engine: Engine, knob: SampledKnob) -> Search:
-        starts = self.spec.starts
+        starts = self.plan.starts
         return engine.search(
             knob.loop,
             x=knob.position(starts.angle),
             v=knob.speed(starts.velocity),
             phases=starts.phases,
             delay_line=knob.delay_line,
-            max_samples=self.spec.limits.max_samples,
+            max_samples=self.plan.max_samples,
         )
 
     def _sample(self, cell: Cell) -> SampledKnob:
-        return sample_knob(scene_at(self.spec.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+        return sample_knob(scene_at(self.plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
 
     def _compile(self) -> None:
         from hknob_cli.engine.jit import compiled
@@ -143,13 +127,13 @@ class SweepStage:
     def _results(self) -> Iterator[CellResult]:
         """Results in the order of the grid; compiled kernels leave the interpreter to the other threads."""
         if self.expected < THREADS_ABOVE or self.jobs == 1:
-            yield from map(self.run_cell, cells(self.axes))
+            yield from map(self.run_cell, cells(self.plan.axes))
             return
         from concurrent.futures import ThreadPoolExecutor
 
         pool = ThreadPoolExecutor(max_workers=self.jobs)
         try:
-            yield from pool.map(self.run_cell, cells(self.axes))
+            yield from pool.map(self.run_cell, cells(self.plan.axes))
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -164,7 +148,7 @@ class SweepStage:
         return build_table([*self._axis_columns(), *ORBITS], rows)
 
     def _axis_columns(self) -> list[Column]:
-        return [axis_column(name, axis_unit(name)) for name in self.axes]
+        return [axis_column(name, self.plan.units[name]) for name in self.plan.axes]
 
 
 def _cell_row(result: CellResult) -> dict[str, Any]:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from hknob_cli.engine.loop import drive_of
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.plan import Scene
+from hknob_cli.spec.scene import SceneSpec
 
 Array = NDArray[np.float64]
 
@@ -21,14 +22,14 @@ START_RAD = 0.02
 
 def scene(bias: dict[str, float | bool]) -> Scene:
     """The scene under one of `BIASES`."""
-    return Scene.model_validate(
+    return SceneSpec.model_validate(
         {
             "knob": {"inertia": 1.9e-6},
             "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
             "wall": {"stiffness": 0.27},
             "bias": bias,
         }
-    )
+    ).plain()
 
 
 def knob_at(rate_hz: float, counts: int, bias: dict[str, float | bool]) -> SampledKnob:

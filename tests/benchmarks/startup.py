@@ -1,7 +1,7 @@
 """Start-up and memory: whole processes against the imports they cannot do without.
 
-Each command is run in turn with its floor, so that a drift of the machine hits both; the ratio is of medians. Cold means
-a fresh process and no results; the compiler's cache is warm. Run it as ``python tests/benchmarks/startup.py [RUNS]``.
+Each command is run in turn with its floor, so that a drift of the machine hits both; the ratio is of medians. Cold
+means a fresh process and no results; the compiler's cache is warm. The number of runs may be given.
 """
 
 import resource

@@ -8,7 +8,7 @@ from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search, samp
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.scene import SceneSpec
 
 BASE = {
     "knob": {"inertia": 1.9e-6},
@@ -19,7 +19,7 @@ BASE = {
 
 
 def knob(rate: float = 1000.0, counts: int = 1024, **parts: object) -> SampledKnob:
-    return sample_knob(Scene.model_validate({**BASE, **parts}), sample_rate_hz=rate, counts_per_rev=counts)
+    return sample_knob(SceneSpec.model_validate({**BASE, **parts}).plain(), sample_rate_hz=rate, counts_per_rev=counts)
 
 
 def search(engine: Engine, one: SampledKnob, phases: int = 64, max_samples: int | None = None) -> Search:
@@ -95,7 +95,7 @@ def test_attractors_come_most_frequent_first() -> None:
 
 
 def test_a_limit_on_samples_gives_undecided_with_its_reason() -> None:
-    (only,) = search(Engine(compiled()), knob(rate=1e4), phases=4, max_samples=780).attractors
+    (only,) = search(Engine(compiled()), knob(rate=1e5), phases=4, max_samples=13_000).attractors
     assert (only.outcome, only.reason) == (Outcome.UNDECIDED, Reason.NO_REPEAT)
     heavy = knob(knob={"inertia": 1.0})
     (only,) = search(Engine(compiled()), heavy, phases=1, max_samples=1000).attractors
@@ -110,9 +110,10 @@ def test_the_interpreter_hands_long_trials_over() -> None:
 def test_samples_follow_the_slowest_mode() -> None:
     loop = knob().loop
     limit = sample_limit(loop)
-    # The plant decays at b / 2J = 78.4 / s: six time constants are 76.5 samples at 1 kHz.
-    assert settling_samples(loop, limit) == 76
-    assert limit == 76_521 if limit > 65_536 else 65_536
+    # The plant decays at b / 2J = 78.41 / s: ten time constants are 127.5 samples at 1 kHz, 600 are 7652.
+    assert settling_samples(loop, limit) == 127
+    assert limit == 65_536  # the least there is
+    assert sample_limit(knob(rate=1e5).loop) == 765_217
 
 
 def test_reasons_have_words() -> None:

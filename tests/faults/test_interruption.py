@@ -98,7 +98,7 @@ def test_full_disk(hknob, spec_file, tmp_path: Path) -> None:
         "plain = pq.write_table\n"
         "pq.write_table = lambda table, stream, **kw: plain(table, open('/dev/full', 'wb'), **kw)\n"
         f"sys.argv = ['hknob', 'sweep', {str(spec_file())!r}, '-o', {str(out)!r}]\n"
-        "from hknob_cli.cli.app import main; main()"
+        "from hknob_cli.cli.main import main; main()"
     )
     done = subprocess.run([HKNOB.with_name("python"), "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 1, done.stderr

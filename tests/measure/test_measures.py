@@ -83,7 +83,7 @@ def test_several_extrema_in_one_interval() -> None:
     from hknob_cli.engine.attractors import Engine
     from hknob_cli.scene.sampled_knob import sample_knob
 
-    knob = sample_knob(stage.spec.scene, sample_rate_hz=10.0, counts_per_rev=1024)
+    knob = sample_knob(stage.plan.scene, sample_rate_hz=10.0, counts_per_rev=1024)
     for attractor, measures in zip(result.attractors, result.measures, strict=True):
         xs, vs, _, newer = Engine().trace(knob.loop, attractor)
         dense = []

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.loop import drive_of, level_of
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.scene import SceneSpec
 
 N = 1024
 QUANTUM = 2 * pi / N
@@ -24,7 +24,7 @@ def knob(rounding: str = "floor", offset: float = 0.0, **scene: object) -> Sampl
         "bias": {"torque": 0.001},
         "encoder": {"rounding": rounding, "offset_counts": offset},
     }
-    return sample_knob(Scene.model_validate({**parts, **scene}), sample_rate_hz=1000.0, counts_per_rev=N)
+    return sample_knob(SceneSpec.model_validate({**parts, **scene}).plain(), sample_rate_hz=1000.0, counts_per_rev=N)
 
 
 def test_numbers_of_table_7() -> None:
@@ -86,6 +86,6 @@ def test_delay_line_holds_the_commands_under_way() -> None:
 
 
 def test_overflow_is_said() -> None:
-    scene = Scene.model_validate({"knob": {"inertia": 1e-300}, "wall": {"stiffness": 1e12}})
+    scene = SceneSpec.model_validate({"knob": {"inertia": 1e-300}, "wall": {"stiffness": 1e12}}).plain()
     with pytest.raises(ComputationError, match="overflow"):
         sample_knob(scene, sample_rate_hz=1e-3, counts_per_rev=1)

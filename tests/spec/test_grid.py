@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from hknob_cli.spec.grid import AxisError, LinAxis, LogAxis, axis_unit, axis_values, cells, scalar_paths
+from hknob_cli.spec.grid import AxisError, LinAxis, LogAxis, axis_unit, axis_values, scalar_paths
+from hknob_cli.spec.plan import cells
 from tests.conftest import SPEC, loaded
 
 

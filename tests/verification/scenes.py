@@ -7,7 +7,7 @@ from typing import Any
 from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import Scene
+from hknob_cli.spec.scene import SceneSpec
 
 # The 7 x 7 grid of the dissertation's simulations (contract.md, "Specs"), and its start.
 RATES_HZ = tuple(100.0 * 10.0 ** (i / 3) for i in range(7))
@@ -56,7 +56,7 @@ class Settled:
 
 def sample(scene: dict[str, Any], rate_hz: float, counts: int) -> SampledKnob:
     """The package's loop of one cell."""
-    return sample_knob(Scene.model_validate(scene), sample_rate_hz=rate_hz, counts_per_rev=counts)
+    return sample_knob(SceneSpec.model_validate(scene).plain(), sample_rate_hz=rate_hz, counts_per_rev=counts)
 
 
 def settle(

@@ -1,0 +1,105 @@
+"""What a valid spec says, as plain values: SI numbers in tuples, without the machinery that validated them.
+
+This is what the rest of the program sees. Defaults and absences are resolved: a part that is not listed is None.
+"""
+
+import itertools
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
+
+Cell = dict[str, float | int]
+Axes = dict[str, list[float | int]]
+
+
+class Knob(NamedTuple):
+    """Moment of inertia (kg·m²), viscous damping (N·m·s/rad), Coulomb friction (N·m) of the device."""
+
+    inertia: float
+    damping: float = 0.0
+    coulomb_torque: float = 0.0
+
+
+class Hand(NamedTuple):
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground."""
+
+    inertia: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+class Wall(NamedTuple):
+    """Stiffness (N·m/rad) and damping (N·m·s/rad) of the virtual wall."""
+
+    stiffness: float
+    damping: float = 0.0
+
+
+class Bias(NamedTuple):
+    """Torque into the wall (N·m), or half the torque step of a count."""
+
+    torque: float | None = None
+    half_quantum: bool | None = None
+
+
+class Encoder(NamedTuple):
+    """How a position is rounded to a count, and where the edges lie (counts above the wall's edge)."""
+
+    rounding: str = "floor"
+    offset_counts: float = 0.0
+
+
+class Actuator(NamedTuple):
+    """Delay (samples), lag (s), saturation and step (N·m) from command to torque."""
+
+    delay_samples: float = 0.0
+    time_constant: float = 0.0
+    torque_limit: float | None = None
+    torque_step: float = 0.0
+
+
+class Scene(NamedTuple):
+    """What exists; None where it does not."""
+
+    knob: Knob
+    wall: Wall
+    hand: Hand | None
+    bias: Bias | None
+    encoder: Encoder
+    actuator: Actuator | None
+
+
+class Starts(NamedTuple):
+    """Angle (rad) and velocity (rad/s) where trials begin, and their number."""
+
+    angle: float
+    velocity: float
+    phases: int
+
+
+class SweepPlan(NamedTuple):
+    """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied."""
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    starts: Starts
+    max_samples: int | None
+    values: dict[str, Any]
+
+
+def cells(axes: Axes) -> Iterator[Cell]:
+    """Every combination of axis values, the last axis fastest."""
+    for values in itertools.product(*axes.values()):
+        yield dict(zip(axes, values, strict=True))
+
+
+def scene_at(scene: Scene, cell: Cell) -> Scene:
+    """The scene with a cell's values in place."""
+    for name, value in cell.items():
+        if name not in (RATE, COUNTS):
+            part, field = name.split(".")
+            scene = scene._replace(**{part: getattr(scene, part)._replace(**{field: value})})
+    return scene
