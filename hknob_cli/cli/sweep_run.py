@@ -27,7 +27,7 @@ def run_sweep(job: SweepJob) -> None:
     if job.dry_run:
         _say_plan(job, paths, current=current is not None)
         return
-    if current is not None and not job.plot:
+    if current is not None and not job.plot and not store.leftovers(job.out):
         tables, drawn = current, False
     else:
         with store.hold(job.out):
@@ -54,7 +54,7 @@ def _say_plan(job: SweepJob, paths: list[Path], *, current: bool) -> None:
 
 def _compute(job: SweepJob) -> tuple[pa.Table, pa.Table]:
     begin = time.perf_counter()
-    stage = SweepStage(job.plan, jobs=job.jobs)
+    stage = SweepStage(job.plan, jobs=job.jobs, notify=(lambda _text: None) if job.quiet else say)
     with progress_bar(stage.cell_count, show=not job.quiet and stage.expected > SLOW) as progress:
         result = stage.run(progress)
     if job.verbose and not job.quiet:

@@ -58,6 +58,11 @@ def _load_target() -> None:
             del sys.modules[blas]
 
 
+def is_cached() -> bool:
+    """Whether compiled code of these sources is on disk, so that `compiled` takes no more than loading it."""
+    return any(cache_directory().glob("**/*.nbi"))
+
+
 @cache
 def compiled() -> dict[str, Callable[..., Any]]:
     """Every engine function by name, compiled on first call; compiled code is cached where a cache can be written."""

@@ -32,7 +32,7 @@ def hold(out: Path) -> Iterator[None]:
     except OSError as error:
         raise ComputationError(f"{out}: cannot be written: {error.strerror or error}") from None
     try:
-        for left in out.glob(f".*{_PARTIAL}"):
+        for left in leftovers(out):
             left.unlink(missing_ok=True)
         yield
     except BaseException:
@@ -49,6 +49,11 @@ def _clear(made: list[Path], out: Path) -> None:
             (out / LOCK).unlink(missing_ok=True)
             for folder in made:
                 folder.rmdir()
+
+
+def leftovers(out: Path) -> list[Path]:
+    """What an interrupted run left half written, or another is writing now."""
+    return list(out.glob(f".*{_PARTIAL}"))
 
 
 def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] | None:

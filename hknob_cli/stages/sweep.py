@@ -44,8 +44,12 @@ class SweepResult(NamedTuple):
 class SweepStage:
     """A sweep that is ready to run."""
 
-    def __init__(self, plan: SweepPlan, *, jobs: int | None = None) -> None:
+    def __init__(
+        self, plan: SweepPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
+    ) -> None:
+        """Make ready; ``jobs`` threads, all cores if None; ``notify`` is told of waits."""
         self.plan = plan
+        self.notify = notify
         self.jobs = jobs or os.cpu_count() or 1
         self._local = threading.local()
         self._functions: dict[str, Callable[..., Any]] | None = None
@@ -114,8 +118,10 @@ class SweepStage:
         return sample_knob(scene_at(self.plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
 
     def _compile(self) -> None:
-        from hknob_cli.engine.jit import compiled
+        from hknob_cli.engine.jit import compiled, is_cached
 
+        if not is_cached():
+            self.notify("compiling the engine for this machine; only the first long sweep waits for it")
         self._functions = compiled()
 
     def _engine(self) -> Engine:
