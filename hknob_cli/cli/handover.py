@@ -13,19 +13,22 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import BinaryIO, Protocol
 
-AHEAD = {"sweep": ("hknob_cli.cli.sweep_run", "filelock")}  # what a subcommand's work needs
+# What the work of a subcommand needs, to be loaded ahead.
+AHEAD = {
+    kind: (f"hknob_cli.cli.{kind}_work", "hknob_cli.cli.stage_run", "filelock") for kind in ("sweep", "dfa", "predict")
+}
 
 _pipe: BinaryIO | None = None
 
 
-class Job(Protocol):
+class Runnable(Protocol):
     """A validated piece of work, which can be pickled."""
 
     def run(self) -> None:
         """Do it; print results on stdout. Raises `HknobError`."""
 
 
-def submit(job: Job) -> None:
+def submit(job: Runnable) -> None:
     """Run a job: here, or in the process that waits for it."""
     if _pipe is None:
         job.run()
@@ -85,8 +88,8 @@ def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
         return pipe.read()
 
 
-def _unpickled(handed: bytes) -> Job:
+def _unpickled(handed: bytes) -> Runnable:
     import pickle
 
-    job: Job = pickle.loads(handed)
+    job: Runnable = pickle.loads(handed)
     return job

@@ -42,11 +42,12 @@ def sweep(
     with reporting():
         if executor is ExecutorName.dask or scheduler:
             raise UsageError("--executor: dask is not in this version; local is")
-        from hknob_cli.cli.sweep_job import SweepJob
+        from hknob_cli.cli.job import Job
         from hknob_cli.spec.load import load
 
         plan = load(spec, tuple(sets or ()), kind="sweep")
-        job = SweepJob(
+        job = Job(
+            kind="sweep",
             plan=plan,
             out=out or Path("results") / plan.name,
             overrides=tuple(sets or ()),

@@ -1,6 +1,5 @@
 """A sweep in words and numbers: the summary as data, and as the table on the terminal."""
 
-from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
@@ -8,20 +7,14 @@ import pyarrow as pa
 MAX_ROWS = 60
 
 
-def describe_sweep(
-    cells: pa.Table, orbits: pa.Table, *, axes: list[str], name: str, status: str, files: list[Path]
-) -> dict[str, Any]:
+def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dict[str, Any]:
     """Summary of a sweep as plain data, one entry per cell under ``cells``."""
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
     return {
-        "kind": "sweep",
-        "name": name,
-        "status": status,
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
-        "files": [str(path) for path in files],
         "cells": rows,
     }
 
@@ -39,7 +32,6 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
         lines += ["", *_list(rows, wide)]
     notes = _notes(rows)
     lines += ["", *notes] if notes else []
-    lines += ["", *(f"wrote {path}" if summary["status"] == "computed" else str(path) for path in summary["files"])]
     return "\n".join(lines)
 
 

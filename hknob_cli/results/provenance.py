@@ -13,7 +13,7 @@ import pyarrow as pa
 from hknob_cli import __version__
 
 KEY = b"hknob.provenance"
-_COMPUTING = ("spec", "scene", "engine", "measure", "results", "stages")
+_COMPUTING = ("spec", "scene", "engine", "theory", "measure", "results", "stages")
 
 
 @cache
@@ -28,8 +28,13 @@ def source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def describe(*, stage: str, values: dict[str, Any], overrides: tuple[str, ...]) -> bytes:
-    """Provenance of a result as canonical JSON; ``values`` is the spec with overrides applied."""
+def describe(
+    *, stage: str, values: dict[str, Any], overrides: tuple[str, ...], inputs: dict[str, str] | None = None
+) -> bytes:
+    """Provenance of a result as canonical JSON.
+
+    ``values`` is the spec with overrides applied; ``inputs`` are digests of what else the result depends on, by name.
+    """
     spec = json.dumps(values, sort_keys=True)
     record = {
         "program": "hknob",
@@ -37,7 +42,7 @@ def describe(*, stage: str, values: dict[str, Any], overrides: tuple[str, ...]) 
         "name": values.get("name"),
         "spec": values,
         "overrides": list(overrides),
-        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest()},
+        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **(inputs or {})},
         "versions": {
             "hknob": __version__,
             "hknob_source": source_digest(),

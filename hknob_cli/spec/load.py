@@ -8,6 +8,7 @@ from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
+from hknob_cli.spec.analysis import DfaSpec, PredictSpec
 from hknob_cli.spec.grid import (
     MAX_CELLS,
     AxisError,
@@ -18,15 +19,16 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import keys_of, message, nearest
-from hknob_cli.spec.plan import COUNTS, RATE, Axes, Starts, SweepPlan
+from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan
 from hknob_cli.spec.scene import SceneSpec
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
-KINDS: dict[str, type[SweepSpec]] = {"sweep": SweepSpec}
+Spec = SweepSpec | DfaSpec | PredictSpec
+KINDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
 
 
-def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> SweepPlan:
+def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Plan:
     """Read and validate one spec.
 
     ``overrides`` are ``key.path=value`` strings; ``kind`` is the kind required, any if None. Raises `UsageError` if the
@@ -39,7 +41,7 @@ def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None
     return validate(source, kind=kind)
 
 
-def validate(source: Source, *, kind: str | None = None) -> SweepPlan:
+def validate(source: Source, *, kind: str | None = None) -> Plan:
     """Validate the values of ``source``. Raises `SpecError`."""
     given = source.value.get("kind")
     if given is None:
@@ -60,18 +62,24 @@ def validate(source: Source, *, kind: str | None = None) -> SweepPlan:
         except ValidationError:
             raise SpecError(faults) from None
     axes, more = _resolve_axes(source, grid, scene)
-    if faults or more:
-        raise SpecError(faults + more)
-    starts = spec.starts
-    return SweepPlan(
-        name=spec.name,
-        scene=spec.scene.plain(),
-        axes=axes,
-        units={name: axis_unit(name) for name in axes},
-        starts=Starts(starts.angle, starts.velocity, starts.phases),
-        max_samples=spec.limits.max_samples,
-        values=source.value,
-    )
+    faults += more + _absent(source, model, scene, axes)
+    if faults:
+        raise SpecError(faults)
+    return spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
+
+
+def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Axes) -> list[Fault]:
+    """Faults of scene values that this kind of spec cannot have."""
+    faults = []
+    kind = source.value["kind"]
+    for name, what in model.ABSENT.items():
+        part, field = name.split(".")
+        message = f"must be 0: {what} is not in {kind} in this version"
+        if scene and getattr(getattr(scene, part), field, None):
+            faults.append(source.fault(("scene", part, field), message))
+        if any(axes.get(name, [])):
+            faults.append(source.fault(("grid", name), message, at_key=True))
+    return faults
 
 
 def _fault(source: Source, model: type[BaseModel], error: Any) -> Fault:

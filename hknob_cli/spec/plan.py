@@ -78,6 +78,31 @@ class Starts(NamedTuple):
     phases: int
 
 
+class DfaPlan(NamedTuple):
+    """A describing-function analysis by ``methods``; ``against``: folder of the sweep it is compared with."""
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    methods: tuple[str, ...]
+    against: str | None
+    values: dict[str, Any]
+
+
+class PredictPlan(NamedTuple):
+    """Predictions by ``laws``; ``constant``: C of the quantum-period law (1/(rad s) times rad), None: analytic."""
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    laws: tuple[str, ...]
+    constant: float | None
+    against: str | None
+    values: dict[str, Any]
+
+
 class SweepPlan(NamedTuple):
     """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied."""
 
@@ -88,6 +113,9 @@ class SweepPlan(NamedTuple):
     starts: Starts
     max_samples: int | None
     values: dict[str, Any]
+
+
+Plan = SweepPlan | DfaPlan | PredictPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

@@ -5,7 +5,7 @@ Source of the parts: Hasser, sections 6.3-6.4 (Fig. 27, Table 7). SI units throu
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec import plan
@@ -16,17 +16,6 @@ class Part(BaseModel):
     """A piece of a spec: immutable, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
-
-
-def _absent(what: str) -> Any:
-    """Annotation of a value that may be written, but only as absent, in this version."""
-
-    def check(value: float | None) -> float | None:
-        if value:
-            raise PydanticCustomError("absent", "must be 0: {what} is not in this version", {"what": what})
-        return value
-
-    return AfterValidator(check)
 
 
 def _sampled(value: Any) -> Any:
@@ -40,9 +29,7 @@ class KnobSpec(Part):
 
     inertia: Annotated[Inertia, Field(description="moment of inertia of knob and motor")]
     damping: Annotated[Damping, Field(description="viscous damping of the device")] = 0.0
-    coulomb_torque: Annotated[
-        Torque, _absent("Coulomb friction"), Field(description="Coulomb friction level; 0 in this version")
-    ] = 0.0
+    coulomb_torque: Annotated[Torque, Field(description="Coulomb friction level; predict only")] = 0.0
 
 
 class HandSpec(Part):
@@ -57,9 +44,7 @@ class WallSpec(Part):
     """The virtual wall: a spring for measured angles below 0, nothing above."""
 
     stiffness: Annotated[Stiffness, Field(description="virtual stiffness")]
-    damping: Annotated[Damping, _absent("virtual damping"), Field(description="virtual damping; 0 in this version")] = (
-        0.0
-    )
+    damping: Annotated[Damping, Field(description="on the differenced measured angle; predict only")] = 0.0
 
 
 class BiasSpec(Part):
@@ -103,13 +88,9 @@ class ActuatorSpec(Part):
         float,
         Field(strict=True, ge=0, le=1000, allow_inf_nan=False, description="transport delay in sample periods"),
     ] = 0.0
-    time_constant: Annotated[
-        Seconds, _absent("actuator lag"), Field(description="first-order lag; 0 in this version")
-    ] = 0.0
-    torque_limit: Annotated[
-        Torque | None, _absent("a torque limit"), Field(description="saturation; null in this version")
-    ] = None
-    torque_step: Annotated[Torque, _absent("a torque step"), Field(description="D/A step; 0 in this version")] = 0.0
+    time_constant: Annotated[Seconds, Field(description="first-order lag; 0 in this version")] = 0.0
+    torque_limit: Annotated[Torque | None, Field(description="saturation; null in this version")] = None
+    torque_step: Annotated[Torque, Field(description="D/A step; 0 in this version")] = 0.0
 
 
 class SceneSpec(Part):

@@ -1,12 +1,22 @@
 """The sweep's spec: a scene, a grid, and how trials start."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
+from hknob_cli.spec.plan import Axes, Starts, SweepPlan
 from hknob_cli.spec.quantity import Angle, Velocity
 from hknob_cli.spec.scene import Part, SceneSpec
+
+# Scene values that the exact engine does not have yet.
+ABSENT = {
+    "knob.coulomb_torque": "Coulomb friction",
+    "wall.damping": "virtual damping",
+    "actuator.time_constant": "actuator lag",
+    "actuator.torque_limit": "a torque limit",
+    "actuator.torque_step": "a torque step",
+}
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
@@ -39,3 +49,17 @@ class SweepSpec(Part):
     grid: Grid
     starts: Annotated[StartsSpec, Field(default_factory=StartsSpec)]
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
+
+    ABSENT: ClassVar[dict[str, str]] = ABSENT
+
+    def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
+        """The spec as plain values, its axes resolved."""
+        return SweepPlan(
+            name=self.name,
+            scene=self.scene.plain(),
+            axes=axes,
+            units=units,
+            starts=Starts(self.starts.angle, self.starts.velocity, self.starts.phases),
+            max_samples=self.limits.max_samples,
+            values=values,
+        )

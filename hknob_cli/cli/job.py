@@ -1,0 +1,34 @@
+"""A stage as asked for on the command line: small enough to hand from one process to another."""
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+# Where the work of each kind is; loaded ahead, while the command line is parsed.
+WORK = {
+    "sweep": "hknob_cli.cli.sweep_work",
+    "dfa": "hknob_cli.cli.dfa_work",
+    "predict": "hknob_cli.cli.predict_work",
+}
+
+
+class Job(NamedTuple):
+    """One stage to run: its kind, plan, and the options every stage takes."""
+
+    kind: str
+    plan: Any  # the kind's plan, of `Plan`
+    out: Path
+    overrides: tuple[str, ...] = ()
+    plot: bool = False
+    jobs: int | None = None
+    force: bool = False
+    dry_run: bool = False
+    as_json: bool = False
+    quiet: bool = False
+    verbose: bool = False
+
+    def run(self) -> None:
+        """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""
+        from hknob_cli.cli.stage_run import run_stage
+
+        run_stage(self, import_module(WORK[self.kind]).WORK)

@@ -1,0 +1,87 @@
+"""What every stage does with a valid spec: compute or reuse, write, draw, print."""
+
+import json
+from pathlib import Path
+from typing import Any, Protocol
+
+import pyarrow as pa
+
+from hknob_cli.cli.console import say
+from hknob_cli.cli.job import Job
+from hknob_cli.results import provenance, store
+
+Tables = tuple[pa.Table, ...]
+
+
+class Work(Protocol):
+    """What differs between stages."""
+
+    files: tuple[str, ...]  # names of the result files, one a table
+    picture: str  # name of the picture
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
+
+    def compute(self, job: Job) -> Tables:
+        """Result tables. Raises `ComputationError`."""
+
+    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
+        """Draw the picture; False, with a message, if these results have none."""
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Summary as plain data."""
+
+    def text(self, job: Job, summary: dict[str, Any]) -> str:
+        """Summary as the table on the terminal."""
+
+
+def run_stage(job: Job, work: Work) -> None:
+    """Run a stage. Raises `RefusedError` or `ComputationError`."""
+    name = job.plan.name
+    stamp = provenance.describe(
+        stage=job.kind, values=job.plan.values, overrides=job.overrides, inputs=work.inputs(job)
+    )
+    paths = [job.out / file for file in work.files]
+    store.refuse_foreign(paths, stage=job.kind, name=name)
+    current = None if job.force else store.read_current(paths, stamp)
+    if job.dry_run:
+        _say_plan(job, paths, current=current is not None)
+        return
+    if current is not None and not job.plot and not store.leftovers(job.out):
+        tables, drawn = current, False
+    else:
+        with store.hold(job.out):
+            tables = current or work.compute(job)
+            if current is None:
+                store.write(dict(zip(paths, tables, strict=True)), stamp)
+            drawn = job.plot and work.draw(job, tables, job.out / work.picture)
+    files = [*paths, *([job.out / work.picture] if drawn else [])]
+    status = "computed" if current is None else "up to date"
+    summary = {
+        "kind": job.kind,
+        "name": name,
+        "status": status,
+        **work.describe(job, tables),
+        "files": [str(path) for path in files],
+    }
+    if job.as_json:
+        print(json.dumps(summary, allow_nan=False))
+        return
+    print(work.text(job, summary))
+    print("\n" + "\n".join(f"wrote {path}" if current is None else str(path) for path in files))
+
+
+def _say_plan(job: Job, paths: list[Path], *, current: bool) -> None:
+    if current:
+        print(f"nothing would run: {job.out} is up to date")
+        return
+    missing = [path.name for path in paths if not path.exists()]
+    changed = "the spec or the program has changed since"
+    why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
+    print(f"{job.kind} would run, because: {why}; it would write {' and '.join(str(path) for path in paths)}")
+
+
+def note(job: Job, text: str) -> None:
+    """A message, unless they are unwanted."""
+    if not job.quiet:
+        say(text)

@@ -1,0 +1,64 @@
+"""The specs of the analyses that need no simulation: describing functions, and laws."""
+
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from pydantic import Field
+
+from hknob_cli.spec.grid import Grid
+from hknob_cli.spec.plan import Axes, DfaPlan, PredictPlan
+from hknob_cli.spec.scene import Part, SceneSpec
+from hknob_cli.spec.sweep import ABSENT, Name
+
+Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,3}|tsypkin|sampled)$")]
+Law = Literal["quantum_period", "describing_function", "energy_balance"]
+Folder = Annotated[str, Field(min_length=1, description="results folder of a sweep to compare with, cell by cell")]
+
+
+class DfaSpec(Part):
+    """Predict limit cycles from the frequency response, and from exact relay cycles."""
+
+    kind: Literal["dfa"]
+    name: Annotated[Name, Field(description="names the results folder")]
+    scene: SceneSpec
+    grid: Grid
+    methods: Annotated[
+        list[Method],
+        Field(min_length=1, description="dfN: first N odd harmonics; tsypkin: all; sampled: exact sampled cycles"),
+        Field(default_factory=lambda: ["df1", "df4", "tsypkin", "sampled"]),
+    ]
+    against: Folder | None = None
+
+    ABSENT: ClassVar[dict[str, str]] = ABSENT
+
+    def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> DfaPlan:
+        """The spec as plain values, its axes resolved."""
+        methods = tuple(dict.fromkeys(self.methods))
+        return DfaPlan(self.name, self.scene.plain(), axes, units, methods, self.against, values)
+
+
+class PredictSpec(Part):
+    """Predict limit cycles by closed formulas, and say which stability limit binds."""
+
+    kind: Literal["predict"]
+    name: Annotated[Name, Field(description="names the results folder")]
+    scene: SceneSpec
+    grid: Grid
+    laws: Annotated[
+        list[Law],
+        Field(min_length=1, description="laws to evaluate; default: all"),
+        Field(default_factory=lambda: list(get_args(Law))),
+    ]
+    constant: Annotated[
+        float | None,
+        Field(gt=0, strict=True, allow_inf_nan=False, description="C of p2p = C q T, 1/s; null: analytic, 2K/(pi b)"),
+    ] = None
+    against: Folder | None = None
+
+    ABSENT: ClassVar[dict[str, str]] = {
+        path: what for path, what in ABSENT.items() if path not in ("knob.coulomb_torque", "wall.damping")
+    }
+
+    def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> PredictPlan:
+        """The spec as plain values, its axes resolved."""
+        laws = tuple(dict.fromkeys(self.laws))
+        return PredictPlan(self.name, self.scene.plain(), axes, units, laws, self.constant, self.against, values)

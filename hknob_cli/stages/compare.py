@@ -1,0 +1,103 @@
+"""Predictions beside a sweep, like with like: cell by cell, and as statistics over the grid.
+
+Differences are relative to the sweep, (prediction - sweep) / sweep. The dissertation compared the *amplitude* of its
+describing functions with the *peak to peak* of its simulations (sec. 7.3), so that reading is computed, too.
+"""
+
+import hashlib
+from collections.abc import Iterable
+from math import isfinite, sqrt
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hknob_cli.errors import UsageError
+from hknob_cli.results.columns import Column
+from hknob_cli.results.provenance import origin
+from hknob_cli.spec.plan import Cell
+
+COLUMNS = (
+    Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak in this cell"),
+    Column("sweep_frequency_hz", pa.float64(), "Hz", "the sweep's frequency in this cell"),
+    Column("p2p_difference", pa.float64(), "1", "(p2p_rad - sweep_p2p_rad) / sweep_p2p_rad"),
+    Column(
+        "amplitude_difference", pa.float64(), "1", "(p2p_rad / 2 - sweep_p2p_rad) / sweep_p2p_rad: unlike with unlike"
+    ),
+    Column("frequency_difference", pa.float64(), "1", "(frequency_hz - sweep_frequency_hz) / sweep_frequency_hz"),
+)
+
+
+def sweep_file(folder: str) -> Path:
+    """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
+    path = Path(folder) / "cells.parquet"
+    try:
+        found = origin(pq.read_schema(path).metadata)
+    except (OSError, pa.ArrowException):
+        raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
+    if found is None or found[0] != "sweep":
+        raise UsageError(f"against: {path} is not the result of a sweep")
+    return path
+
+
+def digest(folder: str) -> str:
+    """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
+    return hashlib.sha256(sweep_file(folder).read_bytes()).hexdigest()
+
+
+class Against:
+    """The cells of a sweep, by the axis values of another grid."""
+
+    def __init__(self, folder: str, axes: list[str]) -> None:
+        """Read them. Raises `UsageError` if the sweep lacks one of ``axes``."""
+        path = sweep_file(folder)
+        with pq.ParquetFile(path) as file:
+            table = file.read()
+        lacking = [axis for axis in axes if axis not in table.column_names]
+        if lacking:
+            raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
+        self._axes = axes
+        self._cells = {self._key(row): row for row in table.to_pylist()}
+
+    def _key(self, cell: Cell) -> tuple[str, ...]:
+        """Axis values to 12 digits: grids written in two ways meet."""
+        return tuple(f"{cell[axis]:.12g}" for axis in self._axes)
+
+    def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
+        """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
+        row = self._cells.get(self._key(cell), {})
+        p2p, frequency = row.get("p2p_rad"), row.get("frequency_hz")
+        return {
+            "sweep_p2p_rad": p2p,
+            "sweep_frequency_hz": frequency,
+            "p2p_difference": _relative(p2p_rad, p2p),
+            "amplitude_difference": _relative(None if p2p_rad is None else 0.5 * p2p_rad, p2p),
+            "frequency_difference": _relative(frequency_hz, frequency),
+        }
+
+
+def _relative(value: float | None, reference: float | None) -> float | None:
+    if value is None or not isfinite(value) or not reference:
+        return None
+    return (value - reference) / reference
+
+
+def statistics(values: Iterable[float | None]) -> dict[str, float | int] | None:
+    """Count, mean, standard deviation (n - 1), least and largest of differences; None if there are none."""
+    found = [value for value in values if value is not None]
+    if not found:
+        return None
+    mean = sum(found) / len(found)
+    spread = sqrt(sum((value - mean) ** 2 for value in found) / (len(found) - 1)) if len(found) > 1 else 0.0
+    return {"cells": len(found), "mean": mean, "std": spread, "least": min(found), "largest": max(found)}
+
+
+def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """Statistics of one method's or law's rows, over all cells and over those in its domain."""
+    inside = [row for row in rows if row["in_domain"]]
+    return {
+        f"{column}{suffix}": statistics(row[column] for row in chosen)
+        for column in ("p2p_difference", "amplitude_difference", "frequency_difference")
+        for chosen, suffix in ((rows, ""), (inside, "_in_domain"))
+    }

@@ -1,0 +1,1 @@
+"""Theory beside simulation: describing functions, exact relay cycles, closed laws, stability limits."""
