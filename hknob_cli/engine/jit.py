@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 # In the order of use: a module's functions are compiled before those that call them.
-MODULES = ("propagator", "loop", "certificate", "rest", "follow", "ensemble", "trace")
+MODULES = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace", "relay_cycles")
 
 
 def _source_digest() -> str:

@@ -1,16 +1,16 @@
 """Peaks and troughs of the motion between samples, all of them, in closed form.
 
-Inside a hold the velocity is v(t) = e^(-a t) [v0 cos wt + ((y0 - a v0)/w) sin wt], a = alpha/2, w^2 = beta - a^2, so
-its zeros are known. Holds shorter than half a ringing period hold at most one, and do exactly when the velocity changes
-sign; longer ones may hold many.
+The zeros of the velocity are known (`engine.turning`). Holds shorter than half a ringing period hold at most one, and
+do exactly when the velocity changes sign; longer ones may hold many.
 """
 
-from math import atan, ceil, inf, log1p, pi, sqrt
+from math import ceil
 from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.turning import first_zero, zero_spacing
 from hknob_cli.measure.period import Array, Period
 
 
@@ -20,33 +20,6 @@ class Extrema(NamedTuple):
     reference: float
     maxima: Array
     minima: Array
-
-
-def first_zero(v: float, y: float, alpha: float, beta: float) -> float:
-    """Time of the first zero of the velocity after a start at ``v`` with ``y = drive - beta x``; inf if none.
-
-    Zero velocity at the start does not count.
-    """
-    a = 0.5 * alpha
-    rate = y - a * v
-    square = beta - a * a
-    if square > 0.0:
-        w = sqrt(square)
-        if rate == 0.0:
-            return 0.5 * pi / w
-        t = atan(-v * w / rate) / w
-        return t if t > 0.0 else t + pi / w
-    if rate == 0.0:
-        return inf
-    z = -v / rate
-    if z <= 0.0:
-        return inf
-    r = sqrt(-square)
-    if r == 0.0:
-        return z
-    if r * z >= 1.0:
-        return inf
-    return (log1p(r * z) - log1p(-r * z)) / (2.0 * r)
 
 
 def _signs(period: Period) -> Array:
@@ -68,7 +41,7 @@ def find_extrema(period: Period) -> Extrema:
     alpha, beta = loop.alpha, loop.beta
     reference = float(np.mean(period.x[:-1]))
     sign = _signs(period)
-    spacing = pi / sqrt(beta - 0.25 * alpha * alpha) if beta > 0.25 * alpha * alpha else inf
+    spacing = zero_spacing(alpha, beta)
     many = spacing < max(period.kinds)
     holds = range(len(period.drive)) if many else np.flatnonzero(sign[:-1] != sign[1:])
     highs: list[float] = []

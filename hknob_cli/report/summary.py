@@ -4,6 +4,8 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.report.matrix import matrix, short
+
 MAX_ROWS = 60
 
 
@@ -23,11 +25,16 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     """The table on the terminal: two matrices over two axes, else one line per cell."""
     rows = summary["cells"]
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
-    fixed = [f"{axis} = {_short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
+    fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
     if len(wide) == 2:
-        lines += ["", *_matrix(rows, wide, "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)")]
-        lines += ["", *_matrix(rows, wide, "frequency_hz", 1.0, "frequency, Hz")]
+        lines += [
+            "",
+            *matrix(
+                rows, wide, "p2p_rad", scale=1e3, title="peak to peak, mrad (mean peak minus mean trough)", mark=_mark
+            ),
+        ]
+        lines += ["", *matrix(rows, wide, "frequency_hz", scale=1.0, title="frequency, Hz", mark=_mark)]
     else:
         lines += ["", *_list(rows, wide)]
     notes = _notes(rows)
@@ -70,39 +77,13 @@ def _notes(rows: list[dict[str, Any]]) -> list[str]:
     return [f"{mark} {text}" for mark, text in words.items() if mark in marks]
 
 
-def _short(value: float | None, digits: int = 4) -> str:
-    if value is None:
-        return "-"
-    if value == 0:
-        return "0"
-    text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text and abs(value) < 1e7 else text
-
-
-def _matrix(rows: list[dict[str, Any]], axes: list[str], column: str, scale: float, title: str) -> list[str]:
-    down, across = axes
-    heads = list(dict.fromkeys(row[across] for row in rows))
-    table: dict[Any, dict[Any, str]] = {}
-    for row in rows:
-        value = row[column]
-        table.setdefault(row[down], {})[row[across]] = _short(None if value is None else scale * value) + _mark(row)
-    names = [_short(value) for value in table]
-    left = max(len(down), *(len(name) for name in names))
-    width = max(8, *(len(cell) + 1 for line in table.values() for cell in line.values()))
-    lines = [title, f"{down:<{left}}  {across}"]
-    lines.append(" " * left + "".join(f"{_short(head):>{width}}" for head in heads))
-    for name, line in zip(names, table.values(), strict=True):
-        lines.append(f"{name:>{left}}" + "".join(f"{line[head]:>{width}}" for head in heads))
-    return lines
-
-
 def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
     heads = [*axes, "p2p mrad", "frequency Hz", "orbits", ""]
     body = [
         [
-            *(_short(row[axis], 6) for axis in axes),
-            _short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
-            _short(row["frequency_hz"]),
+            *(short(row[axis], 6) for axis in axes),
+            short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
+            short(row["frequency_hz"]),
             str(row["orbit_count"]),
             _mark(row),
         ]

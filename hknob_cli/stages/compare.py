@@ -101,3 +101,15 @@ def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
         for column in ("p2p_difference", "amplitude_difference", "frequency_difference")
         for chosen, suffix in ((rows, ""), (inside, "_in_domain"))
     }
+
+
+def nearest(rows: list[dict[str, Any]], axes: list[str]) -> list[dict[str, Any]]:
+    """One row a cell: of several cycles the one nearest to the sweep in peak to peak."""
+    best: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for row in rows:
+        key = tuple(row[axis] for axis in axes)
+        difference = row["p2p_difference"]
+        known = best.get(key, {}).get("p2p_difference")
+        if key not in best or (difference is not None and (known is None or abs(difference) < abs(known))):
+            best[key] = row
+    return list(best.values())

@@ -10,7 +10,7 @@ from scipy.integrate import quad
 from scipy.linalg import expm
 
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.measure.extrema import first_zero
+from hknob_cli.engine.turning import first_zero
 from hknob_cli.measure.moments import hold_forms
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import SPEC, loaded

@@ -1,0 +1,54 @@
+"""The work of ``hknob dfa``."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.cli.job import Job
+from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.report.dfa import describe_dfa, dfa_text
+from hknob_cli.stages import compare
+from hknob_cli.stages.dfa import DfaStage
+
+
+class DfaWork:
+    """See `stage_run.Work`."""
+
+    files = ("dfa.parquet",)
+    picture = "dfa.png"
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The sweep it is compared with, if any."""
+        return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}
+
+    def compute(self, job: Job) -> Tables:
+        """One table."""
+        return (DfaStage(job.plan, notify=partial(note, job)).run(),)
+
+    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
+        """Nyquist curves with the relay's rays, and sizes over the grid."""
+        from hknob_cli.report.nyquist import draw_dfa
+
+        drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=path)
+        if not drawn:
+            note(job, "no picture: more than two axes have several values")
+        return drawn
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every row, and statistics by method where there is a sweep to compare with."""
+        statistics = None
+        if job.plan.against:
+            rows = tables[0].to_pylist()
+            axes = list(job.plan.axes)
+            statistics = {
+                method: compare.summarise(compare.nearest([r for r in rows if r["method"] == method], axes))
+                for method in job.plan.methods
+            }
+        return describe_dfa(tables[0], axes=list(job.plan.axes), statistics=statistics)
+
+    def text(self, _job: Job, summary: dict[str, Any]) -> str:
+        """Matrices by method."""
+        return dfa_text(summary)
+
+
+WORK = DfaWork()

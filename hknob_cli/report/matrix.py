@@ -1,0 +1,36 @@
+"""Numbers in rows and columns, for the terminal."""
+
+from collections.abc import Callable
+from typing import Any
+
+Mark = Callable[[dict[str, Any]], str]
+
+
+def short(value: float | None, digits: int = 4) -> str:
+    """A number for a table; a dash for none."""
+    if value is None:
+        return "-"
+    if value == 0:
+        return "0"
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text and abs(value) < 1e7 else text
+
+
+def matrix(
+    rows: list[dict[str, Any]], axes: list[str], column: str, *, scale: float, title: str, mark: Mark = lambda _row: ""
+) -> list[str]:
+    """Lines of a table of one column over two axes, times ``scale``, each value followed by its row's ``mark``."""
+    down, across = axes
+    heads = list(dict.fromkeys(row[across] for row in rows))
+    table: dict[Any, dict[Any, str]] = {}
+    for row in rows:
+        value = row[column]
+        table.setdefault(row[down], {})[row[across]] = short(None if value is None else scale * value) + mark(row)
+    names = [short(value) for value in table]
+    left = max(len(down), *(len(name) for name in names))
+    width = max(8, *(len(cell) + 1 for line in table.values() for cell in line.values()))
+    lines = [title, f"{down:<{left}}  {across}"]
+    lines.append(" " * left + "".join(f"{short(head):>{width}}" for head in heads))
+    for name, line in zip(names, table.values(), strict=True):
+        lines.append(f"{name:>{left}}" + "".join(f"{line[head]:>{width}}" for head in heads))
+    return lines

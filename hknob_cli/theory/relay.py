@@ -1,0 +1,191 @@
+"""The relay with delay that a quantised, sampled wall is close to, and its limit cycles in continuous time.
+
+While the knob stays within a count of one encoder edge, and the bias is half of the torque step there, the loop is a
+symmetric relay of +-M behind a delay: M = K q / 2, and the zero-order hold counts as half a sample of delay (Hasser,
+sec. 7.2). Angles are in counts, times in samples, as in the engine.
+
+`df` methods keep the first N odd harmonics of the relay's square wave; `tsypkin` keeps all of them, in closed form.
+"""
+
+from collections.abc import Callable
+from math import floor, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.turning import first_zero, zero_spacing
+
+Array = NDArray[np.float64]
+
+_BISECTIONS = 70
+
+
+class Relay(NamedTuple):
+    """Plant x'' + alpha x' + beta x = u, u = -+ ``level`` by the sign of x, ``delay`` samples late."""
+
+    alpha: float
+    beta: float
+    level: float
+    delay: float
+
+
+class RelayCycle(NamedTuple):
+    """A predicted limit cycle: angular frequency in rad/sample, amplitude (half of peak to peak) in counts."""
+
+    omega: float
+    amplitude: float
+
+
+def response(relay: Relay, omega: Array) -> NDArray[np.complex128]:
+    """Frequency response of plant and delay at ``omega`` (rad/sample)."""
+    s = 1j * omega
+    value: NDArray[np.complex128] = np.exp(-s * relay.delay) / (s * s + relay.alpha * s + relay.beta)
+    return value
+
+
+def lowest_omega(relay: Relay, harmonics: int) -> float:
+    """A frequency below which no cycle is; below resonance the plant leads the crossing that a cycle needs."""
+    if relay.beta > 0.0:
+        return 0.4 * sqrt(relay.beta) / (2 * harmonics - 1)
+    return 1e-3 * sqrt(relay.alpha / max(relay.delay, 1e-6)) if relay.alpha > 0.0 else 1e-3
+
+
+def _roots(values: Array, grid: Array, function: Callable[[float], float]) -> list[float]:
+    """Roots of ``function`` by bisection in the intervals of ``grid`` where ``values`` changes sign."""
+    found = []
+    for i in np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0):
+        low, high, below = float(grid[i]), float(grid[i + 1]), float(values[i])
+        for _ in range(_BISECTIONS):
+            middle = 0.5 * (low + high)
+            if (function(middle) < 0.0) == (below < 0.0):
+                low = middle
+            else:
+                high = middle
+        found.append(0.5 * (low + high))
+    return found
+
+
+def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
+    """Limit cycles by the first ``harmonics`` odd harmonics, up to the Nyquist frequency, slowest first.
+
+    The relay switches where its input is zero, sum of Im[W(jhw)]/h = 0 over odd h, falling there, sum of Re[W(jhw)]
+    below 0; the peak to peak is that of the waveform with the same harmonics. One harmonic is the classic describing
+    function 4M/(pi A) (Slotine & Li 1991, sec. 5.4).
+    """
+    odd = np.arange(1, 2 * harmonics, 2, dtype=float)
+    low = lowest_omega(relay, harmonics)
+    if low >= pi:
+        return []
+    # Above the eighth, harmonics weigh too little (1/h^3) to add a root of their own.
+    points = int(min(400 + 24 * relay.delay * (2 * min(harmonics, 8) - 1), 20_000))
+    grid = np.unique(np.concatenate([np.geomspace(low, pi, points), np.linspace(low, pi, points)]))
+
+    def switching(omega: Array) -> Array:
+        total: Array = (response(relay, np.multiply.outer(omega, odd)).imag / odd).sum(axis=-1)
+        return total
+
+    cycles = []
+    chunk = max(1, 2_000_000 // len(odd))
+    values = np.concatenate([switching(grid[i : i + chunk]) for i in range(0, len(grid), chunk)])
+    for omega in _roots(values, grid, lambda at: float(switching(np.array([at]))[0])):
+        line = response(relay, omega * odd)
+        if line.real.sum() < 0.0:
+            cycles.append(RelayCycle(omega, _peak(relay.level * 4.0 / pi * line / odd, odd)))
+    return cycles
+
+
+def _peak(lines: NDArray[np.complex128], odd: Array) -> float:
+    """Largest value of the sum of ``lines`` as sines at odd multiples of the fundamental; Newton from a fine grid."""
+    if len(odd) == 1:
+        return float(abs(lines[0]))
+    phase = np.linspace(0.0, 2.0 * pi, int(64 * odd[-1]) + 1)
+    best = 0.0
+    wave = np.zeros_like(phase)
+    for line, h in zip(lines, odd, strict=True):
+        wave += (line * np.exp(1j * h * phase)).imag
+    at = float(phase[int(np.argmax(wave))])
+    for _ in range(8):
+        turn = lines * np.exp(1j * odd * at)
+        slope, bend = float((odd * turn).real.sum()), -float((odd * odd * turn).imag.sum())
+        best = float(turn.imag.sum())
+        if bend >= 0.0:
+            break
+        at -= slope / bend
+    return max(best, float(wave.max()))
+
+
+def start_of_half(relay: Relay, half: float) -> tuple[float, float]:
+    """State where the torque turns outward, of the symmetric motion with half period ``half`` (samples).
+
+    x(half) = -x(0): x0 = -(I + Phi)^-1 Gamma M.
+    """
+    s, g, f = hold_coefficients(relay.alpha, relay.beta, half)
+    a, d = 2.0 - relay.beta * g, 1.0 + f
+    det = a * d + relay.beta * s * s
+    gx, gv = g * relay.level, s * relay.level
+    return -(d * gx - s * gv) / det, -(a * gv + relay.beta * s * gx) / det
+
+
+def _moved(relay: Relay, x: float, v: float, t: float) -> tuple[float, float]:
+    s, g, f = hold_coefficients(relay.alpha, relay.beta, t)
+    y = relay.level - relay.beta * x
+    return x + (s * v + g * y), f * v + s * y
+
+
+def at_switch(relay: Relay, half: float) -> tuple[float, float]:
+    """Position and velocity where the relay is told to turn inward, ``delay`` before the torque does.
+
+    A cycle crosses zero there, upward.
+    """
+    turns = floor(relay.delay / half)
+    x, v = _moved(relay, *start_of_half(relay, half), half - (relay.delay - turns * half))
+    return (x, v) if turns % 2 == 0 else (-x, -v)
+
+
+def tsypkin(relay: Relay) -> list[RelayCycle]:
+    """Limit cycles with all harmonics of the relay (Tsypkin 1984), up to the Nyquist frequency, slowest first."""
+    low = lowest_omega(relay, 1)
+    if low >= pi:
+        return []
+    points = int(min(400 + 24 * relay.delay, 20_000))
+    grid = np.geomspace(1.0, pi / low, points)
+    values = np.array([at_switch(relay, float(half))[0] for half in grid])
+    cycles = []
+    for half in _roots(values, grid, lambda at: at_switch(relay, at)[0]):
+        if at_switch(relay, half)[1] > 0.0:
+            cycles.append(RelayCycle(pi / half, _largest(relay, half)))
+    return cycles[::-1]
+
+
+def _largest(relay: Relay, half: float) -> float:
+    """Largest deflection over half a period, at turning points."""
+    x, v = start_of_half(relay, half)
+    t = first_zero(v, relay.level - relay.beta * x, relay.alpha, relay.beta)
+    spacing = zero_spacing(relay.alpha, relay.beta)
+    largest = abs(x)
+    while t < half:
+        largest = max(largest, abs(_moved(relay, x, v, t)[0]))
+        t += spacing
+    return largest
+
+
+def lprs(relay: Relay, omega: float) -> complex:
+    """Locus of a perturbed relay system at ``omega`` (Boiko 2009, eq. 4.20), for a plant with stiffness.
+
+    Its imaginary part vanishes at Tsypkin's cycles.
+    """
+    plant = np.array([[0.0, 1.0], [-relay.beta, -relay.alpha]])
+    inverse = np.linalg.inv(plant)
+    one = np.eye(2)
+
+    def flow(t: float) -> Array:
+        s, g, f = hold_coefficients(relay.alpha, relay.beta, t)
+        return np.array([[1.0 - relay.beta * g, s], [-relay.beta * s, f]])
+
+    half = pi / omega
+    late = flow(half - relay.delay)
+    real = -0.5 * (inverse + 2.0 * half * np.linalg.solve(one - flow(2.0 * half), late))
+    imaginary = 0.25 * pi * np.linalg.solve(one + flow(half), one + flow(half) - 2.0 * late) @ inverse
+    return complex(real[0, 1], imaginary[0, 1])

@@ -1,0 +1,113 @@
+"""Exact cycles of the sampled relay: every admissible pair of sample counts, at any bias.
+
+Unlike `relay`, nothing is approximated: the zero-order hold, the sampling and the bias are as they are. What is left
+out is only the choice between orbits that a trial's start makes, and cycles over more than two levels or several turns.
+"""
+
+from math import ceil, floor, sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.loop import Loop, drive_of
+
+MOST_PAIRS = 20_000_000
+CAPACITY = 512
+_SHALLOW = 12.0  # jumps above the wall's edge that the mean of a cycle may reach
+_DEEPEST = 400  # levels apart
+
+
+class SampledCycle(NamedTuple):
+    """One cycle: ``inside`` of ``period`` samples on the inner level; extremes (mean maximum and minimum) in counts.
+
+    ``x``, ``v``: state at the first sample inside; ``upper``, ``lower``: the encoder levels it alternates between.
+    """
+
+    inside: int
+    period: int
+    highest: float
+    lowest: float
+    cycles: int
+    x: float
+    v: float
+    upper: int
+    lower: int
+
+
+def level_pairs(loop: Loop) -> list[tuple[int, int]]:
+    """Pairs of an upper and a lower level between which torque turns the knob back on both sides.
+
+    Levels further apart than one are taken together only by a knob fast enough to jump over those between, and turned
+    back within a count all the same: (d - 1)^2 / (2 kappa d) < 1 + d asks for kappa > 1/4.
+    """
+    if loop.kappa == 0.0 or loop.beta + loop.gamma == 0.0:
+        return []
+    rest = -(loop.gamma / (loop.kappa + loop.beta))
+    uppers = {q for q in range(floor(rest) - 2, ceil(rest) + 3) if q <= 0} | {0}
+    deepest = 1 if loop.kappa < 0.25 else min(_DEEPEST, int(20 - 10 * rest))
+    return [
+        (upper, lower)
+        for upper in sorted(uppers, reverse=True)
+        for lower in range(upper - 1, upper - deepest - 1, -1)
+        if drive_of(float(upper), loop) < loop.beta * (upper + 1.0) and drive_of(float(lower), loop) > loop.beta * lower
+    ]
+
+
+def _bounds(loop: Loop, upper: int, lower: int, delay: float) -> tuple[int, int]:
+    """Most samples inside and outside that a cycle between two levels can have; (0, 0) if there is none.
+
+    Inside, the torque stops the knob within one count: a (n - 2 - 2 d)^2 / 8 <= 1 + a, a the least push outward.
+    """
+    out = drive_of(float(lower), loop) - loop.beta * (lower + 1)
+    back = loop.beta * upper - drive_of(float(upper), loop)
+    if out <= 0.0:
+        return 0, 0
+    inside = ceil(1.2 * (2.0 + 3.0 * delay + sqrt(8.0 * (1.0 + out) / out)))
+    if back > 0.0 and upper < 0:
+        outside = ceil(1.2 * (2.0 + 3.0 * delay + sqrt(8.0 * (1.0 + back) / back)))
+    else:
+        weakest = max(0.25 * loop.beta - drive_of(float(upper), loop), 1e-12)
+        outside = ceil(inside * (out / weakest + 2.0) + 3.0 * delay)
+    return inside, outside
+
+
+def sampled_cycles(loop: Loop, *, delay_line: int, functions: dict[str, Any]) -> list[SampledCycle] | None:
+    """All one-turn two-level cycles, shortest first; None if there are more candidates than `MOST_PAIRS`.
+
+    ``functions`` is the compiled engine. A plant without damping or hand stiffness has no isolated cycles: none.
+    """
+    if loop.alpha == 0.0 or loop.beta == 0.0:
+        return []
+    whole = max(0, delay_line - 1)
+    found: list[SampledCycle] = []
+    pairs = 0
+    for upper, lower in level_pairs(loop):
+        inside, outside = _bounds(loop, upper, lower, whole + loop.split)
+        pairs += inside * outside
+        if pairs > MOST_PAIRS:
+            return None
+        if inside == 0:
+            continue
+        count = inside + outside + 1
+        tables = np.zeros((6, count))
+        functions["hold_table"](loop.alpha, loop.beta, 0.0, count, *tables[:3])
+        if loop.split > 0.0:
+            functions["hold_table"](loop.alpha, loop.beta, loop.split, count, *tables[3:])
+        rows = np.zeros((CAPACITY, 7))
+        number = functions["relay_cycles"](
+            loop,
+            whole,
+            float(upper),
+            float(lower),
+            inside,
+            outside,
+            _SHALLOW * (upper - lower) if upper == 0 else 1.5,
+            CAPACITY,
+            tables,
+            np.zeros(delay_line),
+            np.zeros(4),
+            rows,
+        )
+        for within, period, highest, lowest, cycles, x, v in rows[:number].tolist():
+            found.append(SampledCycle(int(within), int(period), highest, lowest, int(cycles), x, v, upper, lower))
+    return sorted(found, key=lambda cycle: (cycle.period, cycle.inside, -cycle.upper, -cycle.lower))
