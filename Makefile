@@ -33,7 +33,7 @@ sweep: $(VENV)/.run ## the 7x7 grid of sample rate and encoder resolution: table
 	@$(BIN)/hknob sweep experiments/hand_on_knob.yaml --plot --out $(OUT)/hand-on-knob
 
 maps: $(VENV)/.run ## every sweep in experiments/, with pictures
-	@for spec in experiments/*.yaml; do \
+	@for spec in $$(grep -l '^kind: sweep' experiments/*.yaml); do \
 	    echo "== $$spec"; $(BIN)/hknob sweep $$spec --plot --out $(OUT)/$$(basename $$spec .yaml) || exit 1; done
 
 smoke: $(VENV)/.run ## the 3x3 grid, in under a second
@@ -54,7 +54,7 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/ from the models
-	@$(BIN)/hknob schema sweep > schemas/sweep.schema.json
+	@for kind in sweep dfa predict; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 
 bench: $(VENV)/.dev ## throughput, start-up, and rival methods
 	@for file in tests/benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done

@@ -6,6 +6,8 @@ import typer
 
 from hknob_cli import __version__
 from hknob_cli.cli.check import check
+from hknob_cli.cli.dfa import dfa
+from hknob_cli.cli.predict import predict
 from hknob_cli.cli.schema import schema
 from hknob_cli.cli.sweep import sweep
 
@@ -17,6 +19,8 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 app.command()(sweep)
+app.command()(predict)
+app.command()(dfa)
 app.command()(check)
 app.command()(schema)
 

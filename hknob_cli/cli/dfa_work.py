@@ -14,16 +14,27 @@ from hknob_cli.stages.dfa import DfaStage
 class DfaWork:
     """See `stage_run.Work`."""
 
-    files = ("dfa.parquet",)
     picture = "dfa.png"
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Cycles by method, and their differences from a sweep where there is one."""
+        return "dfa.parquet", *(["differences.parquet"] if job.plan.against else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""
         return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}
 
     def compute(self, job: Job) -> Tables:
-        """One table."""
-        return (DfaStage(job.plan, notify=partial(note, job)).run(),)
+        """The tables of `files`."""
+        table = DfaStage(job.plan, notify=partial(note, job)).run()
+        if not job.plan.against:
+            return (table,)
+        rows, axes = table.to_pylist(), list(job.plan.axes)
+        groups = {
+            method: compare.summarise(compare.nearest([row for row in rows if row["method"] == method], axes))
+            for method in job.plan.methods
+        }
+        return table, compare.statistics_table("method", groups)
 
     def draw(self, job: Job, tables: Tables, path: Path) -> bool:
         """Nyquist curves with the relay's rays, and sizes over the grid."""
@@ -36,14 +47,7 @@ class DfaWork:
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every row, and statistics by method where there is a sweep to compare with."""
-        statistics = None
-        if job.plan.against:
-            rows = tables[0].to_pylist()
-            axes = list(job.plan.axes)
-            statistics = {
-                method: compare.summarise(compare.nearest([r for r in rows if r["method"] == method], axes))
-                for method in job.plan.methods
-            }
+        statistics = compare.grouped(tables[1], "method") if job.plan.against else None
         return describe_dfa(tables[0], axes=list(job.plan.axes), statistics=statistics)
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:

@@ -16,8 +16,10 @@ Tables = tuple[pa.Table, ...]
 class Work(Protocol):
     """What differs between stages."""
 
-    files: tuple[str, ...]  # names of the result files, one a table
     picture: str  # name of the picture
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Names of the result files, one a table."""
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
@@ -41,7 +43,7 @@ def run_stage(job: Job, work: Work) -> None:
     stamp = provenance.describe(
         stage=job.kind, values=job.plan.values, overrides=job.overrides, inputs=work.inputs(job)
     )
-    paths = [job.out / file for file in work.files]
+    paths = [job.out / file for file in work.files(job)]
     store.refuse_foreign(paths, stage=job.kind, name=name)
     current = None if job.force else store.read_current(paths, stamp)
     if job.dry_run:

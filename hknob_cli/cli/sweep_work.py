@@ -17,8 +17,11 @@ SLOW = 50_000_000  # trial-samples worth a progress bar
 class SweepWork:
     """See `stage_run.Work`."""
 
-    files = ("cells.parquet", "orbits.parquet")
     picture = "grid.png"
+
+    def files(self, _job: Job) -> tuple[str, ...]:
+        """Cells, and the orbits in them."""
+        return "cells.parquet", "orbits.parquet"
 
     def inputs(self, _job: Job) -> dict[str, str]:
         """A sweep depends on its spec alone."""

@@ -68,7 +68,7 @@ def _draw_nyquist(axes: "Axes", plan: DfaPlan) -> None:
         point = complex(response(bare, np.array([omega]))[0]) * scale
         colour = colormaps["cividis"](0.85 * i / max(len(rates) - 1, 1))
         axes.plot([0.0, 1.7 * point.real], [0.0, 1.7 * point.imag], color=colour, lw=1)
-        label = f"{rate:.4g} Hz: {omega / (2 * pi * knob.period_s):.4g} Hz"
+        label = f"{float(f'{rate:.4g}'):g} Hz: {omega / (2 * pi * knob.period_s):.4g} Hz"
         axes.plot([point.real], [point.imag], "o", color=colour, label=label)
         seen.append((point, omega / knob.period_s))
     if seen:
@@ -103,7 +103,7 @@ def draw_difference(axes: "Axes", rows: list[dict[str, Any]], wide: list[str], c
     axes.set_facecolor("0.85")
     axes.imshow(values, origin="lower", aspect="auto", cmap="PuOr", vmin=-100, vmax=100, alpha=0.85)
     axes.set_xticks(range(len(acrosses)), [f"{value:.6g}" for value in acrosses])
-    axes.set_yticks(range(len(downs)), [f"{value:.4g}" for value in downs])
+    axes.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
     axes.set_xlabel(across)
     axes.set_ylabel(down)
     axes.set_title(f"{title} (in brackets: out of domain)", fontsize=10)

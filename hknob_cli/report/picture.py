@@ -46,6 +46,12 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
         _draw_orbits(figure, orbits.to_pylist(), (wide or axes[:1])[0])
     figure.suptitle(f"{title}: limit cycles against a virtual wall" + (f"  ({fixed})" if fixed else ""))
+    save(figure, path)
+    return True
+
+
+def save(figure: "Figure", path: Path) -> None:
+    """Write a figure, whole or not at all (PNG). Raises `ComputationError` if the file cannot be written."""
     partial = path.with_name(f".{path.name}.partial")
     try:
         figure.savefig(partial, dpi=130, format="png")
@@ -53,10 +59,10 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
     except OSError as error:
         partial.unlink(missing_ok=True)
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
-    return True
 
 
-def _name(axis: str) -> str:
+def axis_name(axis: str) -> str:
+    """Name of a grid axis, with its unit."""
     return _NAMES.get(axis, axis)
 
 
@@ -78,23 +84,23 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
                 for d in downs
             ]
         )
-        inks = _map(axes, values, label)
+        inks = colour_map(axes, values, label)
         axes.set_xticks(range(len(acrosses)), [f"{value:.6g}" for value in acrosses], rotation=30, ha="right")
-        axes.set_xlabel(_name(across))
+        axes.set_xlabel(axis_name(across))
         if len(rows) <= _MOST_LABELS:
             for i, d in enumerate(downs):
                 for j, a in enumerate(acrosses):
                     _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j])
     left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
-    left.set_ylabel(_name(down))
+    left.set_ylabel(axis_name(down))
     marks = (
         "a dot for each orbit that coexists in a cell (the value is their mean, weighted by how often trials reach it)"
     )
     figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
 
 
-def _map(axes: "Axes", values: Any, label: str) -> list[list[str]]:
-    """Draw one map; the colour in which to write on each of its cells."""
+def colour_map(axes: "Axes", values: Any, label: str) -> list[list[str]]:
+    """Draw one map, on a log scale of colours; the colour in which to write on each of its cells."""
     import numpy as np
     from matplotlib.colors import LogNorm
 
@@ -143,12 +149,12 @@ def _draw_orbits(figure: "Figure", orbits: list[dict[str, Any]], axis: str) -> N
         axes.set_ylabel(label)
         axes.set_ylim(0.0, 1.06 * max(ys, default=0.0) or 1.0)
         axes.grid(alpha=0.3)
-    bottom.set_xlabel(_name(axis))
-    if xs and min(xs) > 0 and _is_geometric(sorted(set(xs))):
+    bottom.set_xlabel(axis_name(axis))
+    if xs and min(xs) > 0 and is_geometric(sorted(set(xs))):
         bottom.set_xscale("log")
     figure.colorbar(dots, ax=[top, bottom], label="share of the trials that reach the orbit", shrink=0.6)
 
 
-def _is_geometric(values: list[float]) -> bool:
+def is_geometric(values: list[float]) -> bool:
     """Whether axis values grow by a factor rather than by a step."""
     return len(values) > 2 and values[-1] / values[-2] > 0.9 * values[1] / values[0] and values[1] > 1.2 * values[0]

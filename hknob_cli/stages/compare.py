@@ -8,12 +8,13 @@ import hashlib
 from collections.abc import Iterable
 from math import isfinite, sqrt
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
+from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.provenance import origin
 from hknob_cli.spec.plan import Cell
@@ -44,6 +45,9 @@ def sweep_file(folder: str) -> Path:
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
     return hashlib.sha256(sweep_file(folder).read_bytes()).hexdigest()
+
+
+_INSIDE = "_in_domain"
 
 
 class Against:
@@ -83,24 +87,69 @@ def _relative(value: float | None, reference: float | None) -> float | None:
     return (value - reference) / reference
 
 
-def statistics(values: Iterable[float | None]) -> dict[str, float | int] | None:
-    """Count, mean, standard deviation (n - 1), least and largest of differences; None if there are none."""
+class Statistics(NamedTuple):
+    """Of relative differences over ``cells`` cells: mean, standard deviation (n - 1), least, largest."""
+
+    cells: int
+    mean: float
+    std: float
+    least: float
+    largest: float
+
+
+Groups = dict[str, Statistics | None]
+
+_QUANTITIES = ("p2p_difference", "amplitude_difference", "frequency_difference")
+_STATISTICS = (
+    Column("quantity", pa.string(), "", "which difference; amplitude_difference is of half the prediction"),
+    Column("in_domain", pa.bool_(), "", "whether only cells in the domain are counted, or all"),
+    Column("cells", pa.int64(), "1", "cells where both sides have a value"),
+    Column("mean", pa.float64(), "1", "mean relative difference"),
+    Column("std", pa.float64(), "1", "standard deviation, n - 1"),
+    Column("least", pa.float64(), "1", "least relative difference"),
+    Column("largest", pa.float64(), "1", "largest relative difference"),
+)
+
+
+def statistics(values: Iterable[float | None]) -> Statistics | None:
+    """Statistics of differences; None if there are none."""
     found = [value for value in values if value is not None]
     if not found:
         return None
     mean = sum(found) / len(found)
     spread = sqrt(sum((value - mean) ** 2 for value in found) / (len(found) - 1)) if len(found) > 1 else 0.0
-    return {"cells": len(found), "mean": mean, "std": spread, "least": min(found), "largest": max(found)}
+    return Statistics(len(found), mean, spread, min(found), max(found))
 
 
-def summarise(rows: list[dict[str, Any]]) -> dict[str, Any]:
+def summarise(rows: list[dict[str, Any]]) -> Groups:
     """Statistics of one method's or law's rows, over all cells and over those in its domain."""
     inside = [row for row in rows if row["in_domain"]]
     return {
         f"{column}{suffix}": statistics(row[column] for row in chosen)
-        for column in ("p2p_difference", "amplitude_difference", "frequency_difference")
-        for chosen, suffix in ((rows, ""), (inside, "_in_domain"))
+        for column in _QUANTITIES
+        for chosen, suffix in ((rows, ""), (inside, _INSIDE))
     }
+
+
+def statistics_table(name: str, groups: dict[str, Groups]) -> pa.Table:
+    """Statistics by method or law (the column ``name``) as a table."""
+    rows = [
+        {name: key, "quantity": title.removesuffix(_INSIDE), "in_domain": title.endswith(_INSIDE), **found._asdict()}
+        for key, group in groups.items()
+        for title, found in group.items()
+        if found is not None
+    ]
+    return build_table([Column(name, pa.string(), "", "what is compared with the sweep"), *_STATISTICS], rows)
+
+
+def grouped(table: pa.Table, name: str) -> dict[str, dict[str, dict[str, Any]]]:
+    """The table of `statistics_table` as nested plain data: by ``name``, then by quantity and domain."""
+    groups: dict[str, dict[str, dict[str, Any]]] = {}
+    for row in table.to_pylist():
+        title = row["quantity"] + (_INSIDE if row["in_domain"] else "")
+        numbers = {key: row[key] for key in Statistics._fields}
+        groups.setdefault(row[name], {})[title] = numbers
+    return groups
 
 
 def nearest(rows: list[dict[str, Any]], axes: list[str]) -> list[dict[str, Any]]:

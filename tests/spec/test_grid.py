@@ -40,7 +40,6 @@ def test_units_in_axes() -> None:
         ("counts_per_rev", [0], (0,), "must be >= 1"),
         ("bias.torque", LogAxis(log=(0.0, 1.0, 3)), ("log", 0), "must be > 0"),
         ("bias.torque", LinAxis(lin=(0.0, 1.0, 1)), ("lin", 2), "must be >= 2"),
-        ("knob.coulomb_torque", [0.1], (0,), "not in this version"),
         ("sample_rate_hz", ["2 s"], (0,), "not a kind of Hz"),
         ("sample_rate_hz", [float("nan")], (0,), "must be"),
     ],

@@ -1,0 +1,59 @@
+"""The work of ``hknob predict``."""
+
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.cli.job import Job
+from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.report.predict_summary import describe_predictions, predictions_text
+from hknob_cli.stages import compare
+from hknob_cli.stages.predict import predict
+
+
+class PredictWork:
+    """See `stage_run.Work`."""
+
+    picture = "predict.png"
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Predictions, stability limits, and differences from a sweep where there is one."""
+        return "predict.parquet", "passivity.parquet", *(["differences.parquet"] if job.plan.against else [])
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The sweep that the laws are compared with, if any."""
+        return {"against": compare.digest(job.plan.against)} if job.plan.against else {}
+
+    def compute(self, job: Job) -> Tables:
+        """The tables of `files`."""
+        predictions, passivity = predict(job.plan)
+        if not job.plan.against:
+            return predictions, passivity
+        rows = predictions.to_pylist()
+        groups = {law: compare.summarise([row for row in rows if row["law"] == law]) for law in job.plan.laws}
+        return predictions, passivity, compare.statistics_table("law", groups)
+
+    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
+        """Every law over one axis or two."""
+        from hknob_cli.report.predict_picture import draw_predictions
+
+        drawn = draw_predictions(tables[0], list(job.plan.axes), title=job.plan.name, path=path)
+        if not drawn:
+            note(job, "no picture: more than two axes have several values")
+        return drawn
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every prediction, the limits, and differences to a sweep over the grid."""
+        predictions, passivity = (table.to_pylist() for table in tables[:2])
+        laws = {law: [row for row in predictions if row["law"] == law] for law in job.plan.laws}
+        return {
+            **describe_predictions(laws, passivity, axes=list(job.plan.axes)),
+            **({"against": job.plan.against} if job.plan.against else {}),
+            **({"statistics": compare.grouped(tables[2], "law")} if job.plan.against else {}),
+        }
+
+    def text(self, job: Job, summary: dict[str, Any]) -> str:
+        """Matrices over two axes, a list otherwise; statistics; a line on the limits."""
+        return predictions_text(summary, list(job.plan.axes))
+
+
+WORK = PredictWork()

@@ -1,0 +1,112 @@
+"""``hknob predict`` through the installed command."""
+
+import json
+from math import pi
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from tests.conftest import EXPERIMENTS, SPEC
+
+PREDICT = SPEC.replace("kind: sweep", "kind: predict").split("starts")[0]
+GRID = PREDICT.replace("[1000]", "[1000, 2000]").replace("[1024]", "[512, 1024]")
+
+
+def test_a_grid_on_the_terminal_and_in_files(hknob, tmp_path: Path) -> None:
+    done = hknob("predict", EXPERIMENTS / "predict_chapter8.yaml", "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert "energy_balance: peak to peak, mrad" in done.stdout
+    assert "friction holds the knob (4)" in done.stdout
+    assert "stability limits held, of 16: Colgate & Schenkel 16, Abbott & Okamura 4" in done.stdout
+    assert (tmp_path / "out" / "predict.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    rows = pq.read_table(tmp_path / "out" / "predict.parquet").to_pylist()
+    assert len(rows) == 48
+    for row in rows:
+        assert row["amplitude_rad"] == 0.5 * row["p2p_rad"]
+        assert row["in_domain"] == (row["reason"] == "")
+    finest = [row for row in rows if row["law"] == "energy_balance" and row["counts_per_rev"] == 2048]
+    assert {row["p2p_rad"] for row in finest} == {0.0}
+    limits = pq.read_table(tmp_path / "out" / "passivity.parquet").to_pylist()
+    assert len(limits) == 16
+    assert {row["counts_needed"] for row in limits} == {3030}
+    assert {row["binding_limb"] for row in limits} == {"niemeyer"}
+
+
+def test_one_cell_as_json(hknob, spec_file) -> None:
+    done = hknob("predict", spec_file(PREDICT + "constant: 500\nlaws: [quantum_period]\n"), "--json", "-o", "out")
+    summary = json.loads(done.stdout)
+    (row,) = summary["cells"]
+    assert row["p2p_rad"] == pytest.approx(500 * 2 * pi / 1024 * 1e-3)
+    assert row["rms_sine_rad"] == pytest.approx(0.707 / 2 * row["p2p_rad"])
+    assert row["frequency_hz"] is None
+    assert summary["limits"] == {"colgate_schenkel": 1, "abbott_okamura": 0, "gil_hulin": 1, "niemeyer": 0}
+    assert summary["files"] == ["out/predict.parquet", "out/passivity.parquet"]
+
+
+def test_against_a_sweep(hknob, spec_file, tmp_path: Path) -> None:
+    swept = GRID.replace("kind: predict", "kind: sweep") + "starts: {phases: 4}\n"
+    assert hknob("sweep", spec_file(swept, "sweep.yaml"), "-o", "swept").returncode == 0
+    done = hknob("predict", spec_file(GRID + "against: swept\n"), "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert "difference to swept, % of the sweep" in done.stdout
+    cells = {
+        (row["sample_rate_hz"], row["counts_per_rev"]): row
+        for row in pq.read_table(tmp_path / "swept" / "cells.parquet").to_pylist()
+    }
+    for row in pq.read_table(tmp_path / "out" / "predict.parquet").to_pylist():
+        cell = cells[row["sample_rate_hz"], row["counts_per_rev"]]
+        assert row["p2p_difference"] == pytest.approx(row["p2p_rad"] / cell["p2p_rad"] - 1.0)
+        assert row["frequency_difference"] == pytest.approx(row["frequency_hz"] / cell["frequency_hz"] - 1.0)
+    again = hknob("predict", spec_file(GRID + "against: swept\n"), "-o", "out")
+    assert "(up to date)" in again.stdout
+    hknob("sweep", spec_file(swept.replace("torque: 0.001", "torque: 0.0011"), "sweep.yaml"), "-o", "swept")
+    changed = hknob("predict", spec_file(GRID + "against: swept\n"), "-o", "out", "--dry-run")
+    assert "has changed" in changed.stdout
+
+
+def test_over_one_axis(hknob, spec_file, tmp_path: Path) -> None:
+    text = PREDICT.replace("counts_per_rev: [1024]", "counts_per_rev: 1024\n  bias.torque: {lin: [1.0e-4, 1.6e-3, 5]}")
+    done = hknob("predict", spec_file(text), "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert "the push is far from half a torque step" in done.stdout
+    assert (tmp_path / "out" / "predict.png").exists()
+
+
+def test_no_picture_of_three_axes(hknob, spec_file) -> None:
+    done = hknob("predict", spec_file(GRID.replace("grid:", "grid:\n  hand.stiffness: [0, 0.04]")), "--plot")
+    assert done.returncode == 0
+    assert "no picture: more than two axes" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("added", "message"),
+    [
+        ("laws: [energy]\n", "laws[0]: "),
+        ("laws: []\n", "laws: "),
+        ("constant: -500\n", "constant: must be > 0, got -500"),
+        ("against: nowhere\n", "against: nowhere/cells.parquet is not there or cannot be read; run the sweep first"),
+        ("starts: {phases: 8}\n", "starts: "),
+    ],
+)
+def test_bad_input(hknob, spec_file, tmp_path: Path, added: str, message: str) -> None:
+    done = hknob("predict", spec_file(PREDICT + added), "-o", "out")
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_sweep_of_other_axes_is_no_comparison(hknob, spec_file) -> None:
+    hknob("sweep", spec_file(SPEC, "sweep.yaml"), "-o", "swept")
+    text = PREDICT.replace("grid:", "grid:\n  hand.stiffness: [0, 0.04]") + "against: swept\n"
+    done = hknob("predict", spec_file(text), "-o", "out")
+    assert done.returncode == 2
+    assert "has no axis hand.stiffness" in done.stderr
+
+
+def test_a_sweep_s_spec_is_refused(hknob, spec_file) -> None:
+    done = hknob("predict", spec_file(SPEC))
+    assert done.returncode == 2
+    assert "kind: must be predict, got 'sweep'" in done.stderr
