@@ -21,8 +21,13 @@ def reporting() -> Iterator[None]:
         say(str(error))
         sys.exit(error.exit_code)
     except KeyboardInterrupt:
-        say("interrupted; nothing was changed, run the same command again")
+        say("interrupted; finished files are kept, run the same command again")
         sys.exit(ExitCode.INTERRUPTED)
+    except BrokenPipeError:  # nobody reads on
+        sys.exit(ExitCode.FAILED)
+    except OSError as error:
+        say(f"{error.filename or 'output'}: {error.strerror or error}")
+        sys.exit(ExitCode.FAILED)
     except MemoryError:
         say("out of memory; make the grid smaller or the phases fewer")
         sys.exit(ExitCode.FAILED)

@@ -6,6 +6,7 @@ child then hands the job over, or prints what is wrong and ends. On one core, or
 simply run where it was parsed.
 """
 
+import contextlib
 import os
 import signal
 import sys
@@ -53,31 +54,57 @@ def parse_and_run(parse: Callable[[], object], command: str) -> int:
 
     The child is this process's own copy: its pickle is as trustworthy as a variable.
     """
-    global _pipe
-    read, write = os.pipe()
-    child = os.fork()
-    if child == 0:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the waiting process speaks for both
-        os.close(read)
-        _pipe = os.fdopen(write, "wb")
-        parse()
-        raise AssertionError("parsing always ends the process")
-    os.close(write)
     from hknob_cli.cli.console import reporting
 
     try:
         with reporting():
-            handed = _load_and_wait(AHEAD[command], read)
-            if not handed:
-                _, status = os.waitpid(child, 0)
-                return os.waitstatus_to_exitcode(status)
+            child, read = _fork(parse)
+            try:
+                handed = _load_and_wait(AHEAD[command], read)
+                if not handed:
+                    _, status = os.waitpid(child, 0)
+                    child = 0
+                    return max(1, os.waitstatus_to_exitcode(status)) if status else 0
+            finally:
+                _end(child)
             _unpickled(handed).run()
     except SystemExit as leaving:
         return int(leaving.code or 0)
-    except BrokenPipeError:
-        sys.stdout = open(os.devnull, "w")  # noqa: SIM115, PTH123  # nobody reads on; let the last flush succeed
-        return 1
     return 0
+
+
+def _fork(parse: Callable[[], object]) -> tuple[int, int]:
+    """Start the parsing child: its process, and the end of the pipe that it hands the job to.
+
+    Signals wait until both sides know what to do with them: the child leaves an interruption to this process.
+    """
+    global _pipe
+    both = {signal.SIGINT, signal.SIGTERM}
+    read, write = os.pipe()
+    signal.pthread_sigmask(signal.SIG_BLOCK, both)
+    child = os.fork()
+    if child == 0:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, both)
+        os.close(read)
+        _pipe = os.fdopen(write, "wb")
+        try:
+            parse()
+        finally:  # a fault of the program; it must not go on as if it were the other process
+            sys.excepthook(*sys.exc_info())
+            os._exit(1)
+    os.close(write)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, both)
+    return child, read
+
+
+def _end(child: int) -> None:
+    """Make sure that the child is gone, and says nothing after this process has spoken."""
+    if child:
+        with contextlib.suppress(ProcessLookupError, ChildProcessError):
+            os.kill(child, signal.SIGKILL)
+            os.waitpid(child, 0)
 
 
 def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:

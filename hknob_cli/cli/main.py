@@ -28,8 +28,13 @@ def _parse() -> NoReturn:
 
 def _leave(code: int) -> NoReturn:
     """End the process; freeing every module first would take as long as a small sweep."""
-    sys.stdout.flush()
-    sys.stderr.flush()
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError as error:  # nobody reads on, or the disk behind it is full
+            code = code or 1
+            if stream is sys.stdout and not isinstance(error, BrokenPipeError):
+                print(f"standard output cannot be written: {error.strerror}", file=sys.stderr)
     os._exit(code)
 
 
@@ -41,6 +46,9 @@ def main() -> NoReturn:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # The engine's largest matrix is 3 x 3: threads of a linear algebra library would only spin beside it.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by whoever started us
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115, PTH123
     signal.signal(signal.SIGTERM, _interrupt)
     arguments = sys.argv[1:]
     if handover.pays(arguments):

@@ -44,20 +44,25 @@ def run_stage(job: Job, work: Work) -> None:
         stage=job.kind, values=job.plan.values, overrides=job.overrides, inputs=work.inputs(job)
     )
     paths = [job.out / file for file in work.files(job)]
-    store.refuse_foreign(paths, stage=job.kind, name=name)
+    picture = job.out / work.picture
+    ours = [*paths, picture]
+    store.refuse_foreign(ours, stage=job.kind, name=name)
     current = None if job.force else store.read_current(paths, stamp)
     if job.dry_run:
         _say_plan(job, paths, current=current is not None)
         return
-    if current is not None and not job.plot and not store.leftovers(job.out):
+    if current is not None and not job.plot and not store.leftovers(ours):
         tables, drawn = current, False
     else:
-        with store.hold(job.out):
+        with store.hold(job.out, ours):
+            # Once more: another run may have been here since.
+            store.refuse_foreign(ours, stage=job.kind, name=name)
             tables = current or work.compute(job)
             if current is None:
                 store.write(dict(zip(paths, tables, strict=True)), stamp)
-            drawn = job.plot and work.draw(job, tables, job.out / work.picture)
-    files = [*paths, *([job.out / work.picture] if drawn else [])]
+                picture.unlink(missing_ok=True)  # it would show what the files no longer hold
+            drawn = job.plot and work.draw(job, tables, picture)
+    files = [*paths, *([picture] if drawn else [])]
     status = "computed" if current is None else "up to date"
     summary = {
         "kind": job.kind,

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
+from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 
 LANES = 64  # trials side by side: 64 keep the vector units full and the block in the first cache
+SLICE = 16_384  # trials between two chances to be interrupted
 CAPACITY = 1024  # distinct orbits a cell keeps
 FINEST = 2.0**45  # counts; beyond it a double leaves a count less than 8 bits of fraction
 SETTLE = 10.0  # transient skipped before detection, in time constants of the slowest mode
@@ -93,8 +95,8 @@ class Engine:
 
     def __init__(self, functions: dict[str, Callable[..., Any]] | None = None) -> None:
         self.compiled = functions is not None
-        self._ensemble = functions["ensemble"] if functions else plain_ensemble.ensemble
-        self._trace = functions["trace"] if functions else plain_trace.trace
+        self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
+        self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
 
     def _zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
@@ -119,22 +121,28 @@ class Engine:
         cut = not self.compiled and budget > PATIENCE
         width = min(LANES, phases)
         table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
-        rows, overflow, samples = self._ensemble(
-            x,
-            v,
-            phases,
-            self._zeros(width),
-            self._zeros(width),
-            self._zeros(width * delay_line),
-            self._zeros(delay_line),
-            skip,
-            PATIENCE if cut else budget,
-            1e6 * scale,
-            CAPACITY,
-            table,
-            lines,
-            loop,
-        )
+        work = [self._zeros(width), self._zeros(width), self._zeros(width * delay_line), self._zeros(delay_line)]
+        rows, overflow, samples = 0, 0, 0
+        ax, av = first_sample(x, v, phases, loop)
+        for start in range(0, phases, SLICE):  # compiled code does not hear an interruption
+            rows, full, taken, ax, av = self._ensemble(
+                ax,
+                av,
+                phases,
+                start,
+                min(start + SLICE, phases),
+                *work,
+                skip,
+                min(budget, PATIENCE + skip) if cut else budget,
+                1e6 * scale,
+                CAPACITY,
+                rows,
+                table,
+                lines,
+                loop,
+            )
+            overflow += full
+            samples += int(taken)
         if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
             raise NeedsCompilerError
         why = _why_unrepeated(loop, budget)
@@ -145,7 +153,7 @@ class Engine:
         if overflow:
             found.append(_whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
         found.sort(key=lambda one: (-one.trials, one.outcome, one.period, one.x))
-        return Search(attractors=tuple(found), samples=int(samples))
+        return Search(attractors=tuple(found), samples=samples)
 
     def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
         """One period of an orbit: states at its samples (n + 1 each), older and newer drives (n each)."""

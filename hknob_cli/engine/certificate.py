@@ -9,7 +9,7 @@ orbit of the sampled system. A trial whose distance from it, in the norm in whic
 from math import sqrt
 
 from hknob_cli.engine.loop import interval, level_of, lower_edge, push, upper_edge
-from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 
 EPSILON = 2.220446049250313e-16
 
@@ -106,7 +106,7 @@ def certify(x, v, ring, head, n, loop):
 
     Returns ``(status, x*, v*, margin, edge, closure, bound)``: the orbit's state at this sample, its margins in
     counts as in `compare`, the residual of the period map in counts, and a bound on the rounding error of the orbit's
-    positions. The bound adds the residual and n roundings of state and coefficients, through (I - Phi^n)^-1.
+    positions. The bound adds the residual and the roundings of state and coefficients, through (I - Phi^n)^-1.
     """
     zx, zv, repeats = forced_response(x, v, ring, head, n, loop)
     if not repeats:
@@ -126,8 +126,11 @@ def certify(x, v, ring, head, n, loop):
         same, ex, ev, margin, edge, reach, pace = compare(ox, ov, x, v, ring, head, n, loop)
     if not same:
         return DIFFERENT, ox, ov, 0.0, 0.0, 0.0, 0.0
-    rx = abs(ex) + 4.0 * EPSILON * n * (reach + pace)
-    rv = abs(ev) + 8.0 * EPSILON * n * pace
+    # Roundings of one step have decayed ten time constants later; the period map adds up no more than that many.
+    rate = slowest_rate(loop.alpha, loop.beta)
+    steps = min(float(n), 10.0 / rate) if rate > 0.0 else float(n)
+    rx = abs(ex) + 4.0 * EPSILON * steps * (reach + pace)
+    rv = abs(ev) + 8.0 * EPSILON * steps * pace
     closure = sqrt(ex * ex + ev * ev)
     if neutral:
         bound = rx + rv / loop.alpha

@@ -94,25 +94,30 @@ def find(fate, n, x, v, table, found):
     return found
 
 
-def ensemble(angle, velocity, phases, x, v, line, ring, skip, budget, limit, capacity, table, lines, loop):
-    """Run ``phases`` trials of one cell and count them by the orbit they reach.
+def first_sample(angle, velocity, phases, loop):
+    """State at the first sample of the first of ``phases`` trials, 1/(2 phases) of a period after the start."""
+    s, g, f = hold_coefficients(loop.alpha, loop.beta, 0.5 / phases)
+    y = drive_of(0.0, loop) - loop.beta * angle
+    return angle + (s * velocity + g * y), f * velocity + s * y
 
-    Trial i starts at (``angle``, ``velocity``), torque zero, and is first sampled (i + 1/2)/phases of a period later.
-    ``x``, ``v``, ``line``, ``ring`` are work space for one block of lanes; ``skip`` samples pass before detection
-    begins. Each row of ``table`` is filled with fate, n, x*, v*, margin, edge, closure, bound, trials, samples; the
-    same row of ``lines`` with the delay line. Returns ``(rows, overflow, samples)``; ``overflow`` counts the trials
-    that found the table full.
+
+def ensemble(ax, av, phases, start, stop, x, v, line, ring, skip, budget, limit, capacity, rows, table, lines, loop):
+    """Run trials ``start`` to ``stop`` of a cell's ``phases`` and count them by the orbit they reach.
+
+    Trial i is first sampled (i + 1/2)/phases of a period after its start, torque zero until then; (``ax``, ``av``) is
+    the state there of trial ``start``. ``x``, ``v``, ``line``, ``ring`` are work space for one block of lanes; ``skip``
+    samples pass before detection begins, and at most ``budget`` in all. Each row of ``table`` holds fate, n, x*, v*,
+    margin, edge, closure, bound, trials, samples; the same row of ``lines`` the delay line; ``rows`` are filled
+    already. Returns ``(rows, overflow, samples, ax, av)``: ``overflow`` counts the trials that found the table full,
+    and the state is that of trial ``stop``.
     """
     delay = len(ring)
     width = len(x)
     free = drive_of(0.0, loop)
-    s, g, f = hold_coefficients(loop.alpha, loop.beta, 0.5 / phases)
-    y = free - loop.beta * angle
-    ax, av = angle + (s * velocity + g * y), f * velocity + s * y
     s, g, f = hold_coefficients(loop.alpha, loop.beta, 1.0 / phases)
-    rows, overflow, samples = 0, 0, 0
-    for start in range(0, phases, width):
-        lanes = min(width, phases - start)
+    overflow, samples = 0, 0
+    for first in range(start, stop, width):
+        lanes = min(width, stop - first)
         for j in range(width):
             x[j], v[j] = ax, av
             if j < lanes:
@@ -124,7 +129,7 @@ def ensemble(angle, velocity, phases, x, v, line, ring, skip, budget, limit, cap
         for j in range(lanes):
             for k in range(delay):
                 ring[k] = line[k * width + j]
-            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget, limit, loop)
+            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget - skip, limit, loop)
             samples += used + skip
             turns = n
             cycle = fate == CYCLE_PROVEN or fate == CYCLE_ON_EDGE or fate == CYCLE_CONTINUUM
@@ -156,4 +161,4 @@ def ensemble(angle, velocity, phases, x, v, line, ring, skip, budget, limit, cap
                     lines[row * delay + k] = ring[(at + k) % delay]
             table[base + 8] += 1.0
             table[base + 9] += used + skip
-    return rows, overflow, samples
+    return rows, overflow, samples, ax, av

@@ -28,14 +28,19 @@ def _source_digest() -> str:
     return digest.hexdigest()[:16]
 
 
-def cache_directory() -> Path:
-    """Where compiled code is kept between runs: ``$HKNOB_CACHE_DIR``, else the user's cache folder."""
+def cache_directory() -> Path | None:
+    """Where compiled code is kept between runs: ``$HKNOB_CACHE_DIR``, else the user's cache folder, if there is one."""
     base = os.environ.get("HKNOB_CACHE_DIR") or os.environ.get("XDG_CACHE_HOME")
-    root = Path(base) if base else Path.home() / ".cache"
+    try:
+        root = Path(base) if base else Path.home() / ".cache"
+    except RuntimeError:  # a user without a home
+        return None
     return root / "hknob" / f"engine-{_source_digest()}"
 
 
-def _writable(path: Path) -> bool:
+def _writable(path: Path | None) -> bool:
+    if path is None:
+        return False
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError:
@@ -60,7 +65,8 @@ def _load_target() -> None:
 
 def is_cached() -> bool:
     """Whether compiled code of these sources is on disk, so that `compiled` takes no more than loading it."""
-    return any(cache_directory().glob("**/*.nbi"))
+    folder = cache_directory()
+    return folder is not None and any(folder.glob("**/*.nbi"))
 
 
 @cache

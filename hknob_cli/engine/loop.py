@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 
 def floor(value):
-    """Largest whole number not above ``value``, as a float; NaN where there is none."""
+    """Largest whole number not above a finite ``value``, as a float."""
     return value // 1.0
 
 

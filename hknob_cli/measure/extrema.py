@@ -52,7 +52,7 @@ def find_extrema(period: Period) -> Extrema:
         turns = sign[i] != sign[i + 1]
         t = first_zero(v, y, alpha, beta)
         if spacing >= span:
-            times = [min(t, span)]
+            times = [min(t, span)] if turns else []
         else:
             count = max(0, ceil((span - t) / spacing)) if t < span else 0
             # The directions at both ends fix whether the count is odd; rounding can only move a zero at the very end.

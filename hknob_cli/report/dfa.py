@@ -4,7 +4,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import matrix, short
+from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
@@ -41,18 +41,18 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
         counts[key] = counts.get(key, 0) + 1
     # Of several cycles the table shows the largest, which is the slowest; all are in the file.
     last = [{**row, "several": counts[tuple(row[axis] for axis in wide)] > 1} for row in _largest(rows, wide)]
-    if len(wide) == 2:
+    if len(wide) == 2 and fits(rows, wide):
         size = f"{method}: peak to peak, mrad"
         return [
             *matrix(last, wide, "p2p_rad", scale=1e3, title=size, mark=_mark),
             *matrix(last, wide, "frequency_hz", scale=1.0, title=f"{method}: frequency, Hz", mark=_mark),
         ]
     lines = [f"{method}: {'  '.join([*wide, 'p2p mrad', 'frequency Hz'])}"]
-    for row in last:
+    for row in last[:MAX_ROWS]:
         p2p = None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]
         values = [*(short(row[axis], 6) for axis in wide), short(p2p), short(row["frequency_hz"])]
         lines.append("  " + "  ".join(f"{value:>12}" for value in values) + f" {_mark(row)}")
-    return lines
+    return [*lines, f"  ... and {len(last) - MAX_ROWS} more cells in dfa.parquet"] if len(last) > MAX_ROWS else lines
 
 
 def _largest(rows: list[dict[str, Any]], wide: list[str]) -> list[dict[str, Any]]:

@@ -3,6 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
+MAX_ROWS = 60  # of a table on the terminal
+
 Mark = Callable[[dict[str, Any]], str]
 
 
@@ -26,11 +28,28 @@ def matrix(
     for row in rows:
         value = row[column]
         table.setdefault(row[down], {})[row[across]] = short(None if value is None else scale * value) + mark(row)
-    names = [short(value) for value in table]
+    names, titles = labels(list(table)), labels(heads)
     left = max(len(down), *(len(name) for name in names))
-    width = max(8, *(len(cell) + 1 for line in table.values() for cell in line.values()))
+    width = max(
+        8, *(len(title) + 1 for title in titles), *(len(cell) + 1 for line in table.values() for cell in line.values())
+    )
     lines = [title, f"{down:<{left}}  {across}"]
-    lines.append(" " * left + "".join(f"{short(head):>{width}}" for head in heads))
+    lines.append(" " * left + "".join(f"{title:>{width}}" for title in titles))
     for name, line in zip(names, table.values(), strict=True):
         lines.append(f"{name:>{left}}" + "".join(f"{line[head]:>{width}}" for head in heads))
     return lines
+
+
+def labels(values: list[float | int]) -> list[str]:
+    """Axis values in as few digits as tell them apart, at least four."""
+    for digits in range(4, 17):
+        texts = [short(value, digits) for value in values]
+        if len(set(texts)) == len(set(values)):
+            return texts
+    return [repr(value) for value in values]
+
+
+def fits(rows: list[dict[str, Any]], axes: list[str]) -> bool:
+    """Whether a table over two axes is small enough to read on a terminal."""
+    down, across = (len({row[axis] for row in rows}) for axis in axes)
+    return down <= MAX_ROWS and across <= 24

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.errors import ComputationError
+from hknob_cli.report.picture import save
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan
 from hknob_cli.theory.relay import Relay, describing_function, response
@@ -38,13 +38,7 @@ def draw_dfa(plan: DfaPlan, rows: list[dict[str, Any]], *, path: Path) -> bool:
         draw_difference(panels[1][0], of, wide, "p2p_difference", f"{method}: peak to peak against the sweep, %")
         draw_difference(panels[1][1], of, wide, "frequency_difference", f"{method}: frequency against the sweep, %")
     figure.suptitle(f"{plan.name}: limit cycles by describing functions")
-    partial = path.with_name(f".{path.name}.partial")
-    try:
-        figure.savefig(partial, dpi=130, format="png")
-        partial.replace(path)
-    except OSError as error:
-        partial.unlink(missing_ok=True)
-        raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
+    save(figure, path, stage="dfa", name=plan.name)
     return True
 
 

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.results.png import KEYWORD, source_text
+from hknob_cli.results.store import partial
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -46,18 +48,21 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
         _draw_orbits(figure, orbits.to_pylist(), (wide or axes[:1])[0])
     figure.suptitle(f"{title}: limit cycles against a virtual wall" + (f"  ({fixed})" if fixed else ""))
-    save(figure, path)
+    save(figure, path, stage="sweep", name=title)
     return True
 
 
-def save(figure: "Figure", path: Path) -> None:
-    """Write a figure, whole or not at all (PNG). Raises `ComputationError` if the file cannot be written."""
-    partial = path.with_name(f".{path.name}.partial")
+def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
+    """Write a figure, whole or not at all, with what it was drawn for (PNG).
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    half = partial(path)
     try:
-        figure.savefig(partial, dpi=130, format="png")
-        partial.replace(path)
+        figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
+        half.replace(path)
     except OSError as error:
-        partial.unlink(missing_ok=True)
+        half.unlink(missing_ok=True)
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 

@@ -46,7 +46,7 @@ def draw_predictions(predictions: pa.Table, axes: list[str], *, title: str, path
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
         _draw_lines(figure, rows, (wide or axes[:1])[0], laws)
     figure.suptitle(f"{title}: limit cycles by law" + (f"  ({fixed})" if fixed else ""))
-    save(figure, path)
+    save(figure, path, stage="predict", name=title)
     return True
 
 

@@ -3,8 +3,7 @@
 from collections import Counter
 from typing import Any
 
-from hknob_cli.report.matrix import matrix, short
-from hknob_cli.report.summary import MAX_ROWS
+from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 
 LIMITS = {
     "colgate_schenkel": "Colgate & Schenkel",
@@ -44,7 +43,7 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     count = "1 cell" if cells == 1 else f"{cells} cells"
     lines = [f"{summary['name']}: {count}, in domain: {inside}{stale}{''.join(fixed)}"]
-    if len(wide) == 2:
+    if len(wide) == 2 and fits(summary["passivity"], wide):
         lines += _matrices(summary, wide)
     else:
         lines += ["", *_list(summary, wide)]

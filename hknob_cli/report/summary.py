@@ -4,9 +4,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import matrix, short
-
-MAX_ROWS = 60
+from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 
 
 def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dict[str, Any]:
@@ -27,7 +25,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
     fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
-    if len(wide) == 2:
+    if len(wide) == 2 and fits(rows, wide):
         lines += [
             "",
             *matrix(

@@ -1,13 +1,14 @@
 """The results folder: one writer at a time, files whole or not at all, nothing of another origin overwritten."""
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
 LOCK = ".hknob.lock"
@@ -15,15 +16,15 @@ _PARTIAL = ".partial"
 
 
 @contextlib.contextmanager
-def hold(out: Path) -> Iterator[None]:
-    """Hold the results folder, making it if need be; what an interrupted run left half written is removed.
+def hold(out: Path, paths: Iterable[Path]) -> Iterator[None]:
+    """Hold the results folder, making it if need be; what an interrupted run left of ``paths`` is removed.
 
     Raises `RefusedError` if another run holds it, `ComputationError` if it cannot be made or written.
     """
     from filelock import FileLock, Timeout
 
-    made = [folder for folder in (out, *out.parents) if not folder.exists()]
     try:
+        made = [folder for folder in (out, *out.parents) if not folder.exists()]
         out.mkdir(parents=True, exist_ok=True)
         lock = FileLock(out / LOCK, timeout=0)
         lock.acquire()
@@ -32,7 +33,7 @@ def hold(out: Path) -> Iterator[None]:
     except OSError as error:
         raise ComputationError(f"{out}: cannot be written: {error.strerror or error}") from None
     try:
-        for left in leftovers(out):
+        for left in leftovers(paths):
             left.unlink(missing_ok=True)
         yield
     except BaseException:
@@ -44,25 +45,30 @@ def hold(out: Path) -> Iterator[None]:
 
 def _clear(made: list[Path], out: Path) -> None:
     """Remove the folders this run made, if it put nothing into them."""
-    if out in made:
+    if out in made and [entry.name for entry in out.iterdir()] == [LOCK]:
         with contextlib.suppress(OSError):
             (out / LOCK).unlink(missing_ok=True)
             for folder in made:
                 folder.rmdir()
 
 
-def leftovers(out: Path) -> list[Path]:
-    """What an interrupted run left half written, or another is writing now."""
-    return list(out.glob(f".*{_PARTIAL}"))
+def partial(path: Path) -> Path:
+    """Where a result file is written before it is put in place."""
+    return path.with_name(f".{path.name}{_PARTIAL}")
+
+
+def leftovers(paths: Iterable[Path]) -> list[Path]:
+    """What an interrupted run left half written, or another is writing now, of the result files at ``paths``."""
+    return [half for path in paths if (half := partial(path)).is_file()]
 
 
 def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] | None:
     """Tables at ``paths`` if all are there, readable, and of exactly this provenance; else None."""
-    if not all(path.exists() for path in paths):
-        return None
     tables = []
     for path in paths:
         try:
+            if not path.is_file():
+                return None
             with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
                 table = file.read()
         except (OSError, pa.ArrowException):
@@ -74,44 +80,61 @@ def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] |
 
 
 def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
-    """Raise `RefusedError` if a file at ``paths`` was written by something else, or for another name."""
+    """Raise `RefusedError` if a file at ``paths`` was written by something else, or for another name.
+
+    Raises `ComputationError` if the folder cannot be looked into.
+    """
     for path in paths:
-        if not path.exists():
-            continue
         try:
-            found = origin(pq.read_schema(path).metadata)
-        except (OSError, pa.ArrowException):
-            found = None
-            if _is_empty_or_torn(path):
+            if not (path.exists() or path.is_symlink()):
                 continue
+            if not path.is_file():
+                raise RefusedError(f"{path}: is not a file; move it away, or choose another --out")
+            with path.open("rb") as stream:
+                head = stream.read(4)
+            found = _origin(path) if head in (b"PAR1", SIGNATURE[:4]) else None
+        except OSError as error:
+            raise ComputationError(f"{path}: cannot be read: {error.strerror or error}") from None
+        if found is None and head in (b"", b"PAR1") and not _is_whole(path):
+            continue  # torn by a fault of the disk: it may be replaced
         if found is None:
             raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
         if found != (stage, name):
             raise RefusedError(f"{path}: holds the {found[0]} '{found[1]}'; choose another --out for '{name}'")
 
 
-def _is_empty_or_torn(path: Path) -> bool:
-    """Whether a file that cannot be read began as Parquet: torn by a disk fault, it may be replaced."""
+def _origin(path: Path) -> tuple[str, str] | None:
+    """Stage and name that a result file or picture of ours was written for."""
+    if path.suffix == ".png":
+        return picture_origin(path)
     try:
-        with path.open("rb") as stream:
-            return stream.read(4) in (b"", b"PAR1")
-    except OSError:
+        return origin(pq.read_schema(path).metadata)
+    except pa.ArrowException:
+        return None
+
+
+def _is_whole(path: Path) -> bool:
+    """Whether a Parquet file can be read, whoever wrote it."""
+    try:
+        pq.read_schema(path)
+    except (OSError, pa.ArrowException):
         return False
+    return True
 
 
 def write(tables: dict[Path, pa.Table], provenance: bytes) -> None:
     """Write all tables with their provenance, then put them in place. Raises `ComputationError`."""
-    partial = {path: path.with_name(f".{path.name}{_PARTIAL}") for path in tables}
+    halves = {path: partial(path) for path in tables}
     try:
         for path, table in tables.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
-            with partial[path].open("wb") as stream:
+            with halves[path].open("wb") as stream:
                 pq.write_table(stamped, stream, compression="zstd")
-        for path, half in partial.items():
+        for path, half in halves.items():
             half.replace(path)
     except OSError as error:
         raise ComputationError(f"{next(iter(tables)).parent}: cannot be written: {error.strerror or error}") from None
     finally:
-        for half in partial.values():
+        for half in halves.values():
             with contextlib.suppress(OSError):
                 half.unlink(missing_ok=True)

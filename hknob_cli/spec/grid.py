@@ -16,7 +16,8 @@ from hknob_cli.spec.scene import Part, SceneSpec
 
 MAX_CELLS = 1_000_000
 
-Value = float | int | str
+_STRICT = Field(strict=True)
+Value = Annotated[int, _STRICT] | Annotated[float, _STRICT] | Annotated[str, _STRICT]
 Listed = Annotated[list[Value], Field(min_length=1, max_length=MAX_CELLS)]
 Counts = Annotated[int, Field(strict=True, ge=1, le=2**31)]
 
@@ -185,16 +186,23 @@ def _annotated(info: FieldInfo | None) -> Any:
     return annotation
 
 
+def _name_axes(schema: dict[str, Any]) -> None:
+    """Say in the JSON Schema which axes there are."""
+    axis = schema.pop("additionalProperties", {})
+    schema["properties"].update(dict.fromkeys(scalar_paths(), axis))
+    schema["additionalProperties"] = False
+
+
 class Grid(BaseModel):
     """Axes by name. Cells follow in the order of the axes, the last one fastest."""
 
-    model_config = ConfigDict(frozen=True, extra="allow", defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="allow", defer_build=True, json_schema_extra=_name_axes)
     __pydantic_extra__: dict[str, AxisSpec]
 
     sample_rate_hz: Annotated[AxisSpec, Field(description="sample rate, Hz")]
     counts_per_rev: Annotated[AxisSpec, Field(description="encoder counts per revolution")]
 
     def axes(self) -> dict[str, AxisSpec]:
-        """Axes as written, in the order written."""
+        """Axes as written: sample rate and counts first, then the others in the order written."""
         names = [RATE, COUNTS, *(self.__pydantic_extra__ or {})]
         return {name: getattr(self, name) for name in names}

@@ -150,7 +150,8 @@ def _override(source: Source, text: str) -> Fault | None:
         return Fault(where, 0, 0, "", "must be key.path=value")
     path = tuple(path_text.strip().split("."))
     if path[0] == "grid" and len(path) > 2:
-        path = ("grid", ".".join(path[1:]))
+        form = path[-1:] if path[-1] in ("log", "lin") else ()
+        path = ("grid", ".".join(path[1 : len(path) - len(form)]), *form)
     try:
         value = yaml.parse_value(value_text)
     except ValueError as error:

@@ -11,12 +11,13 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 MAX_LENGTH = 60
+_SPELLINGS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
 
 
 # A number, then unit names with powers below 100, joined by * / ( ) or blanks: pint would evaluate any arithmetic.
 _TEXT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)"
-    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d)|[*/·()])*+)"
+    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d)|[*/·²³()])*+)"
 )
 
 
@@ -24,7 +25,9 @@ _TEXT = re.compile(
 def _registry() -> Any:
     import pint
 
-    return pint.UnitRegistry()
+    registry: Any = pint.UnitRegistry()
+    registry.define("newton_meter = newton * meter = Nm")
+    return registry
 
 
 def to_si(text: str, unit: str) -> float:
@@ -36,16 +39,27 @@ def to_si(text: str, unit: str) -> float:
         raise ValueError(f"is text; write the number without quotes, or with a unit, as in 1.5 {unit}")
     import pint
 
+    names = match["unit"].translate(_SPELLINGS)
     try:
-        quantity = _registry().Quantity(float(match["number"]), match["unit"].replace("·", "*"))
-        return float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
+        quantity = _registry().Quantity(float(match["number"]), names)
+        value = float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
+        angle, wanted = _angle_power(names), _angle_power(unit)
     except pint.UndefinedUnitError as error:
-        names = ", ".join(error.unit_names)
-        raise ValueError(f"has an unknown unit '{names}'; a number in {unit}, or a unit of its kind") from None
+        unknown = ", ".join(error.unit_names)
+        raise ValueError(f"has an unknown unit '{unknown}'; a number in {unit}, or a unit of its kind") from None
     except pint.DimensionalityError as error:
         raise ValueError(f"is in {error.units1}, which is not a kind of {unit}") from None
     except Exception:  # pint parses with Python's tokenizer, and lets out whatever that raises
         raise ValueError(f"is not a number with a unit; for example 1.5 {unit}") from None
+    # To pint an angle is a pure number; to a knob 1 rad/s is not 1 Hz. A torque per angle may leave the angle out.
+    if angle != wanted and not (angle == 0 and "N" in unit):
+        raise ValueError(f"is in {quantity.units}, which is not a kind of {unit}")
+    return value
+
+
+def _angle_power(names: str) -> float:
+    """Power of the radian in a unit."""
+    return float(dict(_registry().Quantity(1.0, names).to_root_units().unit_items()).get("radian", 0))
 
 
 class Unit:

@@ -50,6 +50,10 @@ class WallSpec(Part):
 class BiasSpec(Part):
     """The user's constant push into the wall: a torque, or half the torque step of one count."""
 
+    model_config = ConfigDict(
+        json_schema_extra={"oneOf": [{"required": ["torque"]}, {"required": ["half_quantum"]}]},
+    )
+
     torque: Annotated[Torque | None, Field(description="constant torque into the wall")] = None
     half_quantum: Annotated[
         Literal[True] | None, Field(description="true: half of wall stiffness times one count (Hasser, sec. 7.2)")

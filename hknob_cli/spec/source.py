@@ -119,6 +119,8 @@ def parse_value(text: str) -> Any:
         source = parse(f"value: {text}", "")
     except SpecError as error:
         raise ValueError(error.faults[0].message) from None
+    if list(source.value) != ["value"]:
+        raise ValueError("must be one value")
     return source.value["value"]
 
 
@@ -160,10 +162,14 @@ class _Reader:
         if tag.endswith(":str"):
             return str(node.value)
         try:
-            return self.loader.constructor.construct_object(node)
+            value = self.loader.constructor.construct_object(node)
         except (YAMLError, ValueError, OverflowError) as error:
             self.fail(node, path, f"cannot be read as a number: {error}")
             return None
+        # The parser's own kinds of numbers remember how they were written; plain ones are wanted.
+        if isinstance(value, bool) or value is None:
+            return value
+        return int(value) if isinstance(value, int) else float(value)
 
     def mapping(self, node: MappingNode, path: Path_) -> dict[str, Any]:
         result: dict[str, Any] = {}

@@ -41,6 +41,11 @@ class SweepResult(NamedTuple):
     samples: int
 
 
+def usable_cores() -> int:
+    """Cores this process may run on."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
 class SweepStage:
     """A sweep that is ready to run."""
 
@@ -50,7 +55,7 @@ class SweepStage:
         """Make ready; ``jobs`` threads, all cores if None; ``notify`` is told of waits."""
         self.plan = plan
         self.notify = notify
-        self.jobs = jobs or os.cpu_count() or 1
+        self.jobs = jobs or usable_cores()
         self._local = threading.local()
         self._functions: dict[str, Callable[..., Any]] | None = None
 

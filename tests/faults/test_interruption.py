@@ -106,11 +106,71 @@ def test_full_disk(hknob, spec_file, tmp_path: Path) -> None:
     assert {path.name for path in out.iterdir()} == {".hknob.lock"}
 
 
+def test_foreign_and_stale_pictures(hknob, spec_file, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "grid.png").write_text("mine")
+    done = hknob("sweep", spec_file(), "-o", out, "--plot")
+    assert (done.returncode, (out / "grid.png").read_text()) == (3, "mine")
+    (out / "grid.png").unlink()
+    assert hknob("sweep", spec_file(), "-o", out, "--plot").returncode == 0
+    assert hknob("sweep", spec_file(), "-o", out, "--plot", "--force").returncode == 0
+    assert hknob("sweep", spec_file(), "-o", out, "--set", "starts.phases=9").returncode == 0
+    assert not (out / "grid.png").exists()  # it showed what the files no longer hold
+
+
+@pytest.mark.parametrize("stream", ["1", "2"])
+def test_closed_streams(stream: str, spec_file, tmp_path: Path) -> None:
+    good, bad = spec_file(), spec_file(SPEC.replace("0.27", "-1"), "bad.yaml")
+    for path, code in ((good, 0), (bad, 2)):
+        line = f"{HKNOB} sweep {path} -o {tmp_path / 'out'} {stream}>&-"
+        done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False)
+        assert done.returncode == code
+        assert "Traceback" not in done.stdout + done.stderr
+
+
+def test_output_to_a_full_device(spec_file, tmp_path: Path) -> None:
+    line = f"{HKNOB} sweep {spec_file()} -o {tmp_path / 'out'} > /dev/full"
+    done = subprocess.run(line, shell=True, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "Traceback" not in done.stderr
+
+
+def test_files_in_the_way_that_are_no_files(hknob, spec_file, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    (out / "cells.parquet").mkdir(parents=True)
+    done = hknob("sweep", spec_file(), "-o", out)
+    assert (done.returncode, "is not a file" in done.stderr) == (3, True)
+    assert hknob("sweep", spec_file(), "-o", tmp_path / ("x" * 300)).returncode == 1
+
+
+def test_signals_at_any_instant_of_the_start(spec_file, tmp_path: Path) -> None:
+    """A signal to the whole group, while one process parses and the other loads: one line, and 130."""
+    chance = random.Random(7)
+    for _ in range(12):
+        process = subprocess.Popen(
+            [HKNOB, "sweep", spec_file(BUSY), "-o", tmp_path / "out"],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            start_new_session=True,
+        )
+        time.sleep(chance.uniform(0.06, 0.25))
+        os.killpg(process.pid, signal.SIGTERM)
+        _, errors = process.communicate(timeout=60)
+        assert process.returncode == 130
+        assert errors.count("interrupted") == 1
+        assert "Traceback" not in errors
+        assert not (tmp_path / "out").exists()
+
+
 def test_closed_pipe(spec_file, tmp_path: Path) -> None:
     read, write = os.pipe()
     os.close(read)
+    plain = {name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"}
     done = subprocess.run(
         [HKNOB, "sweep", spec_file(), "-o", tmp_path / "out"],
+        env=plain,
         stdout=write,
         stderr=subprocess.PIPE,
         text=True,

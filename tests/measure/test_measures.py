@@ -103,6 +103,36 @@ def test_several_extrema_in_one_interval() -> None:
         assert theta.std() == pytest.approx(measures.rms_rad, rel=1e-3)
 
 
+@pytest.mark.parametrize("delay", [0.12, 0.3, 0.5, 0.7, 0.88, 1.23])
+@pytest.mark.parametrize("rate", [15.0, 20.0, 31.0])
+def test_extrema_with_a_delay_that_splits_ringing_holds(rate: float, delay: float) -> None:
+    """Holds shorter and longer than half a ringing period in one interval: peaks against a dense sampling."""
+    text = SPEC.replace("0.27", "0.06").replace("grid:", f"  actuator: {{delay_samples: {delay}}}\ngrid:")
+    stage = SweepStage(loaded(text.replace("[1000]", f"[{rate}]")))
+    cell = {"sample_rate_hz": rate, "counts_per_rev": 1024}
+    result = stage.run_cell(cell)
+    from hknob_cli.engine.attractors import Engine
+    from hknob_cli.measure.period import split_holds
+    from hknob_cli.scene.sampled_knob import sample_knob
+
+    knob = sample_knob(stage.plan.scene, sample_rate_hz=rate, counts_per_rev=1024)
+    for attractor, measures in zip(result.attractors, result.measures, strict=True):
+        if measures.cycles == 0:
+            continue
+        period = split_holds(knob.loop, *Engine().trace(knob.loop, attractor))
+        dense = []
+        for x, v, drive, span in zip(period.x, period.v, period.drive, period.duration, strict=False):
+            for t in np.linspace(0.0, span, 3001)[:-1]:
+                s, g, _ = hold_coefficients(knob.loop.alpha, knob.loop.beta, t)
+                dense.append(x + (s * v + g * (drive - knob.loop.beta * x)))
+        theta = np.array(dense) * knob.quantum_rad
+        peaks = (theta > np.roll(theta, 1)) & (theta >= np.roll(theta, -1))
+        troughs = (theta < np.roll(theta, 1)) & (theta <= np.roll(theta, -1))
+        swing = measures.max_rad - measures.min_rad
+        assert peaks.sum() == troughs.sum() == measures.cycles
+        assert theta[peaks].mean() - theta[troughs].mean() == pytest.approx(measures.p2p_rad, abs=1e-4 * swing)
+
+
 def test_rms_of_a_fast_relay_cycle_is_that_of_its_waveform() -> None:
     """At high rates the cycle is two parabolas, of RMS / p2p = sqrt(8/15) / 2 = 0.3651."""
     row = orbits(**{"[1000]": "[50000]", "{torque: 0.001}": "{half_quantum: true}"})[0]

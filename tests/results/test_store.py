@@ -62,19 +62,22 @@ def test_only_the_same_provenance_is_current(tmp_path: Path) -> None:
 
 
 def test_a_second_writer_is_refused(tmp_path: Path) -> None:
-    with store.hold(tmp_path / "out"), pytest.raises(RefusedError, match="another run"), store.hold(tmp_path / "out"):
+    out = tmp_path / "out"
+    with store.hold(out, []), pytest.raises(RefusedError, match="another run"), store.hold(out, []):
         pass
 
 
 def test_leftovers_of_an_interrupted_run_are_removed(tmp_path: Path) -> None:
-    left = tmp_path / ".cells.parquet.partial"
+    left, foreign = tmp_path / ".cells.parquet.partial", tmp_path / ".download.partial"
     left.write_bytes(b"PAR1")
-    with store.hold(tmp_path):
+    foreign.write_bytes(b"mine")
+    with store.hold(tmp_path, [tmp_path / "cells.parquet"]):
         assert not left.exists()
+    assert foreign.exists()
 
 
 def test_a_folder_made_for_a_run_that_failed_is_removed(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="x"), store.hold(tmp_path / "a" / "b"):
+    with pytest.raises(ValueError, match="x"), store.hold(tmp_path / "a" / "b", []):
         raise ValueError("x")
     assert list(tmp_path.iterdir()) == []
 

@@ -20,6 +20,9 @@ from hknob_cli.spec.quantity import to_si
         ("0.27 N·m/rad", "N*m/rad", 0.27),
         ("1 N*m/(rad/s)", "N*m*s/rad", 1.0),
         ("20mrad", "rad", 0.02),
+        ("1 mNm", "N*m", 1e-3),
+        ("19.8 g*cm²", "kg*m^2", 19.8e-7),
+        ("0.27 N*m", "N*m/rad", 0.27),
         ("1 deg", "rad", math.pi / 180),
         ("60 rpm", "rad/s", 2 * math.pi),
         ("-1.5e-3 mN*m", "N*m", -1.5e-6),
@@ -33,6 +36,8 @@ def test_conversion(text: str, unit: str, value: float) -> None:
     ("text", "unit", "reason"),
     [
         ("2 s", "Hz", "is in second, which is not a kind of Hz"),
+        ("1000 rad/s", "Hz", "not a kind of Hz"),
+        ("1 Hz", "rad/s", "not a kind of rad/s"),
         ("3 foo", "Hz", "unknown unit 'foo'"),
         ("5", "Hz", "is text"),
         ("abc", "Hz", "not a number with a unit"),

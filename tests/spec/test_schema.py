@@ -33,6 +33,8 @@ def test_experiments_satisfy_the_schema_and_name_it(path) -> None:
         {"scene": {"knob": {"inertia": 1, "mass": 2}, "wall": {"stiffness": 1}}},
         {"grid": {"sample_rate_hz": [], "counts_per_rev": 1}},
         {"grid": {"counts_per_rev": 1}},
+        {"grid": {"sample_rate_hz": 1000, "counts_per_rev": 1024, "nonsense": [1]}},
+        {"scene": {"knob": {"inertia": 1}, "wall": {"stiffness": 1}, "bias": {}}},
         {"extra": 1},
     ],
 )
