@@ -3,8 +3,25 @@
 import contextlib
 import sys
 from collections.abc import Callable, Iterator
+from types import FrameType
+from typing import NoReturn
 
 from hknob_cli.errors import ExitCode, HknobError
+
+_interrupted = False
+
+
+def interrupt(_signal: int, _frame: FrameType | None) -> NoReturn:
+    """Signal handler: interrupt, and remember it, for code that a library calls back may lose the exception."""
+    global _interrupted
+    _interrupted = True
+    raise KeyboardInterrupt
+
+
+def heed() -> None:
+    """Raise `KeyboardInterrupt` if there was an interruption that has not been heard."""
+    if _interrupted:
+        raise KeyboardInterrupt
 
 
 def say(text: str) -> None:
@@ -37,7 +54,7 @@ def reporting() -> Iterator[None]:
 def progress_bar(total: int, *, show: bool) -> Iterator[Callable[[int, int], None]]:
     """Progress on stderr while cells are computed, if ``show`` and stderr is a terminal."""
     if not show or not sys.stderr.isatty():
-        yield lambda _done, _total: None
+        yield lambda _done, _total: heed()
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -45,4 +62,9 @@ def progress_bar(total: int, *, show: bool) -> Iterator[Callable[[int, int], Non
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("cells", total=total)
-        yield lambda done, _total: bar.update(task, completed=done)
+
+        def update(done: int, _total: int) -> None:
+            heed()
+            bar.update(task, completed=done)
+
+        yield update

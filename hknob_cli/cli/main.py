@@ -4,14 +4,10 @@ import gc
 import os
 import signal
 import sys
-from types import FrameType
 from typing import NoReturn
 
 from hknob_cli.cli import handover
-
-
-def _interrupt(_signal: int, _frame: FrameType | None) -> None:
-    raise KeyboardInterrupt
+from hknob_cli.cli.console import interrupt
 
 
 def _parse() -> NoReturn:
@@ -49,7 +45,8 @@ def main() -> NoReturn:
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:  # closed by whoever started us
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115, PTH123
-    signal.signal(signal.SIGTERM, _interrupt)
+    signal.signal(signal.SIGTERM, interrupt)
+    signal.signal(signal.SIGINT, interrupt)
     arguments = sys.argv[1:]
     if handover.pays(arguments):
         _leave(handover.parse_and_run(_parse, arguments[0]))
