@@ -236,27 +236,27 @@ if __name__ == "__main__":
 # Results, 2026-11-21, 2-core AMD EPYC (Zen 4) virtual machine, Python 3.11 (NumPy 2.4, SciPy 1.17, MuJoCo 4.0)
 #
 #                                            cells trials  median    worst  lost other  s/trial  samples/s  x engine
-# engine, 1 phase                               98     98   proven                        2.39e-04  6.67e+06      23.2
-# engine, 64 phases                             98   6272   proven                        1.03e-05  1.55e+08       1.0
-# engine, 1024 phases                           98 100352   proven                        5.33e-06  2.99e+08       0.5
-# engine, 1 phase                               18     18   proven                        2.18e-04  3.32e+06      34.0
-# engine, 64 phases                             18   1152   proven                        6.41e-06  1.13e+08       1.0
-# engine, 1024 phases                           18  18432   proven                        2.19e-06  3.31e+08       0.3
-# NumPy, exact matrices, 64 phases              98   6272  5.9e-14  2.1e-03     0     -   1.24e-04  1.28e+07      12.1
-# NumPy, exact matrices, 1024 phases            98 100352  5.9e-14  2.1e-03     0     -   1.31e-05  1.21e+08       1.3
-# SciPy RK23, 1e-03/1e-06                       18     18  5.1e-05  7.5e-04     0     0   5.94e-02  1.22e+04    9264.6
-# SciPy RK23, 1e-06/1e-09                       18     18  4.5e-07  1.5e-06     0     0   1.44e-01  5.01e+03   22530.9
-# SciPy RK23, 1e-09/1e-12                       18     18  4.6e-10  4.4e-09     0     0   9.95e-01  7.27e+02  155284.9
-# SciPy DOP853, 1e-10/1e-13                     18     18  6.0e-13  5.9e-09     0     0   7.82e-02  9.25e+03   12201.3
-# SciPy DOP853, 1e-10/1e-13, first step T       18     18  6.3e-13  5.9e-09     0     0   6.37e-02  1.14e+04    9934.2
-# MuJoCo Euler, 1 a sample                      98     98  5.7e-01  9.4e-01    91    38   4.34e-03  3.67e+05     421.9
-# MuJoCo Euler, 16 a sample                     98     98  4.4e-03  6.2e-01    10    17   3.35e-02  4.75e+04    3260.3
-# MuJoCo Euler, 128 a sample                    98     98  2.4e-04  3.9e-03     0     3   2.49e-01  6.39e+03   24256.6
-# MuJoCo implicitfast, 1 a sample               98     98  5.7e-01  9.4e-01    91    38   4.82e-03  3.31e+05     468.7
-# MuJoCo implicitfast, 16 a sample              98     98  4.4e-03  6.2e-01    10    17   3.50e-02  4.55e+04    3405.6
-# MuJoCo RK4, 1 a sample                        98     98  3.1e-06  1.0e+00     5     2   9.72e-03  1.64e+05     945.9
-# MuJoCo RK4, 4 a sample                        98     98  1.3e-08  1.5e-04     0     0   3.08e-02  5.17e+04    2998.5
-# MuJoCo RK4, 16 a sample                       98     98  5.8e-11  6.6e-06     0     0   1.14e-01  1.39e+04   11121.5
+# engine, 1 phase                               98     98   proven                        2.44e-04  6.52e+06      22.0
+# engine, 64 phases                             98   6272   proven                        1.11e-05  1.44e+08       1.0
+# engine, 1024 phases                           98 100352   proven                        4.34e-06  3.67e+08       0.4
+# engine, 1 phase                               18     18   proven                        2.21e-04  3.28e+06      26.2
+# engine, 64 phases                             18   1152   proven                        8.42e-06  8.60e+07       1.0
+# engine, 1024 phases                           18  18432   proven                        1.79e-06  4.04e+08       0.2
+# NumPy, exact matrices, 64 phases              98   6272  5.8e-14  2.1e-03     0     -   1.22e-04  1.30e+07      11.0
+# NumPy, exact matrices, 1024 phases            98 100352  5.9e-14  2.1e-03     0     -   1.29e-05  1.23e+08       1.2
+# SciPy RK23, 1e-03/1e-06                       18     18  5.1e-05  7.5e-04     0     0   5.81e-02  1.25e+04    6903.1
+# SciPy RK23, 1e-06/1e-09                       18     18  4.5e-07  1.5e-06     0     0   1.42e-01  5.09e+03   16901.7
+# SciPy RK23, 1e-09/1e-12                       18     18  4.6e-10  4.4e-09     0     0   1.01e+00  7.16e+02  120050.9
+# SciPy DOP853, 1e-10/1e-13                     18     18  6.0e-13  5.9e-09     0     0   7.84e-02  9.24e+03    9307.4
+# SciPy DOP853, 1e-10/1e-13, first step T       18     18  6.3e-13  5.9e-09     0     0   6.38e-02  1.13e+04    7578.4
+# MuJoCo Euler, 1 a sample                      98     98  5.7e-01  9.4e-01    91    38   4.37e-03  3.65e+05     393.9
+# MuJoCo Euler, 16 a sample                     98     98  4.4e-03  6.2e-01    10    17   3.34e-02  4.77e+04    3012.9
+# MuJoCo Euler, 128 a sample                    98     98  2.4e-04  3.9e-03     0     3   2.50e-01  6.37e+03   22525.6
+# MuJoCo implicitfast, 1 a sample               98     98  5.7e-01  9.4e-01    91    38   4.56e-03  3.49e+05     411.0
+# MuJoCo implicitfast, 16 a sample              98     98  4.4e-03  6.2e-01    10    17   3.52e-02  4.52e+04    3177.0
+# MuJoCo RK4, 1 a sample                        98     98  3.1e-06  1.0e+00     5     2   9.56e-03  1.67e+05     862.2
+# MuJoCo RK4, 4 a sample                        98     98  1.3e-08  1.5e-04     0     0   3.02e-02  5.27e+04    2724.8
+# MuJoCo RK4, 16 a sample                       98     98  5.8e-11  6.6e-06     0     0   1.13e-01  1.41e+04   10201.4
 #
 # The worst errors of NumPy and DOP853 are transients not over after 0.6 s: after 1.2 s NumPy's 100352 trials are all
 # within 3e-14 of a certified orbit. MuJoCo's semi-implicit integrators (equal here: joint damping is implicit in both)
