@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep maps smoke test test-fast lint schemas bench clean
+.PHONY: help sweep ladder maps smoke test test-fast lint schemas bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -36,6 +36,11 @@ maps: $(VENV)/.run ## every sweep in experiments/, with pictures
 	@for spec in $$(grep -l '^kind: sweep' experiments/*.yaml); do \
 	    echo "== $$spec"; $(BIN)/hknob sweep $$spec --plot --out $(OUT)/$$(basename $$spec .yaml) || exit 1; done
 
+ladder: sweep ## formulas, describing functions and exact relay cycles beside that grid, with pictures
+	@$(BIN)/hknob predict experiments/predict_hand_on_knob.yaml --plot --out $(OUT)/predict \
+	    --set against=$(OUT)/hand-on-knob
+	@$(BIN)/hknob dfa experiments/dfa_hand_on_knob.yaml --plot --out $(OUT)/dfa --set against=$(OUT)/hand-on-knob
+
 smoke: $(VENV)/.run ## the 3x3 grid, in under a second
 	@$(BIN)/hknob sweep experiments/smoke.yaml --out $(OUT)/smoke
 
@@ -57,7 +62,8 @@ schemas: $(VENV)/.run ## regenerate schemas/ from the models
 	@for kind in sweep dfa predict; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 
 bench: $(VENV)/.dev ## throughput, start-up, and rival methods
-	@for file in tests/benchmarks/[a-z]*.py; do echo "== $$file"; $(BIN)/python $$file || exit 1; done
+	@for name in throughput rivals startup; do \
+	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
 
 clean: ## remove the environment, caches and results
 	@rm -rf $(VENV) results build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

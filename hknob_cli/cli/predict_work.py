@@ -20,8 +20,10 @@ class PredictWork:
         return "predict.parquet", "passivity.parquet", *(["differences.parquet"] if job.plan.against else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
-        """The sweep that the laws are compared with, if any."""
-        return {"against": compare.digest(job.plan.against)} if job.plan.against else {}
+        """The sweep that the laws are compared with, and the known case, if any."""
+        against = {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}
+        case = {"case_sha256": job.plan.case_sha256} if job.plan.case_sha256 else {}
+        return {**against, **case}
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""

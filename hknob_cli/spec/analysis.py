@@ -1,11 +1,13 @@
 """The specs of the analyses that need no simulation: describing functions, and laws."""
 
+from math import pi
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
 from hknob_cli.spec.plan import Axes, DfaPlan, PredictPlan
+from hknob_cli.spec.quantity import PositiveAngle, SampleRate
 from hknob_cli.spec.scene import Part, SceneSpec
 from hknob_cli.spec.sweep import ABSENT, Name
 
@@ -36,6 +38,24 @@ class DfaSpec(Part):
         return DfaPlan(self.name, self.scene.plain(), axes, units, methods, self.against, values)
 
 
+class CaseFile(Part):
+    """Where a known case is: a YAML file, its path relative to the spec."""
+
+    case: Annotated[str, Field(min_length=1, description="file with sample_rate_hz, counts_per_rev and p2p_rad")]
+
+
+class Case(Part):
+    """A known limit cycle."""
+
+    sample_rate_hz: Annotated[SampleRate, Field(description="sample rate it was seen at")]
+    counts_per_rev: Annotated[int, Field(strict=True, ge=1, le=2**31, description="encoder counts per revolution")]
+    p2p_rad: Annotated[PositiveAngle, Field(description="its peak to peak")]
+
+    def constant(self) -> float:
+        """C of p2p = C q T."""
+        return float(self.p2p_rad * self.sample_rate_hz * self.counts_per_rev / (2.0 * pi))
+
+
 class PredictSpec(Part):
     """Predict limit cycles by closed formulas, and say which stability limit binds."""
 
@@ -49,8 +69,8 @@ class PredictSpec(Part):
         Field(default_factory=lambda: list(get_args(Law))),
     ]
     constant: Annotated[
-        float | None,
-        Field(gt=0, strict=True, allow_inf_nan=False, description="C of p2p = C q T, 1/s; null: analytic, 2K/(pi b)"),
+        Annotated[float, Field(gt=0, strict=True, allow_inf_nan=False)] | CaseFile | None,
+        Field(description="C of p2p = C q T, 1/s, or a known case to take it from; null: analytic, 2K/(pi b)"),
     ] = None
     against: Folder | None = None
 
@@ -61,4 +81,5 @@ class PredictSpec(Part):
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> PredictPlan:
         """The spec as plain values, its axes resolved."""
         laws = tuple(dict.fromkeys(self.laws))
-        return PredictPlan(self.name, self.scene.plain(), axes, units, laws, self.constant, self.against, values)
+        constant = None if isinstance(self.constant, CaseFile) else self.constant
+        return PredictPlan(self.name, self.scene.plain(), axes, units, laws, constant, None, self.against, values)

@@ -1,5 +1,6 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
+import hashlib
 from math import prod
 from pathlib import Path
 from typing import Any, get_args
@@ -8,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
-from hknob_cli.spec.analysis import DfaSpec, PredictSpec
+from hknob_cli.spec.analysis import Case, CaseFile, DfaSpec, PredictSpec
 from hknob_cli.spec.grid import (
     MAX_CELLS,
     AxisError,
@@ -19,7 +20,7 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import keys_of, message, nearest
-from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan
+from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan, PredictPlan
 from hknob_cli.spec.scene import SceneSpec
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
@@ -65,7 +66,27 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     faults += more + _absent(source, model, scene, axes)
     if faults:
         raise SpecError(faults)
-    return spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
+    plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
+    if isinstance(spec, PredictSpec) and isinstance(plan, PredictPlan) and isinstance(spec.constant, CaseFile):
+        constant, digest = _read_case(source, spec.constant.case)
+        return plan._replace(constant=constant, case_sha256=digest)
+    return plan
+
+
+def _read_case(source: Source, name: str) -> tuple[float, str]:
+    """C of the known case in a file, and the file's digest. Raises `SpecError` with the faults of either file."""
+    path = Path(source.name).parent / name
+    try:
+        case_source = yaml.read(path)
+    except UsageError as error:
+        if isinstance(error, SpecError):
+            raise
+        raise SpecError([source.fault(("constant", "case"), str(error))]) from None
+    try:
+        case = Case.model_validate(case_source.value)
+    except ValidationError as error:
+        raise SpecError([_fault(case_source, Case, item) for item in error.errors(include_url=False)]) from None
+    return case.constant(), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Axes) -> list[Fault]:

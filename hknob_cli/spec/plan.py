@@ -91,7 +91,10 @@ class DfaPlan(NamedTuple):
 
 
 class PredictPlan(NamedTuple):
-    """Predictions by ``laws``; ``constant``: C of the quantum-period law (1/(rad s) times rad), None: analytic."""
+    """Predictions by ``laws``; ``constant``: C of the quantum-period law, 1/s, None: analytic.
+
+    ``case_sha256``: digest of the file that the constant was taken from, if any.
+    """
 
     name: str
     scene: Scene
@@ -99,6 +102,7 @@ class PredictPlan(NamedTuple):
     units: dict[str, str]
     laws: tuple[str, ...]
     constant: float | None
+    case_sha256: str | None
     against: str | None
     values: dict[str, Any]
 

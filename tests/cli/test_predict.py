@@ -110,3 +110,27 @@ def test_a_sweep_s_spec_is_refused(hknob, spec_file) -> None:
     done = hknob("predict", spec_file(SPEC))
     assert done.returncode == 2
     assert "kind: must be predict, got 'sweep'" in done.stderr
+
+
+CASE = "sample_rate_hz: 1 kHz\ncounts_per_rev: 1024\np2p_rad: 3.4904e-3\n"
+
+
+def test_constant_from_a_known_case(hknob, spec_file, tmp_path: Path) -> None:
+    """C = p2p / (q T); a changed case is an other input."""
+    spec_file(CASE, "case.yaml")
+    text = SPEC.replace("kind: sweep", "kind: predict").replace("starts: {angle: 0.02, phases: 8}\n", "")
+    spec = spec_file(text + "laws: [quantum_period]\nconstant: {case: case.yaml}\n")
+    done = hknob("predict", spec, "-o", "out")
+    assert done.returncode == 0, done.stderr
+    (row,) = pq.read_table(tmp_path / "out" / "predict.parquet").to_pylist()
+    assert row["p2p_rad"] == pytest.approx(3.4904e-3, rel=1e-12)
+    spec_file(CASE.replace("3.4904e-3", "1e-3"), "case.yaml")
+    assert "has changed" in hknob("predict", spec, "-o", "out", "--dry-run").stdout
+    spec_file(CASE.replace("3.4904e-3", "-1"), "case.yaml")
+    done = hknob("predict", spec, "-o", "out")
+    assert done.returncode == 2
+    assert f"{tmp_path / 'case.yaml'}:3:10: p2p_rad: must be > 0, got -1" in done.stderr
+    (tmp_path / "case.yaml").unlink()
+    done = hknob("predict", spec, "-o", "out")
+    assert done.returncode == 2
+    assert "constant.case: " in done.stderr
