@@ -1,4 +1,4 @@
-"""The ``hknob`` command: its subcommands, each in a file of its own."""
+"""The ``hknob`` command and its subcommands."""
 
 from typing import Annotated
 
@@ -6,10 +6,8 @@ import typer
 
 from hknob_cli import __version__
 from hknob_cli.cli.check import check
-from hknob_cli.cli.dfa import dfa
-from hknob_cli.cli.predict import predict
 from hknob_cli.cli.schema import schema
-from hknob_cli.cli.sweep import sweep
+from hknob_cli.cli.stages import STAGES, stage_command
 
 app = typer.Typer(
     name="hknob",
@@ -18,9 +16,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-app.command()(sweep)
-app.command()(predict)
-app.command()(dfa)
+for kind in STAGES:
+    app.command(kind)(stage_command(kind))
 app.command()(check)
 app.command()(schema)
 

@@ -1,0 +1,85 @@
+"""The stage commands, ``hknob sweep``, ``dfa`` and ``predict``: one way to be called, told apart by their kind."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hknob_cli.cli.console import reporting
+from hknob_cli.cli.handover import submit
+from hknob_cli.cli.options import (
+    DryRun,
+    Executor,
+    ExecutorName,
+    Force,
+    Jobs,
+    Json,
+    Out,
+    Quiet,
+    Scheduler,
+    Sets,
+    SpecFile,
+    Verbose,
+)
+from hknob_cli.errors import UsageError
+
+# Kind, what it does, what it draws.
+STAGES = {
+    "sweep": (
+        "Find every limit cycle of a grid of sample rates and encoder resolutions, with its size, pitch and share.",
+        "Draw the grid into grid.png beside the results.",
+    ),
+    "dfa": (
+        "Predict limit cycles from the frequency response: describing functions, Tsypkin's locus, the sampled relay.",
+        "Draw Nyquist curves, sizes and differences into dfa.png beside the results.",
+    ),
+    "predict": (
+        "Estimate limit cycles by closed laws, say how far to trust them, and which stability limit binds.",
+        "Draw every law into predict.png beside the results.",
+    ),
+}
+
+
+def stage_command(kind: str) -> Callable[..., None]:
+    """The command of one kind of stage."""
+    summary, picture = STAGES[kind]
+
+    def command(
+        spec: SpecFile,
+        out: Out = None,
+        sets: Sets = None,
+        plot: Annotated[bool, typer.Option("--plot", help=picture)] = False,
+        jobs: Jobs = None,
+        executor: Executor = ExecutorName.local,
+        scheduler: Scheduler = None,
+        force: Force = False,
+        dry_run: DryRun = False,
+        as_json: Json = False,
+        quiet: Quiet = False,
+        verbose: Verbose = False,
+    ) -> None:
+        with reporting():
+            if executor is ExecutorName.dask or scheduler:
+                raise UsageError("--executor: dask is not in this version; local is")
+            from hknob_cli.cli.job import Job
+            from hknob_cli.spec.load import load
+
+            plan = load(spec, tuple(sets or ()), kind=kind)
+            job = Job(
+                kind=kind,
+                plan=plan,
+                out=out or Path("results") / plan.name,
+                overrides=tuple(sets or ()),
+                plot=plot,
+                jobs=jobs,
+                force=force,
+                dry_run=dry_run,
+                as_json=as_json,
+                quiet=quiet,
+                verbose=verbose,
+            )
+            submit(job)
+
+    command.__doc__ = summary
+    return command
