@@ -36,10 +36,11 @@ maps: $(VENV)/.run ## every sweep in experiments/, with pictures
 	@for spec in $$(grep -l '^kind: sweep' experiments/*.yaml); do \
 	    echo "== $$spec"; $(BIN)/hknob sweep $$spec --plot --out $(OUT)/$$(basename $$spec .yaml) || exit 1; done
 
-ladder: sweep ## formulas, describing functions and exact relay cycles beside that grid, with pictures
+ladder: $(VENV)/.run ## that grid at half a count's bias: formulas, describing functions, exact cycles, with pictures
+	@$(BIN)/hknob sweep experiments/hand_on_knob_half_quantum.yaml --out $(OUT)/half-quantum
 	@$(BIN)/hknob predict experiments/predict_hand_on_knob.yaml --plot --out $(OUT)/predict \
-	    --set against=$(OUT)/hand-on-knob
-	@$(BIN)/hknob dfa experiments/dfa_hand_on_knob.yaml --plot --out $(OUT)/dfa --set against=$(OUT)/hand-on-knob
+	    --set 'scene.bias={half_quantum: true}' --set against=$(OUT)/half-quantum
+	@$(BIN)/hknob dfa experiments/dfa_hand_on_knob.yaml --plot --out $(OUT)/dfa --set against=$(OUT)/half-quantum
 
 smoke: $(VENV)/.run ## the 3x3 grid, in under a second
 	@$(BIN)/hknob sweep experiments/smoke.yaml --out $(OUT)/smoke

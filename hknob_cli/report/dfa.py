@@ -39,7 +39,7 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
     for row in rows:
         key = tuple(row[axis] for axis in wide)
         counts[key] = counts.get(key, 0) + 1
-    # Of several cycles the table shows the largest, which is the slowest; all are in the file.
+    # Of several cycles the table shows the largest; all are in the file.
     last = [{**row, "several": counts[tuple(row[axis] for axis in wide)] > 1} for row in _largest(rows, wide)]
     if len(wide) == 2 and fits(rows, wide):
         size = f"{method}: peak to peak, mrad"
@@ -83,7 +83,8 @@ def statistics_lines(name: str, groups: dict[str, Any]) -> list[str]:
         "amplitude_difference": "its half against peak to peak",
         "frequency_difference": "frequency",
     }
-    lines = [f"{name} against the sweep, %"]
+    nearest = " (of several cycles the nearest)" if name == "sampled" else ""
+    lines = [f"{name} against the sweep, %{nearest}"]
     for key, found in groups.items():
         if found is None:
             continue

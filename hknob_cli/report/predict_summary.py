@@ -111,7 +111,7 @@ def _statistics(summary: dict[str, Any]) -> list[str]:
     for law, found in summary["statistics"].items():
         for column, what in _DIFFERENCES.items():
             for suffix, which in (("", "all"), ("_in_domain", "in domain")):
-                numbers = found[column + suffix]
+                numbers = found.get(column + suffix)
                 if numbers:
                     shares = [f"{100.0 * numbers[key]:+.1f}" for key in ("mean", "std", "least", "largest")]
                     shares[1] = shares[1].lstrip("+")

@@ -11,7 +11,7 @@ from hknob_cli.spec.quantity import PositiveAngle, SampleRate
 from hknob_cli.spec.scene import Part, SceneSpec
 from hknob_cli.spec.sweep import ABSENT, Name
 
-Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,3}|tsypkin|sampled)$")]
+Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]
 Law = Literal["quantum_period", "describing_function", "energy_balance"]
 Folder = Annotated[str, Field(min_length=1, description="results folder of a sweep to compare with, cell by cell")]
 

@@ -17,11 +17,11 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.provenance import origin
-from hknob_cli.spec.plan import Cell
+from hknob_cli.spec.plan import Axes, Cell, cells
 
 COLUMNS = (
-    Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak in this cell"),
-    Column("sweep_frequency_hz", pa.float64(), "Hz", "the sweep's frequency in this cell"),
+    Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak, mean of the trials that cycle"),
+    Column("sweep_frequency_hz", pa.float64(), "Hz", "the sweep's frequency, mean of the trials that cycle"),
     Column("p2p_difference", pa.float64(), "1", "(p2p_rad - sweep_p2p_rad) / sweep_p2p_rad"),
     Column(
         "amplitude_difference", pa.float64(), "1", "(p2p_rad / 2 - sweep_p2p_rad) / sweep_p2p_rad: unlike with unlike"
@@ -53,16 +53,21 @@ _INSIDE = "_in_domain"
 class Against:
     """The cells of a sweep, by the axis values of another grid."""
 
-    def __init__(self, folder: str, axes: list[str]) -> None:
-        """Read them. Raises `UsageError` if the sweep lacks one of ``axes``."""
+    def __init__(self, folder: str, axes: Axes) -> None:
+        """Read them. Raises `UsageError` if the sweep's axes are others, or no cell is common to both."""
         path = sweep_file(folder)
         with pq.ParquetFile(path) as file:
             table = file.read()
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
-        self._axes = axes
-        self._cells = {self._key(row): row for row in table.to_pylist()}
+        self._axes = list(axes)
+        rows = table.to_pylist()
+        self._cells = {self._key(row): row for row in rows}
+        if len(self._cells) < len(rows):
+            raise UsageError(f"against: {path} has further axes, so a cell here is several there")
+        if not any(self._key(cell) in self._cells for cell in cells(axes)):
+            raise UsageError(f"against: {path} has no cell of this grid")
 
     def _key(self, cell: Cell) -> tuple[str, ...]:
         """Axis values to 12 digits: grids written in two ways meet."""
@@ -70,8 +75,7 @@ class Against:
 
     def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
         """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
-        row = self._cells.get(self._key(cell), {})
-        p2p, frequency = row.get("p2p_rad"), row.get("frequency_hz")
+        p2p, frequency = _cycling(self._cells.get(self._key(cell)))
         return {
             "sweep_p2p_rad": p2p,
             "sweep_frequency_hz": frequency,
@@ -79,6 +83,17 @@ class Against:
             "amplitude_difference": _relative(None if p2p_rad is None else 0.5 * p2p_rad, p2p),
             "frequency_difference": _relative(frequency_hz, frequency),
         }
+
+
+def _cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
+    """Mean peak to peak and frequency of the trials of a cell that cycle; the cell's own mean counts rest as 0."""
+    if row is None or row["p2p_rad"] is None:
+        return None, None
+    bounded = 1.0 - row["diverged_fraction"] - row["undecided_fraction"]
+    cycling = bounded - row["at_rest_fraction"]
+    if cycling <= 1e-12:
+        return None, None
+    return row["p2p_rad"] * bounded / cycling, row["frequency_hz"] * bounded / cycling
 
 
 def _relative(value: float | None, reference: float | None) -> float | None:

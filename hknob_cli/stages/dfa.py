@@ -37,7 +37,7 @@ class DfaStage:
         """Make ready. Raises `UsageError` if there is no sweep to compare with where one is named."""
         self.plan = plan
         self.notify = notify
-        self.against = compare.Against(plan.against, list(plan.axes)) if plan.against else None
+        self.against = compare.Against(plan.against, plan.axes) if plan.against else None
         self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
 
     def run(self) -> pa.Table:
@@ -80,6 +80,8 @@ class DfaStage:
         for cycle in reversed(cycles):
             amplitude = 0.5 * loop.kappa * cycle.amplitude
             reasons = self._assumptions(knob, amplitude, cycle.omega)
+            if not cycle.single:
+                reasons.append("the wave crosses the edge more than twice a cycle, so it is none of a relay")
             yield {
                 "p2p_rad": 2.0 * amplitude * knob.quantum_rad,
                 "frequency_hz": cycle.omega / (2.0 * pi * knob.period_s),

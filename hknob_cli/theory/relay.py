@@ -20,6 +20,7 @@ from hknob_cli.engine.turning import first_zero, zero_spacing
 Array = NDArray[np.float64]
 
 _BISECTIONS = 70
+_PHASES = 1024
 
 
 class Relay(NamedTuple):
@@ -32,10 +33,14 @@ class Relay(NamedTuple):
 
 
 class RelayCycle(NamedTuple):
-    """A predicted limit cycle: angular frequency in rad/sample, amplitude (half of peak to peak) in counts."""
+    """A predicted limit cycle: angular frequency in rad/sample, amplitude (half of peak to peak) in counts.
+
+    ``single``: whether the wave crosses the edge only twice a cycle, as a relay's cycle must.
+    """
 
     omega: float
     amplitude: float
+    single: bool
 
 
 def response(relay: Relay, omega: Array) -> NDArray[np.complex128]:
@@ -92,7 +97,8 @@ def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
     for omega in _roots(values, grid, lambda at: float(switching(np.array([at]))[0])):
         line = response(relay, omega * odd)
         if line.real.sum() < 0.0:
-            cycles.append(RelayCycle(omega, _peak(relay.level * 4.0 / pi * line / odd, odd)))
+            lines = relay.level * 4.0 / pi * line / odd
+            cycles.append(RelayCycle(omega, _peak(lines, odd), _crosses_twice(_wave(lines, odd))))
     return cycles
 
 
@@ -100,11 +106,9 @@ def _peak(lines: NDArray[np.complex128], odd: Array) -> float:
     """Largest value of the sum of ``lines`` as sines at odd multiples of the fundamental; Newton from a fine grid."""
     if len(odd) == 1:
         return float(abs(lines[0]))
-    phase = np.linspace(0.0, 2.0 * pi, int(64 * odd[-1]) + 1)
+    phase = np.linspace(0.0, 2.0 * pi, min(64 * int(odd[-1]), _PHASES) + 1)
     best = 0.0
-    wave = np.zeros_like(phase)
-    for line, h in zip(lines, odd, strict=True):
-        wave += (line * np.exp(1j * h * phase)).imag
+    wave = _wave(lines, odd)
     at = float(phase[int(np.argmax(wave))])
     for _ in range(8):
         turn = lines * np.exp(1j * odd * at)
@@ -114,6 +118,21 @@ def _peak(lines: NDArray[np.complex128], odd: Array) -> float:
             break
         at -= slope / bend
     return max(best, float(wave.max()))
+
+
+def _wave(lines: NDArray[np.complex128], odd: Array) -> Array:
+    """One period of the sum of ``lines`` as sines, from the switch on, at even steps."""
+    phase = np.linspace(0.0, 2.0 * pi, min(64 * int(odd[-1]), _PHASES) + 1)
+    wave = np.zeros_like(phase)
+    for line, h in zip(lines, odd, strict=True):
+        wave += (line * np.exp(1j * h * phase)).imag
+    return wave
+
+
+def _crosses_twice(wave: Array) -> bool:
+    """Whether a period that begins at a zero has one more zero, in its middle; ripple at the zeros is rounding."""
+    half = wave[1 : len(wave) // 2]
+    return bool((half < 1e-9 * abs(half).max()).all() or (half > -1e-9 * abs(half).max()).all())
 
 
 def start_of_half(relay: Relay, half: float) -> tuple[float, float]:
@@ -144,6 +163,14 @@ def at_switch(relay: Relay, half: float) -> tuple[float, float]:
     return (x, v) if turns % 2 == 0 else (-x, -v)
 
 
+def _input(relay: Relay, half: float, t: float) -> float:
+    """Input of the relay a time ``t`` after it is told to turn inward, of the motion with half period ``half``."""
+    at = half - relay.delay + t
+    turns = floor(at / half)
+    x = _moved(relay, *start_of_half(relay, half), at - turns * half)[0]
+    return x if turns % 2 == 0 else -x
+
+
 def tsypkin(relay: Relay) -> list[RelayCycle]:
     """Limit cycles with all harmonics of the relay (Tsypkin 1984), up to the Nyquist frequency, slowest first."""
     low = lowest_omega(relay, 1)
@@ -155,7 +182,9 @@ def tsypkin(relay: Relay) -> list[RelayCycle]:
     cycles = []
     for half in _roots(values, grid, lambda at: at_switch(relay, at)[0]):
         if at_switch(relay, half)[1] > 0.0:
-            cycles.append(RelayCycle(pi / half, _largest(relay, half)))
+            steps = np.linspace(0.0, 1.0, 129)
+            wave = np.array([_input(relay, half, float(step) * half) for step in steps])
+            cycles.append(RelayCycle(pi / half, _largest(relay, half), _crosses_twice(np.concatenate([wave, -wave]))))
     return cycles[::-1]
 
 

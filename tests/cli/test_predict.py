@@ -134,3 +134,19 @@ def test_constant_from_a_known_case(hknob, spec_file, tmp_path: Path) -> None:
     done = hknob("predict", spec, "-o", "out")
     assert done.returncode == 2
     assert "constant.case: " in done.stderr
+
+
+def test_a_law_without_a_frequency_beside_a_sweep(hknob, spec_file, tmp_path: Path) -> None:
+    assert hknob("sweep", spec_file(), "-o", "swept").returncode == 0
+    spec = spec_file(PREDICT + "constant: 500\nagainst: swept\n", "p.yaml")
+    done = hknob("predict", spec, "-o", "out")
+    assert done.returncode == 0, done.stderr
+    for change, reason in (("grid.counts_per_rev=[512]", "no cell of this grid"),):
+        done = hknob("predict", spec, "-o", "out2", "--set", change)
+        assert done.returncode == 2
+        assert reason in done.stderr
+    wide = SPEC.replace("[1024]", "[1024]\n  hand.stiffness: [0.04, 0.08]")
+    assert hknob("sweep", spec_file(wide, "w.yaml"), "-o", "wide").returncode == 0
+    done = hknob("predict", spec, "-o", "out3", "--set", "against=wide")
+    assert done.returncode == 2
+    assert "further axes" in done.stderr

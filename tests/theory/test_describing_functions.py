@@ -127,3 +127,12 @@ def test_a_long_delay_gives_several_intersections() -> None:
         line = complex(response(Relay(0.157, 0.0182, 0.06, 12.5), np.array([cycle.omega]))[0])
         assert abs(line.imag) < 1e-10 * abs(line)
         assert line.real < 0.0
+
+
+def test_waves_that_cross_more_than_twice_are_told_apart() -> None:
+    """A light, delayed plant has a root of the switching condition whose wave crosses zero six times a period."""
+    j, b, k, wall, t = 2.2e-6, 2.7e-6, 0.04, 0.0004, 1 / 4370
+    one = Relay(b * t / j, k * t * t / j, 0.5 * wall * t * t / j, 1.5)
+    found = {round(cycle.omega / t / (2 * pi), 1): cycle.single for cycle in tsypkin(one)}
+    assert found[23.4]
+    assert not all(found.values())
