@@ -1,4 +1,4 @@
-"""The cells that the benchmarks run on: the hand-on-knob grid of physics.md, Table 7's plant with the lightest grip."""
+"""The cells that the benchmarks run on: the hand-on-knob grid of the theory, Table 7's plant with the lightest grip."""
 
 from dataclasses import dataclass
 from math import floor

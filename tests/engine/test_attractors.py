@@ -57,7 +57,7 @@ def test_blocks_of_lanes_are_one_ensemble() -> None:
 
 
 def test_orbits_of_10_12_and_14_samples_coexist() -> None:
-    """physics.md: at 1 kHz with half-quantum bias all three exist and attract, at any resolution."""
+    """the theory: at 1 kHz with half-quantum bias all three exist and attract, at any resolution."""
     trials: Counter[int] = Counter()
     for counts in (128, 256, 512, 1024, 2048, 4096, 8192):
         for a in search(Engine(compiled()), knob(counts=counts, bias={"half_quantum": True})).attractors:
@@ -67,7 +67,7 @@ def test_orbits_of_10_12_and_14_samples_coexist() -> None:
 
 
 def test_ladder_of_periods_over_bias() -> None:
-    """physics.md, print error 4: 12, 25/2, 13, 31/2 and 21 samples a cycle at g / (K dtheta) = .5, .3, .2, .1, .05.
+    """the known print errors: 12, 25/2, 13, 31/2 and 21 samples a cycle at g / (K dtheta) = .5, .3, .2, .1, .05.
 
     Several orbits may coexist; the stated one is among them.
     """

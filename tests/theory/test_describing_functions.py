@@ -89,7 +89,7 @@ def test_more_harmonics_approach_all(name: str) -> None:
 
 
 def test_locus_of_a_perturbed_relay_system() -> None:
-    """physics.md: Table 7's plant with k = 0.08, 60 Hz, delay 1 ms: -3.160613011 - 0.369758332j."""
+    """the theory: Table 7's plant with k = 0.08, 60 Hz, delay 1 ms: -3.160613011 - 0.369758332j."""
     j, b, k, t = 2.2e-6, 3.45e-4, 0.08, 2e-3
     one = Relay(b * t / j, k * t * t / j, 1.0, 0.5)
     value = lprs(one, 2 * pi * 60 * t) * t * t / j

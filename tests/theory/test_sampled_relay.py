@@ -108,7 +108,7 @@ def test_delays(delay: float) -> None:
 
 
 def test_the_symmetric_ladder_in_closed_form() -> None:
-    """physics.md: half period m under g = K q / 2: x0 = (I + Phi^m)^-1 sum Phi^i Gamma M, admissible if on one side."""
+    """the theory: half period m under g = K q / 2: x0 = (I + Phi^m)^-1 sum Phi^i Gamma M, admissible if on one side."""
     from scipy.linalg import expm
 
     knob = next(k for k in knobs("hand_on_knob_half_quantum") if abs(k.period_s - 1e-3) < 1e-12)

@@ -1,6 +1,6 @@
 """A 60-digit model of the sampled knob, in SI units, that shares no formula with the package.
 
-Plant: J theta'' + b theta' + k theta = tau - g (physics.md). Phi and Gamma of the zero-order hold come from one matrix
+Plant: J theta'' + b theta' + k theta = tau - g (the theory). Phi and Gamma of the zero-order hold come from one matrix
 exponential of the augmented continuous matrix (Franklin, Powell & Workman, sec. 4.3); integrals over a hold and the
 velocity between samples from its two eigenvalues; extrema from bracketed zeros of the velocity, refined numerically.
 Nothing is imported from `hknob_cli`: both sides are built from the same plain dictionary, the ``scene`` of a spec.
@@ -231,7 +231,7 @@ class Orbit:
         return first, second, speed, work
 
     def measures(self) -> dict[str, Any]:
-        """The measures of contract.md ("Definitions"), and the two sides of the energy balance [J]."""
+        """The measures of the README ("Definitions"), and the two sides of the energy balance [J]."""
         maxima, minima = self.extrema
         first, second, speed, work = self.integrals
         mean = first / self.period_s

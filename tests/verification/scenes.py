@@ -9,14 +9,14 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.scene import SceneSpec
 
-# The 7 x 7 grid of the dissertation's simulations (contract.md, "Specs"), and its start.
+# The 7 x 7 grid of the dissertation's simulations (the README, "Specs"), and its start.
 RATES_HZ = tuple(100.0 * 10.0 ** (i / 3) for i in range(7))
 COUNTS = (128, 256, 512, 1024, 2048, 4096, 8192)
 START_RAD = 0.02
 PHASES = 64
 
 BIASES: dict[str, dict[str, Any]] = {"torque": {"torque": 0.001}, "half_quantum": {"half_quantum": True}}
-STIFFNESSES = (0.04, 0.08)  # Table 1's lightest grip, and what Table 7 prints (physics.md, print error 1)
+STIFFNESSES = (0.04, 0.08)  # Table 1's lightest grip, and what Table 7 prints (the known print errors)
 
 
 def hand_on_knob(

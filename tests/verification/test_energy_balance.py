@@ -1,6 +1,6 @@
 """Energy of every certified cycle: the work of the wall equals the loss in the damping.
 
-Source: physics.md, "At a limit cycle the work of the wall torque over a cycle equals the loss in b": over a closed
+Source: the theory, "At a limit cycle the work of the wall torque over a cycle equals the loss in b": over a closed
 motion the bias and the hand's spring return what they take. The package computes the two sides independently, the work
 from torques and displacements, the loss from the integral of the squared velocity. Issue 2 asks for 1e-10 relative.
 
@@ -19,7 +19,7 @@ from hknob_cli.engine.outcome import Outcome
 
 from .scenes import BIASES, COUNTS, RATES_HZ, STIFFNESSES, Settled, hand_on_knob, settle_grid
 
-RELATIVE = 1e-10  # issue 2, "Done when"
+RELATIVE = 1e-10  # the accuracy promised
 
 
 def check_balance(rows: list[Settled]) -> int:

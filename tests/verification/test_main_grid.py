@@ -29,7 +29,7 @@ def test_orbits_of_10_12_and_14_samples_at_1_khz(main_grid: Rows) -> None:
 
 
 def test_stiffness_as_printed_gives_rest(main_grid: Rows) -> None:
-    """physics.md, print error 1, and its condition for a rest point: g / ((K + k) q) in (m - k / (K + k), m]."""
+    """the known print errors, and its condition for a rest point: g / ((K + k) q) in (m - k / (K + k), m]."""
     from math import ceil, pi
 
     seen = set()

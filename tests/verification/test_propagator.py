@@ -87,7 +87,7 @@ def test_log_grid(t: float) -> None:
 
 
 def test_far_corners() -> None:
-    """Scenes like 1e6 N m/rad on 1e-12 kg m^2 at 1 Hz (issue 2, extreme scenes): up to 1e18."""
+    """Scenes like 1e6 N m/rad on 1e-12 kg m^2 at 1 Hz (the extreme scenes): up to 1e18."""
     sizes = [1e-18, 1e-9, 1.0, 1e9, 1e12, 1e15, 1e18]
     check([(alpha, beta, t) for alpha in [0.0, *sizes] for beta in [0.0, *sizes] for t in TIMES])
 

@@ -1,7 +1,7 @@
 """Rest inside the wall: where the package reports it, and where it must exist.
 
-Source: physics.md, "A stable rest point inside the wall exists iff g/((K+k) dtheta) lies in (m - k/(K+k), m] for a
-whole number m >= 1". Verified both ways over random scenes, and on the grid of issue 2 (stiffness 0.08, bias
+Source: the theory, "A stable rest point inside the wall exists iff g/((K+k) dtheta) lies in (m - k/(K+k), m] for a
+whole number m >= 1". Verified both ways over random scenes, and on the main grid (stiffness 0.08, bias
 0.001 N m). The condition is evaluated at 60 digits on the doubles of the scene; the package's certificate claims a
 margin above its own rounding, so no tolerance is needed.
 """
@@ -32,7 +32,7 @@ SETTINGS = settings(
 
 
 def condition(cell: Cell) -> int:
-    """The level m >= 1 at which the knob can rest inside the wall, 0 if there is none: the line of physics.md."""
+    """The level m >= 1 at which the knob can rest inside the wall, 0 if there is none: the line of the theory."""
     total = cell.wall_stiffness + cell.plant.stiffness
     ratio = cell.plant.bias / (total * cell.quantum)
     m = int(mp.ceil(ratio))
@@ -137,7 +137,7 @@ def test_rest_is_found_where_the_condition_holds(engine: Engine, draw: Draw, pha
     cell = draw.cell(rate_hz)
     assert condition(cell) == draw.m, "the draw does not do what it says"
     theta = rest_angle(cell, draw.m)
-    assert cell.level(theta) == -draw.m, "the condition of physics.md does not put the rest point into its level"
+    assert cell.level(theta) == -draw.m, "the condition of the theory does not put the rest point into its level"
     # At a sample: the engine's own verdict, before anything moves.
     knob = sample(draw.scene, rate_hz, draw.counts)
     fate, period, x, v, _, _ = follow(knob.position(float(theta)), 0.0, [], 0, 1000, 1e6, knob.loop)
@@ -225,7 +225,7 @@ def test_grid(engine: Engine, bias: str, stiffness: float) -> None:
     if stiffness == 0.04 or bias == "half_quantum":
         assert not any(allowed.values())
     else:
-        assert {n for n, m in allowed.items() if m} == {2048, 4096}  # physics.md, print error 1
+        assert {n for n, m in allowed.items() if m} == {2048, 4096}  # the known print errors
 
 
 ENCODERS: dict[str, dict[str, Any]] = {
@@ -252,7 +252,7 @@ def test_rest_with_other_encoders_balances_the_torques(engine: Engine, bias: str
 
 
 def test_rest_at_2048_and_4096_counts(engine: Engine) -> None:
-    """Stiffness 0.08, bias 0.001: rest at 2048 and 4096 counts over several rates, p2p exactly 0 (issue 2)."""
+    """Stiffness 0.08, bias 0.001: rest at 2048 and 4096 counts over several rates, p2p exactly 0 (as promised)."""
     resting: dict[int, set[float]] = {}
     scene = hand_on_knob("torque", 0.08)
     for counts in (2048, 4096):

@@ -1,7 +1,7 @@
 """The recursion against a 60-digit model: theta at every sample of long transients.
 
 Verified: `engine.loop` (levels, delay line, hold by hold propagation), the start of a trial and the ensemble's own
-kernel, against the sampled equation of motion of physics.md ("Symbols and signs"). Required by issue 2: theta within
+kernel, against the sampled equation of motion of the theory ("Symbols and signs"). Required: theta within
 1e-12 rad over 10^4 samples in ten cells of both kinds of bias.
 
 The bound leaves room: a step rounds x by a few units in the last place, and the plant's slowest mode forgets in 1/rate
@@ -20,7 +20,7 @@ from hknob_cli.engine.propagator import hold_coefficients
 from .reference import Cell, build_cell, mp
 from .scenes import PHASES, RATES_HZ, START_RAD, hand_on_knob, sample
 
-WITHIN_RAD = 1e-12  # issue 2, "Done when"
+WITHIN_RAD = 1e-12  # the accuracy promised
 
 LONG = [
     ("torque", RATES_HZ[0], 128, 0),
