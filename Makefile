@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep ladder maps smoke test test-fast lint schemas bench clean
+.PHONY: help sweep ladder maps smoke test lint schemas bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -50,9 +50,6 @@ test: $(VENV)/.dev ## lint, types, and every test
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
 	@$(BIN)/python -m pytest -n $(WORKERS)
-
-test-fast: $(VENV)/.dev ## every test that is not marked slow
-	@$(BIN)/python -m pytest -n $(WORKERS) -m 'not slow'
 
 lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff check --fix .
