@@ -10,7 +10,7 @@ from typing import NamedTuple
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.errors import ComputationError
-from hknob_cli.spec.plan import Actuator, Bias, Hand, Scene
+from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
 
 
 class SampledKnob(NamedTuple):
@@ -50,6 +50,7 @@ def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> 
     hand = scene.hand or Hand()
     bias = scene.bias or Bias(torque=0.0)
     actuator = scene.actuator or Actuator()
+    encoder = scene.encoder or Encoder()
     inertia = scene.knob.inertia + hand.inertia
     period = 1.0 / sample_rate_hz
     quantum = 2.0 * pi / counts_per_rev
@@ -58,10 +59,10 @@ def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> 
     beta = hand.stiffness * square
     kappa = scene.wall.stiffness * square
     push = 0.5 * kappa if bias.half_quantum else (bias.torque or 0.0) * square / quantum
-    nearest = scene.encoder.rounding == "nearest"
-    shift = scene.encoder.offset_counts - (0.5 if nearest else 0.0)
+    nearest = encoder.rounding == "nearest"
+    shift = encoder.offset_counts - (0.5 if nearest else 0.0)
     # Level 0 of `truncate` also holds the count above the edge of `ceil`'s, where the wall is off all the same.
-    upper = scene.encoder.rounding in ("ceil", "truncate")
+    upper = encoder.rounding in ("ceil", "truncate")
     whole = int(actuator.delay_samples)
     split = actuator.delay_samples - whole
     if not all(isfinite(value * value) for value in (alpha, beta, kappa, push)):
@@ -72,7 +73,7 @@ def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> 
         kappa,
         push + beta * shift,
         -1.0 if upper else 1.0,
-        scene.encoder.offset_counts,
+        encoder.offset_counts,
         split,
         *hold_coefficients(alpha, beta, split),
         *hold_coefficients(alpha, beta, 1.0 - split),

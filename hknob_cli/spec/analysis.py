@@ -9,7 +9,18 @@ from hknob_cli.spec.grid import Grid
 from hknob_cli.spec.plan import Axes, DfaPlan, PredictPlan
 from hknob_cli.spec.quantity import PositiveAngle, SampleRate
 from hknob_cli.spec.scene import Part, SceneSpec
-from hknob_cli.spec.sweep import ABSENT, Name
+from hknob_cli.spec.sweep import Name
+
+# Scene values that no analysis has.
+ABSENT = {
+    "knob.coulomb_torque": "Coulomb friction",
+    "wall.damping": "virtual damping",
+    "hand.finger": "a finger apart from the knob",
+    "hand.fingerpad": "a fingerpad",
+    "actuator.time_constant": "actuator lag",
+    "actuator.torque_limit": "a torque limit",
+    "actuator.torque_step": "a torque step",
+}
 
 Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]
 Law = Literal["quantum_period", "describing_function", "energy_balance"]

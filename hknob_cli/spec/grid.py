@@ -1,11 +1,12 @@
 """The grid: axes of values.
 
 An axis is a list of values, ``{log: [first, last, count]}`` or ``{lin: [first, last, count]}``; a single value is an
-axis of one. Beside the two that every grid has, any number of the scene is an axis by its dotted path.
+axis of one. Beside sample rate and counts, any number of the scene is an axis by its dotted path. A continuous sensor
+needs no counts, a continuous controller no sample rate.
 """
 
 import math
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
 from pydantic.fields import FieldInfo
@@ -58,21 +59,33 @@ def scalar_field(path: str) -> FieldInfo | None:
     *parents, last = path.split(".")
     for part in parents:
         info = model.model_fields.get(part)
-        inner = _model_of(info) if info else None
+        inner = model_of(info) if info else None
         if inner is None:
             return None
         model = inner
     found = model.model_fields.get(last)
-    return None if found is None or _model_of(found) or not _is_number(found) else found
+    return None if found is None or model_of(found) or not _is_number(found) else found
 
 
 def scalar_paths() -> list[str]:
     """Every dotted path that may be an axis."""
     paths = []
     for part, info in SceneSpec.model_fields.items():
-        model = _model_of(info)
+        model = model_of(info)
         if model:
-            paths += [f"{part}.{name}" for name, inner in model.model_fields.items() if _is_number(inner)]
+            paths += [f"{part}.{name}" for name in _numbers(model)]
+    return paths
+
+
+def _numbers(model: type[BaseModel]) -> list[str]:
+    """Paths of the numbers in a part of the scene."""
+    paths = []
+    for name, info in model.model_fields.items():
+        inner = model_of(info)
+        if inner:
+            paths += [f"{name}.{path}" for path in _numbers(inner)]
+        elif _is_number(info):
+            paths.append(name)
     return paths
 
 
@@ -81,10 +94,12 @@ def _arms(info: FieldInfo) -> tuple[Any, ...]:
     return getattr(annotation, "__args__", None) or (annotation,)
 
 
-def _model_of(info: FieldInfo) -> type[BaseModel] | None:
+def model_of(info: FieldInfo) -> type[BaseModel] | None:
+    """The model of a field that holds a part of a spec; None if it holds a value."""
     for arm in _arms(info):
-        if isinstance(arm, type) and issubclass(arm, BaseModel):
-            return arm
+        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
+        if isinstance(plain, type) and issubclass(plain, BaseModel):
+            return plain
     return None
 
 
@@ -199,10 +214,14 @@ class Grid(BaseModel):
     model_config = ConfigDict(frozen=True, extra="allow", defer_build=True, json_schema_extra=_name_axes)
     __pydantic_extra__: dict[str, AxisSpec]
 
-    sample_rate_hz: Annotated[AxisSpec, Field(description="sample rate, Hz")]
-    counts_per_rev: Annotated[AxisSpec, Field(description="encoder counts per revolution")]
+    sample_rate_hz: Annotated[
+        AxisSpec | None, Field(description="sample rate, Hz; not needed where sampling is continuous")
+    ] = None
+    counts_per_rev: Annotated[
+        AxisSpec | None, Field(description="encoder counts per revolution; not needed where encoder is none")
+    ] = None
 
     def axes(self) -> dict[str, AxisSpec]:
         """Axes as written: sample rate and counts first, then the others in the order written."""
         names = [RATE, COUNTS, *(self.__pydantic_extra__ or {})]
-        return {name: getattr(self, name) for name in names}
+        return {name: axis for name in names if (axis := getattr(self, name)) is not None}

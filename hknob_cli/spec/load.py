@@ -3,7 +3,7 @@
 import hashlib
 from math import prod
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -16,12 +16,13 @@ from hknob_cli.spec.grid import (
     Grid,
     axis_unit,
     axis_values,
+    model_of,
     scalar_field,
     scalar_paths,
 )
 from hknob_cli.spec.messages import keys_of, message, nearest
 from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan, PredictPlan
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.spec.scene import SceneSpec, contradictions
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
@@ -63,7 +64,9 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         except ValidationError:
             raise SpecError(faults) from None
     axes, more = _resolve_axes(source, grid, scene)
-    faults += more + _absent(source, model, scene, axes)
+    faults += more + _missing_axes(source, scene) + _absent(source, model, scene, axes)
+    if scene:
+        faults += [source.fault(path, text) for path, text in contradictions(scene, axes)]
     if faults:
         raise SpecError(faults)
     plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
@@ -89,17 +92,35 @@ def _read_case(source: Source, name: str) -> tuple[float, str]:
     return case.constant(), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
+def _missing_axes(source: Source, scene: SceneSpec | None) -> list[Fault]:
+    """Faults of a grid that lacks what its scene needs."""
+    needed = {RATE: scene is None or scene.sampling != "continuous", COUNTS: scene is None or scene.encoder != "none"}
+    given = source.value.get("grid") or {}
+    return [
+        source.fault(("grid", name), "missing, and required")
+        for name, need in needed.items()
+        if need and given.get(name) is None
+    ]
+
+
 def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Axes) -> list[Fault]:
     """Faults of scene values that this kind of spec cannot have."""
     faults = []
     kind = source.value["kind"]
     for name, what in model.ABSENT.items():
         part, field = name.split(".")
-        message = f"must be 0: {what} is not in {kind} in this version"
-        if scene and getattr(getattr(scene, part), field, None):
+        message = f"must be 0: {what} is not in {kind}"
+        value = getattr(getattr(scene, part, None), field, None)
+        if isinstance(value, BaseModel):
+            message = f"must not be given: {what} is not in {kind}"
+        if value:
             faults.append(source.fault(("scene", part, field), message))
         if any(axes.get(name, [])):
             faults.append(source.fault(("grid", name), message, at_key=True))
+    if model.ABSENT and scene and scene.encoder == "none":
+        faults.append(source.fault(("scene", "encoder"), f"must be a mapping: {kind} needs an encoder's counts"))
+    if model.ABSENT and scene and scene.sampling == "continuous":
+        faults.append(source.fault(("scene", "sampling"), f"must be zero_order_hold: {kind} is about a sampled wall"))
     return faults
 
 
@@ -124,8 +145,7 @@ def _model_at(model: type[BaseModel], path: tuple[str | int, ...]) -> type[BaseM
     current: type[BaseModel] | None = model
     for part in path:
         info = current.model_fields.get(str(part)) if current else None
-        arms = [info.annotation, *get_args(info.annotation)] if info else []
-        current = next((arm for arm in arms if isinstance(arm, type) and issubclass(arm, BaseModel)), None)
+        current = model_of(info) if info else None
     return current
 
 
@@ -155,9 +175,11 @@ def _axis_fault(name: str, scene: SceneSpec | None) -> str | None:
         return nearest(name, [RATE, COUNTS, *scalar_paths()])
     if scene is None:
         return None
-    part = name.split(".")[0]
-    if getattr(scene, part) is None:
-        return f"must vary a part of the scene, which has no '{part}'"
+    part: Any = scene
+    for step in name.split(".")[:-1]:
+        part = getattr(part, step)
+        if part is None or part == "none":
+            return f"must vary a part of the scene, which has no '{step}'"
     if name == "bias.torque" and scene.bias and scene.bias.half_quantum:
         return "must not vary the torque of a half-quantum bias"
     return None

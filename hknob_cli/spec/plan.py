@@ -21,12 +21,29 @@ class Knob(NamedTuple):
     coulomb_torque: float = 0.0
 
 
+class Finger(NamedTuple):
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the fingers, to ground."""
+
+    inertia: float
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+class Fingerpad(NamedTuple):
+    """Damping (N·m·s/rad) and stiffness (N·m/rad) between finger and knob."""
+
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
 class Hand(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground."""
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts."""
 
     inertia: float = 0.0
     damping: float = 0.0
     stiffness: float = 0.0
+    finger: Finger | None = None
+    fingerpad: Fingerpad | None = None
 
 
 class Wall(NamedTuple):
@@ -60,14 +77,18 @@ class Actuator(NamedTuple):
 
 
 class Scene(NamedTuple):
-    """What exists; None where it does not."""
+    """What exists; None where it does not.
+
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
+    """
 
     knob: Knob
     wall: Wall
     hand: Hand | None
     bias: Bias | None
-    encoder: Encoder
+    encoder: Encoder | None
     actuator: Actuator | None
+    sampled: bool = True
 
 
 class Starts(NamedTuple):
@@ -76,6 +97,22 @@ class Starts(NamedTuple):
     angle: float
     velocity: float
     phases: int
+
+
+class Pulse(NamedTuple):
+    """Torque (N·m, away from the wall) on the knob for a duration (s)."""
+
+    torque: float
+    duration: float
+
+
+class Record(NamedTuple):
+    """Trajectories to keep: their duration and the time between rows (s), trials, and a pulse at their start."""
+
+    duration: float
+    interval: float
+    trials: int
+    pulse: Pulse | None = None
 
 
 class DfaPlan(NamedTuple):
@@ -108,7 +145,10 @@ class PredictPlan(NamedTuple):
 
 
 class SweepPlan(NamedTuple):
-    """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied."""
+    """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
+
+    ``growth_s``: time over which the energy of bounces is fitted, where asked for.
+    """
 
     name: str
     scene: Scene
@@ -117,6 +157,8 @@ class SweepPlan(NamedTuple):
     starts: Starts
     max_samples: int | None
     values: dict[str, Any]
+    record: Record | None = None
+    growth_s: float | None = None
 
 
 Plan = SweepPlan | DfaPlan | PredictPlan
@@ -132,6 +174,11 @@ def scene_at(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place."""
     for name, value in cell.items():
         if name not in (RATE, COUNTS):
-            part, field = name.split(".")
-            scene = scene._replace(**{part: getattr(scene, part)._replace(**{field: value})})
+            scene = _replaced(scene, name.split("."), value)
     return scene
+
+
+def _replaced(part: Any, path: list[str], value: float) -> Any:
+    """A part of the scene with the value at ``path`` in it replaced."""
+    first, *rest = path
+    return part._replace(**{first: _replaced(getattr(part, first), rest, value) if rest else value})

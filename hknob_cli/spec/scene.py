@@ -5,7 +5,7 @@ Source of the parts: Hasser, sections 6.3-6.4 (Fig. 27, Table 7). SI units throu
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec import plan
@@ -18,10 +18,9 @@ class Part(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
-def _sampled(value: Any) -> Any:
-    if value == "none":
-        raise PydanticCustomError("absent", "must be a mapping: a continuous sensor is not in this version")
-    return value
+def _sensor(value: Any) -> Any:
+    """Which form of encoder this is; picks the model that validates it."""
+    return "none" if isinstance(value, str) else "encoder"
 
 
 class KnobSpec(Part):
@@ -29,22 +28,63 @@ class KnobSpec(Part):
 
     inertia: Annotated[Inertia, Field(description="moment of inertia of knob and motor")]
     damping: Annotated[Damping, Field(description="viscous damping of the device")] = 0.0
-    coulomb_torque: Annotated[Torque, Field(description="Coulomb friction level; predict only")] = 0.0
+    coulomb_torque: Annotated[Torque, Field(description="Coulomb friction level, with stick")] = 0.0
+
+
+class FingerSpec(Part):
+    """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
+
+    inertia: Annotated[Inertia, Field(description="moment of inertia of the fingers about the knob's axis")]
+    damping: Annotated[Damping, Field(description="damping of the fingers, to ground")] = 0.0
+    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingers, to ground")] = 0.0
+
+
+class FingerpadSpec(Part):
+    """The fingerpad: spring and damper between finger and knob (B2, K2 of Hasser, Fig. 13)."""
+
+    damping: Annotated[Damping, Field(description="damping of the fingerpads")] = 0.0
+    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingerpads")] = 0.0
 
 
 class HandSpec(Part):
-    """The hand on the knob, second order, to ground; its neutral angle is 0."""
+    """The hand on the knob; its neutral angle is 0.
+
+    Second order, moving with the knob, by ``inertia``, ``damping`` and ``stiffness``; or fourth order, by ``finger``
+    and ``fingerpad``.
+    """
 
     inertia: Annotated[AddedInertia, Field(description="moment of inertia the grasp adds")] = 0.0
     damping: Annotated[Damping, Field(description="damping of the grasp")] = 0.0
     stiffness: Annotated[Stiffness, Field(description="stiffness of the grasp")] = 0.0
+    finger: FingerSpec | None = None
+    fingerpad: FingerpadSpec | None = None
+
+    @model_validator(mode="after")
+    def _one_order(self) -> "HandSpec":
+        if (self.finger is None) != (self.fingerpad is None):
+            raise PydanticCustomError("two_parts", "must have both 'finger' and 'fingerpad', or neither")
+        if self.finger and (self.inertia or self.damping or self.stiffness):
+            raise PydanticCustomError(
+                "two_hands", "must have 'finger' and 'fingerpad', or inertia, damping and stiffness, not both"
+            )
+        return self
+
+    def plain(self) -> plan.Hand:
+        """The hand as plain values."""
+        return plan.Hand(
+            inertia=self.inertia,
+            damping=self.damping,
+            stiffness=self.stiffness,
+            finger=plan.Finger(**dict(self.finger)) if self.finger else None,
+            fingerpad=plan.Fingerpad(**dict(self.fingerpad)) if self.fingerpad else None,
+        )
 
 
 class WallSpec(Part):
     """The virtual wall: a spring for measured angles below 0, nothing above."""
 
     stiffness: Annotated[Stiffness, Field(description="virtual stiffness")]
-    damping: Annotated[Damping, Field(description="on the differenced measured angle; predict only")] = 0.0
+    damping: Annotated[Damping, Field(description="virtual, on the differenced measured angle")] = 0.0
 
 
 class BiasSpec(Part):
@@ -92,9 +132,11 @@ class ActuatorSpec(Part):
         float,
         Field(strict=True, ge=0, le=1000, allow_inf_nan=False, description="transport delay in sample periods"),
     ] = 0.0
-    time_constant: Annotated[Seconds, Field(description="first-order lag; 0 in this version")] = 0.0
-    torque_limit: Annotated[Torque | None, Field(description="saturation; null in this version")] = None
-    torque_step: Annotated[Torque, Field(description="D/A step; 0 in this version")] = 0.0
+    time_constant: Annotated[Seconds, Field(description="of the lag from command to torque, first order")] = 0.0
+    torque_limit: Annotated[Torque | None, Field(description="saturation of the torque; null: none")] = None
+    torque_step: Annotated[
+        Torque, Field(description="D/A step, to whole multiples of which a command is rounded; 0: none")
+    ] = 0.0
 
 
 class SceneSpec(Part):
@@ -104,19 +146,46 @@ class SceneSpec(Part):
     wall: WallSpec
     hand: HandSpec | None = None
     bias: BiasSpec | None = None
-    encoder: Annotated[EncoderSpec, BeforeValidator(_sampled), Field(default_factory=EncoderSpec)]
+    encoder: Annotated[
+        Annotated[EncoderSpec, Tag("encoder")] | Annotated[Literal["none"], Tag("none")],
+        Discriminator(_sensor),
+        Field(default_factory=EncoderSpec, description="none: a continuous sensor"),
+    ]
     actuator: ActuatorSpec | None = None
-    sampling: Annotated[Literal["zero_order_hold"], Field(description="how the controller acts in time")] = (
-        "zero_order_hold"
-    )
+    sampling: Annotated[
+        Literal["zero_order_hold", "continuous"],
+        Field(description="how the controller acts in time; continuous: without a sample clock, at once"),
+    ] = "zero_order_hold"
 
     def plain(self) -> plan.Scene:
         """The scene as plain values."""
         return plan.Scene(
             knob=plan.Knob(**dict(self.knob)),
             wall=plan.Wall(**dict(self.wall)),
-            hand=plan.Hand(**dict(self.hand)) if self.hand else None,
+            hand=self.hand.plain() if self.hand else None,
             bias=plan.Bias(**dict(self.bias)) if self.bias else None,
-            encoder=plan.Encoder(**dict(self.encoder)),
+            encoder=plan.Encoder(**dict(self.encoder)) if isinstance(self.encoder, EncoderSpec) else None,
             actuator=plan.Actuator(**dict(self.actuator)) if self.actuator else None,
+            sampled=self.sampling == "zero_order_hold",
         )
+
+
+def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
+    found: list[tuple[tuple[str, ...], str]] = []
+    if scene.bias and scene.bias.half_quantum and plan.COUNTS not in axes:
+        found.append((("scene", "bias", "half_quantum"), "must not be given without grid.counts_per_rev"))
+    if scene.sampling == "continuous":
+        needs_clock = {
+            ("wall", "damping"): "virtual damping needs samples to difference",
+            ("actuator", "delay_samples"): "a delay in samples needs a sample clock",
+            ("actuator", "time_constant"): "actuator lag is not in a continuous controller",
+            ("actuator", "torque_step"): "a torque step is not in a continuous controller",
+            ("actuator", "torque_limit"): "a torque limit is not in a continuous controller",
+        }
+        for path, why in needs_clock.items():
+            if getattr(getattr(scene, path[0]), path[1], None) or any(axes.get(".".join(path), [])):
+                found.append((("scene", *path), f"must be absent where sampling is continuous: {why}"))
+        if scene.hand and scene.hand.finger:
+            found.append((("scene", "hand", "finger"), "must be absent where sampling is continuous"))
+    return found

@@ -5,18 +5,9 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
-from hknob_cli.spec.plan import Axes, Starts, SweepPlan
-from hknob_cli.spec.quantity import Angle, Velocity
+from hknob_cli.spec.plan import Axes, Pulse, Record, Starts, SweepPlan
+from hknob_cli.spec.quantity import Angle, PositiveSeconds, SignedTorque, Velocity
 from hknob_cli.spec.scene import Part, SceneSpec
-
-# Scene values that the exact engine does not have yet.
-ABSENT = {
-    "knob.coulomb_torque": "Coulomb friction",
-    "wall.damping": "virtual damping",
-    "actuator.time_constant": "actuator lag",
-    "actuator.torque_limit": "a torque limit",
-    "actuator.torque_step": "a torque step",
-}
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
@@ -40,6 +31,40 @@ class LimitsSpec(Part):
     ] = None
 
 
+class PulseSpec(Part):
+    """A torque pulse on the knob from the start of a recording, away from the wall (Hasser, sec. 4.2.2)."""
+
+    torque: Annotated[SignedTorque, Field(description="height of the pulse")]
+    duration: Annotated[PositiveSeconds, Field(description="length of the pulse")]
+
+
+class RecordSpec(Part):
+    """Trajectories to keep: the exact motion of the first trials of every cell."""
+
+    duration: Annotated[PositiveSeconds, Field(description="time to record, from the start of a trial")]
+    interval: Annotated[
+        PositiveSeconds | None,
+        Field(description="time between rows, beside those where the torque changes; null: a thousandth of duration"),
+    ] = None
+    trials: Annotated[int, Field(strict=True, ge=1, le=1000, description="trials to record, by phase")] = 1
+    pulse: PulseSpec | None = None
+
+    def plain(self) -> Record:
+        """The recording as plain values."""
+        return Record(
+            duration=self.duration,
+            interval=self.interval or self.duration / 1000.0,
+            trials=self.trials,
+            pulse=Pulse(**dict(self.pulse)) if self.pulse else None,
+        )
+
+
+class GrowthSpec(Part):
+    """Energy at the bounce peaks, fitted by a parabola over time (Hasser, sec. 6.4.1)."""
+
+    duration: Annotated[PositiveSeconds, Field(description="time over which bounces are collected")] = 1.0
+
+
 class SweepSpec(Part):
     """Simulate every cell of a grid to its proven limit cycles."""
 
@@ -49,8 +74,10 @@ class SweepSpec(Part):
     grid: Grid
     starts: Annotated[StartsSpec, Field(default_factory=StartsSpec)]
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
+    record: RecordSpec | None = None
+    growth: GrowthSpec | None = None
 
-    ABSENT: ClassVar[dict[str, str]] = ABSENT
+    ABSENT: ClassVar[dict[str, str]] = {}
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
         """The spec as plain values, its axes resolved."""
@@ -61,5 +88,7 @@ class SweepSpec(Part):
             units=units,
             starts=Starts(self.starts.angle, self.starts.velocity, self.starts.phases),
             max_samples=self.limits.max_samples,
+            record=self.record.plain() if self.record else None,
+            growth_s=self.growth.duration if self.growth else None,
             values=values,
         )

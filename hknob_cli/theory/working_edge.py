@@ -8,7 +8,7 @@ are those of the sweep's engine (`engine.loop`).
 from math import ceil, pi
 from typing import NamedTuple
 
-from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Bias, Cell, Hand, Scene
+from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Bias, Cell, Encoder, Hand, Scene
 
 
 class WorkingEdge(NamedTuple):
@@ -58,7 +58,8 @@ def working_edge(scene: Scene, cell: Cell) -> WorkingEdge:
     bias = scene.bias or Bias(torque=0.0)
     actuator = scene.actuator or Actuator()
     period, quantum = 1.0 / cell[RATE], 2.0 * pi / cell[COUNTS]
-    offset, rounding = scene.encoder.offset_counts, scene.encoder.rounding
+    encoder = scene.encoder or Encoder()
+    offset, rounding = encoder.offset_counts, encoder.rounding
     depth = {"floor": 0.0, "nearest": 0.5, "ceil": 1.0, "truncate": 1.0}[rounding] - offset
     full = scene.wall.stiffness * quantum
     spring = hand.stiffness * quantum
