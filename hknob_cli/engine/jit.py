@@ -16,15 +16,29 @@ from pathlib import Path
 from typing import Any
 
 # In the order of use: a module's functions are compiled before those that call them.
-MODULES = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace", "relay_cycles")
+PLAIN = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace", "relay_cycles")
+GENERAL = (
+    *PLAIN[:-1],
+    "general.controller",
+    "general.body",
+    "general.glide",
+    "general.interval",
+    "general.period_map",
+    "general.standstill",
+    "general.follow",
+    "general.ensemble",
+    "general.trace",
+)
+# What is compiled for a scene: its modules, and a function without which they are of no use.
+GROUPS = {"plain": (PLAIN, "ensemble.ensemble"), "general": (GENERAL, "ensemble.crowd")}
 
 
 def _source_digest() -> str:
     """Digest of the engine's sources: compiled code of another version is never taken from the cache."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for name in (*MODULES, "jit"):
-        digest.update((here / f"{name}.py").read_bytes())
+    for name in sorted({"jit", *(name for modules, _ in GROUPS.values() for name in modules)}):
+        digest.update((here / f"{name.replace('.', '/')}.py").read_bytes())
     return digest.hexdigest()[:16]
 
 
@@ -63,15 +77,18 @@ def _load_target() -> None:
             del sys.modules[blas]
 
 
-def is_cached() -> bool:
+def is_cached(group: str = "plain") -> bool:
     """Whether compiled code of these sources is on disk, so that `compiled` takes no more than loading it."""
     folder = cache_directory()
-    return folder is not None and any(folder.glob("**/*.nbi"))
+    return folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi"))
 
 
 @cache
-def compiled() -> dict[str, Callable[..., Any]]:
-    """Every engine function by name, compiled on first call; compiled code is cached where a cache can be written."""
+def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
+    """Every function of a group by name, compiled on first call; compiled code is cached where a cache can be written.
+
+    A function of a module in a package goes by its module's name, too: ``general.crowd``.
+    """
     import numba
     import numpy as np
 
@@ -80,17 +97,24 @@ def compiled() -> dict[str, Callable[..., Any]]:
     keep = _writable(folder)
     if keep:
         numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
-    done: dict[str, Any] = {}
-    for name in MODULES:
+    named: dict[str, Any] = {}
+    done: dict[types.FunctionType, Any] = {}
+    for name in GROUPS[group][0]:
         module = importlib.import_module(f"hknob_cli.engine.{name}")
+        prefix = name.rpartition(".")[0]
         for key, function in vars(module).items():
             if not isinstance(function, types.FunctionType) or function.__module__ != module.__name__:
                 continue
             if key == "floor":
-                done[key] = np.floor
+                done[function] = np.floor
                 continue
-            copy = types.FunctionType(function.__code__, {**function.__globals__, **done}, key)
+            seen = {
+                other: done[value]
+                for other, value in function.__globals__.items()
+                if isinstance(value, types.FunctionType) and value in done
+            }
+            copy = types.FunctionType(function.__code__, {**function.__globals__, **seen}, key)
             copy.__qualname__ = key
             copy.__module__ = module.__name__
-            done[key] = numba.njit(copy, cache=keep, nogil=True)
-    return done
+            done[function] = named[f"{prefix}.{key}" if prefix else key] = numba.njit(copy, cache=keep, nogil=True)
+    return named

@@ -1,0 +1,172 @@
+"""The ensemble of one cell in the general loop: trials by phase, followed one after another, counted by their orbit."""
+
+from hknob_cli.engine.certificate import DIFFERENT
+from hknob_cli.engine.ensemble import near
+from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, REST_EDGE, REST_PROVEN, same_line
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, pursue
+from hknob_cli.engine.general.glide import rub
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.propagator import hold_coefficients
+
+FIELDS = 10  # fate, period, margin, edge, closure, bound, trials, least and largest position, reading before
+
+
+def is_cycle(fate):
+    """Whether a fate is a limit cycle, proven or not."""
+    return (
+        fate == CYCLE_PROVEN
+        or fate == CYCLE_ON_EDGE
+        or fate == CYCLE_CONTINUUM
+        or fate == CYCLE_AT_EVENT
+        or fate == CYCLE_EXPANDS
+    )
+
+
+def begin(z, start, part, body, space):
+    """State ``part`` of a sample period after ``start``, no torque commanded yet."""
+    for j in range(body.order):
+        z[j] = start[j]
+    s, g, f = hold_coefficients(body.alpha, body.beta, part)
+    rub(z, 0.0, part, s, g, f, body, space.rate, space.work, space.none, space.none, 0, 1, space.none)
+
+
+def deepest(z, before, ring, head, period, body, wall, space, best, bestring):
+    """Turn an orbit to its deepest sample and its shortest period: ``(before, head, period)``."""
+    n, delay = body.order, len(ring)
+    for j in range(n):
+        space.orbit[j], best[j] = z[j], z[j]
+    for j in range(delay):
+        space.orbit_line[j], bestring[j] = ring[j], ring[j]
+    first, best_before, best_head = head, before, head
+    for i in range(period):
+        if i > 0 and period % i == 0 and same_line(ring, head, space.orbit_line, first):
+            again = True
+            for j in range(n):
+                again = again and near(z[j], space.orbit[j])
+            if again:
+                period = i
+                break
+        if z[0] < best[0]:
+            best_before, best_head = before, head
+            for j in range(n):
+                best[j] = z[j]
+            for j in range(delay):
+                bestring[j] = ring[j]
+        before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+    for j in range(n):
+        z[j] = best[j]
+    for j in range(delay):
+        ring[j] = bestring[j]
+    return best_before, best_head, period
+
+
+def find(fate, period, z, shown, rows, table, states, order):
+    """Row of this attractor, or ``rows`` if new. Rest points held by friction count as one per reading."""
+    for row in range(rows):
+        base = row * FIELDS
+        if table[base] != fate or table[base + 1] != period:
+            continue
+        if period == 0:
+            return row
+        if shown == shown:
+            if table[base + 9] == shown:
+                return row
+            continue
+        same = True
+        for j in range(order):
+            same = same and near(z[j], states[row * order + j])
+        if same:
+            return row
+    return rows
+
+
+def crowd(
+    start,
+    phases,
+    first,
+    stop,
+    skip,
+    budget,
+    limit,
+    capacity,
+    rows,
+    table,
+    states,
+    lines,
+    body,
+    wall,
+    space,
+    z,
+    ring,
+    check,
+    checkring,
+    keep,
+    keepring,
+):
+    """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
+
+    Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
+    under way there, oldest first.
+    """
+    n, delay = body.order, len(ring)
+    overflow, samples = 0, 0
+    for trial in range(first, stop):
+        begin(z, start, (trial + 0.5) / phases, body, space)
+        for j in range(delay):
+            ring[j] = 0.0
+        head = 0
+        before = read(z[0], wall)
+        grown = False
+        for i in range(skip):
+            before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+            if not -limit < z[0] < limit:
+                grown = True
+                break
+        fate, period, before, head, used = pursue(
+            z, before, ring, head, budget - skip, limit, body, wall, space, check, checkring, keep, keepring
+        )
+        samples += used + skip
+        cycle = is_cycle(fate)
+        turns = period
+        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+        if cycle:
+            before, head, period = deepest(z, before, ring, head, period, body, wall, space, check, checkring)
+        rest = fate == REST_PROVEN or fate == REST_EDGE
+        shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
+        if rest and body.friction > 0.0 and wall.analog > 0.0:
+            shown = -1.0 if z[0] < 0.0 else 0.0
+        row = find(fate, period, z, shown, rows, table, states, n)
+        if cycle and row == rows:
+            status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
+            if status == DIFFERENT and period < turns:
+                period = turns
+                row = find(fate, period, z, shown, rows, table, states, n)
+                status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
+            if fate == CYCLE_PROVEN and status != DIFFERENT:
+                for j in range(n):
+                    z[j] = space.orbit[j]
+                for j in range(delay):
+                    ring[j] = space.orbit_line[j]
+        if row == capacity:
+            overflow += 1
+            continue
+        base = row * FIELDS
+        if row == rows:
+            rows += 1
+            table[base], table[base + 1] = fate, period
+            table[base + 2], table[base + 3] = margin, edge
+            table[base + 4], table[base + 5] = closure, bound
+            table[base + 6] = 0.0
+            table[base + 7], table[base + 8] = z[0], z[0]
+            table[base + 9] = shown if rest and body.friction > 0.0 else before
+            for j in range(n):
+                states[row * n + j] = z[j]
+            for j in range(delay):
+                lines[row * delay + j] = ring[(head + j) % delay]
+        table[base + 6] += 1.0
+        if rest:
+            table[base + 7] = min(table[base + 7], z[0])
+            table[base + 8] = max(table[base + 8], z[0])
+    return rows, overflow, samples

@@ -1,0 +1,128 @@
+"""Following one trial of the general loop until its fate is proven: as `engine.follow`, with friction and the rest."""
+
+from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.follow import (
+    CYCLE_CONTINUUM,
+    CYCLE_ON_EDGE,
+    CYCLE_PROVEN,
+    FIRST_REST_TEST,
+    FIRST_TOLERANCE,
+    GREW,
+    LEFT,
+    REST_EDGE,
+    REST_PROVEN,
+    UNDAMPED,
+    UNSETTLED,
+    same_line,
+)
+from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.controller import inside, read
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
+from hknob_cli.engine.general.standstill import settles
+from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
+
+CYCLE_AT_EVENT = 9
+CYCLE_EXPANDS = 10
+
+
+def pursue(z, before, ring, head, budget, limit, body, wall, space, check, checkring, keep, keepring):
+    """Follow a trial for at most ``budget`` samples: ``(fate, period, before, head, samples)``.
+
+    ``z`` and ``ring`` are left at the orbit's state. ``check`` and ``keep`` (order), ``checkring`` and ``keepring``
+    (delay) are work space.
+    """
+    n, delay = body.order, len(ring)
+    have, events, next_checkpoint, since = False, 0, 1, 0
+    chead, tolerance = head, FIRST_TOLERANCE
+    kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
+    resting_on_edge = False
+    shown = read(z[0], wall)
+    run, next_test = 0, FIRST_REST_TEST
+    for i in range(budget):
+        x = z[0]
+        if not -limit < x < limit:
+            return GREW, 0, before, head, i
+        last = shown
+        shown = read(x, wall)
+        same = inside(shown) == inside(last) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+        if same:
+            run += 1
+            if run >= next_test:
+                next_test = 2 * run
+                fate, _ = settles(z, shown, before, ring, body, wall, space)
+                if fate == AT_REST:
+                    for j in range(n):
+                        z[j] = space.orbit[j]
+                    return REST_PROVEN, 1, before, head, i
+                if fate == LEAVES:
+                    return LEFT, 0, before, head, i
+                if fate == RINGS:
+                    return UNDAMPED, 0, before, head, i
+                resting_on_edge = fate == REST_ON_EDGE
+                if fate == MOVING and wall.analog > 0.0 and shown < 0.0:
+                    status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
+                    if status == PROVEN:
+                        for j in range(n):
+                            z[j] = space.orbit[j]
+                        z[1] = 0.0
+                        for j in range(delay):
+                            ring[j] = space.orbit_line[j]
+                        return REST_PROVEN, 1, z[0], head, i
+        else:
+            run, next_test = 0, FIRST_REST_TEST
+            resting_on_edge = False
+        if inside(shown) < inside(last) and (wall.analog == 0.0 or not last < 0.0):
+            if have:
+                for j in range(n):
+                    space.away[j] = z[j] - check[j]
+                gap = distance(space.away, body)
+                if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, checkring, chead)):
+                    status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
+                    if status == PROVEN or status == NEUTRAL:
+                        for j in range(n):
+                            z[j] = space.orbit[j]
+                        for j in range(delay):
+                            ring[j] = space.orbit_line[j]
+                        return (CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM), since, before, head, i
+                    if status == ON_EDGE or status == AT_EVENT or status == EXPANDS:
+                        kept, kept_head, kept_before = since, head, before
+                        kept_fate = CYCLE_ON_EDGE
+                        if status != ON_EDGE:
+                            kept_fate = CYCLE_AT_EVENT if status == AT_EVENT else CYCLE_EXPANDS
+                        for j in range(n):
+                            keep[j] = space.orbit[j]
+                        for j in range(delay):
+                            keepring[j] = space.orbit_line[j]
+                    tolerance = 0.5 * gap
+                    if status == NOT_CAPTURED:
+                        for j in range(n):
+                            space.away[j] = z[j] - space.orbit[j]
+                        away = distance(space.away, body)
+                        tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
+                    elif status == DIFFERENT and gap == 0.0:
+                        tolerance = FIRST_TOLERANCE
+            events += 1
+            if events == next_checkpoint:
+                next_checkpoint = 2 * events
+                have, since = True, 0
+                chead, tolerance = head, FIRST_TOLERANCE
+                for j in range(n):
+                    check[j] = z[j]
+                for j in range(delay):
+                    checkring[j] = ring[j]
+        since += 1
+        before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+    if kept > 0:
+        for j in range(n):
+            z[j] = keep[j]
+        for j in range(delay):
+            ring[j] = keepring[j]
+        return kept_fate, kept, kept_before, kept_head, budget
+    if resting_on_edge:
+        fate, _ = settles(z, shown, before, ring, body, wall, space)
+        if fate == REST_ON_EDGE:
+            for j in range(n):
+                z[j] = space.orbit[j]
+        return REST_EDGE, 1, before, head, budget
+    return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget

@@ -1,0 +1,273 @@
+"""Proof of a limit cycle of the general loop: closure of the period map, and its contraction.
+
+From a trial whose readings seem to repeat, Newton's method finds the fixed point of the map over the period; the map's
+derivative is carried through every event. Where the encoder has counts, two motions that get the same readings get the
+same commands, and the energy of their difference never grows, friction or not. So a trial that is nearer to the orbit
+than any sample of it is to an edge has the same readings for ever; the derivative says that it then converges. With a
+continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
+"""
+
+from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.interval import advance
+
+AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
+EXPANDS = 6  # the period map does not contract
+NEWTON_STEPS = 8
+POWERS = 4096  # of the derivative, until a difference is gone
+
+
+def invert(space, m):
+    """Inverse of identity minus the columns' matrix, by Gauss-Jordan with pivoting; False if singular.
+
+    Column c of the derivative is at ``columns[c * width]``; the inverse is left in the right half of ``matrix``, row by
+    row, (m, 2 m).
+    """
+    a, width = space.matrix, 2 * m
+    for i in range(m):
+        for j in range(m):
+            one = 1.0 if i == j else 0.0
+            a[i * width + j] = one - space.columns[j * space.width + i]
+            a[i * width + m + j] = one
+    for k in range(m):
+        best = k
+        for i in range(k + 1, m):
+            if abs(a[i * width + k]) > abs(a[best * width + k]):
+                best = i
+        pivot = a[best * width + k]
+        if abs(pivot) < 1e-14:
+            return False
+        for j in range(width):
+            kept = a[k * width + j]
+            a[k * width + j] = a[best * width + j] / pivot
+            if best != k:
+                a[best * width + j] = kept
+        for i in range(m):
+            factor = a[i * width + k]
+            if i != k and factor != 0.0:
+                for j in range(width):
+                    a[i * width + j] -= factor * a[k * width + j]
+    return True
+
+
+def turn(before, ring, head, period, body, wall, space, m):
+    """Run the orbit in ``space`` over one period with its derivative: ``(margin, edge, reach, pace, before, head)``.
+
+    ``margin``: least distance of a sample to a change of command, ``edge``: to any count edge.
+    """
+    n, width = body.order, space.width
+    for c in range(m):
+        for i in range(width):
+            space.columns[c * width + i] = 1.0 if i == c else 0.0
+    for i in range(n):
+        space.state[i] = space.orbit[i]
+    for j in range(len(ring)):
+        space.line[j] = space.orbit_line[j]
+    space.marks[0], space.marks[1] = float("inf"), float("inf")
+    margin, edge = float("inf"), float("inf")
+    reach, pace = 0.0, 0.0
+    first = head
+    for _ in range(period):
+        x = space.state[0]
+        shown = read(x, wall)
+        margin = min(margin, edge_gap(x, shown, wall))
+        edge = min(edge, count_gap(x, wall))
+        reach = max(reach, abs(x))
+        pace = max(pace, abs(space.state[1]))
+        before, head = advance(space.state, before, space.line, head, body, wall, space, m, space.marks)
+        pace = max(pace, abs(space.state[0] - x))
+    if m > n:
+        turn_lines(space, m, len(ring), first, head)
+    return margin, edge, reach, pace, before, head
+
+
+def turn_lines(space, m, delay, first, head):
+    """Turn the delay lines, and their derivatives, back to where they began: oldest at ``first``."""
+    n = m - delay - 1
+    for c in range(-1, m):
+        for j in range(delay):
+            old = space.line[(head + j) % delay] if c < 0 else space.columns[c * space.width + n + (head + j) % delay]
+            space.away[j] = old
+        for j in range(delay):
+            if c < 0:
+                space.line[(first + j) % delay] = space.away[j]
+            else:
+                space.columns[c * space.width + n + (first + j) % delay] = space.away[j]
+
+
+def dissipates(space, m, scale):
+    """Whether a power of the derivative shrinks every difference to less than half; ``scale``: unit of speed.
+
+    Positions count one, speeds (odd entries of the state) ``1 / scale``.
+    """
+    width = space.width
+    for i in range(m):
+        for j in range(m):
+            space.power[i * m + j] = space.columns[j * width + i]
+    for _ in range(60):
+        worst = 0.0
+        for i in range(m):
+            row = 0.0
+            for j in range(m):
+                row += abs(space.power[i * m + j]) * (scale if j % 2 == 1 else 1.0)
+            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
+        if worst < 0.5:
+            return True
+        if not worst < 1e100:
+            return False
+        for i in range(m):
+            for j in range(m):
+                total = 0.0
+                for k in range(m):
+                    total += space.power[i * m + k] * space.power[k * m + j]
+                space.spare[i * m + j] = total
+        for i in range(m * m):
+            space.power[i] = space.spare[i]
+    return False
+
+
+def growth_bound(space, m, scale):
+    """Sum of the absolute powers of the derivative, in ``total`` (m, m): what a difference can ever grow to."""
+    width = space.width
+    for i in range(m):
+        for j in range(m):
+            space.power[i * m + j] = 1.0 if i == j else 0.0
+            space.total[i * m + j] = 0.0
+    for _ in range(POWERS):
+        worst = 0.0
+        for i in range(m):
+            row = 0.0
+            for j in range(m):
+                part = abs(space.power[i * m + j])
+                space.total[i * m + j] += part
+                row += part * (scale if j % 2 == 1 else 1.0)
+            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
+        if worst < 1e-3:
+            return True
+        for i in range(m):
+            for j in range(m):
+                total = 0.0
+                for k in range(m):
+                    total += space.power[i * m + k] * space.columns[j * width + k]
+                space.spare[i * m + j] = total
+        for i in range(m * m):
+            space.power[i] = space.spare[i]
+    return False
+
+
+def certify(z, before, ring, head, period, body, wall, space):
+    """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
+
+    Returns ``(status, margin, edge, closure, bound)`` as `engine.certificate.certify` does; the orbit's state at this
+    sample is left in ``space.orbit``, its delay line in ``space.orbit_line``.
+    """
+    n, width = body.order, space.width
+    delay = len(ring)
+    m = width if wall.analog > 0.0 else n
+    start, last = before, before
+    for i in range(n):
+        space.orbit[i] = z[i]
+    for j in range(delay):
+        space.orbit_line[j] = ring[j]
+    margin, edge, reach, pace, closure, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    solved, best = True, float("inf")
+    for attempt in range(NEWTON_STEPS):
+        margin, edge, reach, pace, last, at = turn(start, ring, head, period, body, wall, space, m)
+        for i in range(n):
+            space.residual[i] = space.state[i] - space.orbit[i]
+        for j in range(delay):
+            if wall.analog > 0.0:
+                space.residual[n + j] = space.line[j] - space.orbit_line[j]
+            elif space.line[(at + j) % delay] != space.orbit_line[(head + j) % delay]:
+                return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+        if wall.analog > 0.0:
+            space.residual[width - 1] = last - start
+        elif wall.damping > 0.0 and last != start:
+            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+        closure = 0.0
+        for i in range(n):
+            closure += space.residual[i] * space.residual[i]
+        closure = closure**0.5
+        size = 4.0 * EPSILON * (reach + pace)
+        solved = invert(space, m)
+        if not solved or closure <= size or (attempt > 2 and closure >= 0.5 * best):
+            break
+        best = min(best, closure)
+        for i in range(m):
+            change = 0.0
+            for j in range(m):
+                change += space.matrix[i * 2 * m + m + j] * space.residual[j]
+            if i < n:
+                space.orbit[i] += change
+            elif i < width - 1:
+                space.orbit_line[i - n] += change
+            else:
+                start += change
+    if not closure < 1e-6 * (reach + pace):
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+    if not solved:
+        return NEUTRAL, margin, edge, closure, 0.0
+    # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
+    rounding = 8.0 * EPSILON * period
+    bound = 0.0
+    for i in range(m):
+        total = 0.0
+        for j in range(m):
+            part = abs(space.residual[j]) + rounding * ((reach + pace) if j % 2 == 0 else 2.0 * pace)
+            total += abs(space.matrix[i * 2 * m + m + j]) * part
+        space.away[i] = total
+        if i == 0:
+            bound = total
+    scale = pace / (reach + pace) if pace > 0.0 else 1.0
+    # A difference of speeds, and of torques, that the error bound allows.
+    if body.friction > 0.0:
+        speed = space.away[1]
+        if not (space.marks[0] > 4.0 * (body.beta + body.pad_stiffness) * bound and space.marks[1] > speed):
+            return AT_EVENT, margin, edge, closure, bound
+    if not margin > bound:
+        return ON_EDGE, margin, edge, closure, bound
+    if not dissipates(space, m, scale):
+        return EXPANDS, margin, edge, closure, bound
+    for i in range(n):
+        space.residual[i] = z[i] - space.orbit[i]
+    if wall.analog == 0.0:
+        if not distance(space.residual, body) + bound < margin:
+            return NOT_CAPTURED, margin, edge, closure, bound
+        return PROVEN, margin, edge, closure, bound
+    if body.friction > 0.0 or not growth_bound(space, m, scale):
+        return EXPANDS, margin, edge, closure, bound
+    for j in range(delay):
+        space.residual[n + j] = ring[j] - space.orbit_line[j]
+    space.residual[width - 1] = before - start
+    for i in range(m):
+        total = 0.0
+        for j in range(m):
+            total += space.total[i * m + j] * abs(space.residual[j])
+        space.away[i] = total
+    if not within(start, ring, head, period, body, wall, space, m, bound):
+        return NOT_CAPTURED, margin, edge, closure, bound
+    return PROVEN, margin, edge, closure, bound
+
+
+def within(before, ring, head, period, body, wall, space, m, bound):
+    """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge."""
+    n, width = body.order, space.width
+    for c in range(m):
+        for i in range(width):
+            space.columns[c * width + i] = 1.0 if i == c else 0.0
+    for i in range(n):
+        space.state[i] = space.orbit[i]
+    for j in range(len(ring)):
+        space.line[j] = space.orbit_line[j]
+    for i in range(m):
+        space.residual[i] = space.away[i]
+    for _ in range(period):
+        x = space.state[0]
+        reach = bound
+        for c in range(m):
+            reach += abs(space.columns[c * width]) * space.residual[c]
+        if not reach < edge_gap(x, read(x, wall), wall):
+            return False
+        before, head = advance(space.state, before, space.line, head, body, wall, space, m, space.marks)
+    return True

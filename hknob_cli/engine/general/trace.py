@@ -1,0 +1,73 @@
+"""A motion of the general loop written down: sample by sample, or piece by piece between events."""
+
+from hknob_cli.engine.general.body import acceleration
+from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.glide import direction, slide_many, slide_two
+from hknob_cli.engine.general.interval import advance
+
+
+def run(z, before, ring, head, samples, body, wall, space, states, torques):
+    """Run ``samples`` intervals: ``(reading before, head)``.
+
+    ``states`` takes the state at every sample, (samples + 1) times the order; ``torques`` what acts just after it.
+    """
+    n, delay = body.order, len(ring)
+    for i in range(samples + 1):
+        for j in range(n):
+            states[i * n + j] = z[j]
+        acting = command(read(z[0], wall), before, wall)
+        if delay > 0:
+            acting = ring[head] if wall.split > 0.0 else ring[(head + 1) % delay]
+        torques[i] = z[n - 1] if body.lag > 0.0 else acting
+        if i < samples:
+            before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+    return before, head
+
+
+def chart(z, u, span, body, space, capacity, rows, spans, modes, commands, states):
+    """Write down the pieces of one hold, turning points included; the number of rows filled in all.
+
+    ``states`` takes the state at the start of each piece and, after the last, at its end. Full rows end the chart.
+    """
+    n = body.order
+    left = span
+    mode = direction(z, u, body)
+    while left > 0.0 and rows < capacity:
+        for j in range(n):
+            states[rows * n + j] = z[j]
+        if n == 2:
+            t, hit = slide_two(z, u, mode, left, 0.0, 0.0, 0.0, 0.0, body, space.none, space.none, 0, 1)
+        else:
+            t, hit = slide_many(z, u, mode, left, body, space.rate, space.work, space.none, space.none, 0, 1)
+        left -= t
+        if t > 0.0:
+            spans[rows], modes[rows], commands[rows] = t, mode, u
+            rows += 1
+        if not hit:
+            break
+        a = acceleration(z, u, body)
+        if mode != 0 and abs(a) <= body.friction:
+            mode = 0
+        else:
+            mode = 1 if a > 0.0 else -1
+    for j in range(n):
+        states[rows * n + j] = z[j]
+    return rows
+
+
+def chart_period(z, before, ring, head, period, body, wall, space, capacity, spans, modes, commands, states):
+    """Write down one period of an orbit, piece by piece; the number of pieces, ``capacity`` if there are more."""
+    rows, delay = 0, len(ring)
+    for _ in range(period):
+        shown = read(z[0], wall)
+        u = command(shown, before, wall)
+        before = shown
+        if delay > 0:
+            older = ring[head]
+            ring[head] = u
+            head = (head + 1) % delay
+            u = ring[head]
+            if wall.split > 0.0:
+                rows = chart(z, older, wall.split, body, space, capacity, rows, spans, modes, commands, states)
+        rows = chart(z, u, 1.0 - wall.split, body, space, capacity, rows, spans, modes, commands, states)
+    return rows

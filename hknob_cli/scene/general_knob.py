@@ -1,0 +1,236 @@
+"""One cell of a scene with more in it than the plain loop has: friction, finger, lag, limits, a continuous sensor.
+
+Like `scene.sampled_knob`, in counts and sample periods; without an encoder a count is a milliradian.
+"""
+
+from math import inf, isfinite, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.general.body import HALVINGS, Body
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
+from hknob_cli.engine.turning import zero_spacing
+from hknob_cli.errors import ComputationError
+from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
+
+Array = NDArray[np.float64]
+
+UNIT_RAD = 1e-3  # a "count" of a continuous sensor
+
+
+class GeneralKnob(NamedTuple):
+    """A scene sampled: its body and controller without dimensions, and the scales back to SI.
+
+    ``inertia_kg_m2``: of all that turns with the knob; ``rate``: of the slowest mode that decays, per sample.
+    """
+
+    body: Body
+    wall: Controller
+    quantum_rad: float
+    period_s: float
+    inertia_kg_m2: float
+    shift: float
+    delay_line: int
+    rate: float
+
+    def angle_rad(self, x: float) -> float:
+        """Angle of a position ``x``."""
+        return (x + self.shift) * self.quantum_rad
+
+    def position(self, angle_rad: float) -> float:
+        """Position, in counts, at an angle."""
+        return angle_rad / self.quantum_rad - self.shift
+
+    def speed(self, velocity_rad_s: float) -> float:
+        """Velocity in counts per sample."""
+        return velocity_rad_s * self.period_s / self.quantum_rad
+
+    def start(self, angle_rad: float, velocity_rad_s: float) -> list[float]:
+        """State at the start of a trial: the finger moves with the knob, no torque acts."""
+        state = [0.0] * self.body.order
+        state[0], state[1] = self.position(angle_rad), self.speed(velocity_rad_s)
+        return state
+
+    @property
+    def torque_nm(self) -> float:
+        """Torque of a unit acceleration of the knob."""
+        return self.inertia_kg_m2 * self.quantum_rad / self.period_s**2
+
+    @property
+    def energy_j(self) -> float:
+        """One unit of energy, J (counts per sample)², in joules."""
+        return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
+
+
+def is_plain(scene: Scene) -> bool:
+    """Whether the plain loop has all that the scene lists."""
+    actuator = scene.actuator or Actuator()
+    return (
+        scene.sampled
+        and scene.encoder is not None
+        and scene.knob.coulomb_torque == 0.0
+        and scene.wall.damping == 0.0
+        and (scene.hand is None or scene.hand.finger is None)
+        and actuator.time_constant == 0.0
+        and actuator.torque_limit is None
+        and actuator.torque_step == 0.0
+    )
+
+
+def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> GeneralKnob:
+    """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
+    actuator = scene.actuator or Actuator()
+    encoder = scene.encoder or Encoder()
+    hand = scene.hand or Hand()
+    period = 1.0 / sample_rate_hz
+    quantum = 2.0 * pi / counts_per_rev if counts_per_rev else UNIT_RAD
+    inertia = scene.knob.inertia + hand.inertia
+    square = period * period / inertia
+    nearest = scene.encoder is not None and encoder.rounding == "nearest"
+    shift = encoder.offset_counts - (0.5 if nearest else 0.0) if scene.encoder else 0.0
+    whole = int(actuator.delay_samples)
+    split = float(actuator.delay_samples - whole)
+    wall = Controller(
+        kappa=scene.wall.stiffness * square,
+        damping=scene.wall.damping * period / inertia,
+        sense=-1.0 if encoder.rounding in ("ceil", "truncate") else 1.0,
+        truncate=1.0 if encoder.rounding == "truncate" else 0.0,
+        offset=encoder.offset_counts if scene.encoder else 0.0,
+        analog=0.0 if scene.encoder else 1.0,
+        step=actuator.torque_step * square / quantum,
+        limit=inf if actuator.torque_limit is None else actuator.torque_limit * square / quantum,
+        split=split,
+    )
+    body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
+    numbers = [*wall[:-2], body.friction, body.push, *body.rates, *body.constant]
+    if not all(isfinite(value * value) for value in numbers):
+        place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
+        raise ComputationError(f"{place} the scene's numbers overflow")
+    return GeneralKnob(
+        body=body,
+        wall=wall,
+        quantum_rad=quantum,
+        period_s=period,
+        inertia_kg_m2=inertia,
+        shift=shift,
+        delay_line=whole + 1 if actuator.delay_samples > 0.0 else 0,
+        rate=slowest,
+    )
+
+
+def make_body(scene: Scene, *, period: float, quantum: float, shift: float, split: float) -> tuple[Body, float]:
+    """The body of a scene, and the rate of its slowest mode that decays."""
+    hand, actuator = scene.hand or Hand(), scene.actuator or Actuator()
+    inertia = scene.knob.inertia + hand.inertia
+    square = period * period / inertia
+    bias = scene.bias or Bias(torque=0.0)
+    push = 0.5 * scene.wall.stiffness * square if bias.half_quantum else (bias.torque or 0.0) * square / quantum
+    alpha = (scene.knob.damping + hand.damping) * period / inertia
+    beta = hand.stiffness * square
+    lag = period / actuator.time_constant if actuator.time_constant > 0.0 else 0.0
+    pad, finger, tip = (0.0, 0.0), (0.0, 0.0), 0.0
+    if hand.finger and hand.fingerpad:
+        pad = hand.fingerpad.damping * period / inertia, hand.fingerpad.stiffness * square
+        tip = inertia / hand.finger.inertia
+        own = hand.finger.inertia
+        finger = hand.finger.damping * period / own, hand.finger.stiffness * period * period / own
+    order = 2 + (2 if tip else 0) + (1 if lag else 0)
+    a, c, entry = np.zeros((order, order)), np.zeros(order), np.zeros(order)
+    entry[1] = 1.0
+    a[0, 1] = 1.0
+    a[1, :2] = -beta, -alpha
+    c[1] = -push - beta * shift
+    held, held_constant = np.zeros((order, order)), np.zeros(order)
+    if tip:
+        # d and w = d': angle and speed of the knob relative to the finger.
+        entry[3] = 1.0
+        a[1, 2:4] = -pad[1], -pad[0]
+        own = np.zeros(order)  # acceleration of the finger
+        own[:4] = -finger[1], -finger[0], tip * pad[1] + finger[1], tip * pad[0] + finger[0]
+        a[2, 3] = held[2, 3] = 1.0
+        a[3] = a[1] - own
+        c[3] = c[1] + finger[1] * shift
+        held[3] = -own
+        held[3, 1] = 0.0
+        held_constant[3] = finger[1] * shift
+    if lag:
+        a[order - 1, order - 1] = held[order - 1, order - 1] = -lag
+        a[:, order - 1] += entry
+    second_order = order == 2
+    reach = 1.0 / sqrt(beta) if beta > 0.0 else inf
+    if tip:
+        soft = pad[1] == 0.0 or finger[1] == 0.0
+        reach = inf if soft else sqrt(1.0 / pad[1] + tip / finger[1])
+    ones = hold_coefficients(alpha, beta, split), hold_coefficients(alpha, beta, 1.0 - split)
+    body = Body(
+        order=order,
+        friction=scene.knob.coulomb_torque * square / quantum,
+        alpha=alpha,
+        beta=beta,
+        spacing=zero_spacing(alpha, beta) if second_order else inf,
+        pad_damping=pad[0],
+        pad_stiffness=pad[1],
+        ratio=tip,
+        finger_damping=finger[0],
+        finger_stiffness=finger[1],
+        lag=lag,
+        shift=shift,
+        push=push,
+        reach=reach,
+        damped=alpha + pad[0] + finger[0] > 0.0 or scene.knob.coulomb_torque > 0.0,
+        s1=ones[0][0],
+        g1=ones[0][1],
+        f1=ones[0][2],
+        s2=ones[1][0],
+        g2=ones[1][1],
+        f2=ones[1][2],
+        rates=a.ravel().tolist(),
+        held=held.ravel().tolist(),
+        constant=c.tolist(),
+        constant_held=held_constant.tolist(),
+        entry=entry.tolist(),
+        first=_increment(a, split, alpha, beta).ravel().tolist(),
+        second=_increment(a, 1.0 - split, alpha, beta).ravel().tolist(),
+        halves=[] if second_order else _halves(a),
+        halves_held=[] if second_order else _halves(held),
+    )
+    return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
+
+
+def _slowest(a: Array) -> float:
+    """Decay rate of the slowest mode that decays."""
+    rates = -np.linalg.eigvals(a).real
+    decaying = rates[rates > 1e-13 * np.abs(a).max()]
+    return float(decaying.min()) if decaying.size else 0.0
+
+
+def _short_increment(a: Array, t: float) -> Array:
+    """D(t) by its series; for a short time."""
+    total = term = t * np.eye(len(a))
+    for k in range(2, 30):
+        term = term @ a * (t / k)
+        total = total + term
+        if np.abs(term).max() <= 1e-20 * np.abs(total).max():
+            break
+    return total
+
+
+def _increment(a: Array, t: float, alpha: float, beta: float) -> Array:
+    """D(t), the integral of exp(A s) over [0, t]: closed form of second order, else by doubling a short one."""
+    if len(a) == 2:
+        s, g, _ = hold_coefficients(alpha, beta, t)
+        return np.array([[s + alpha * g, g], [-beta * g, s]])
+    size = float(np.abs(a).sum(axis=1).max()) * t
+    doublings = max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0
+    d = _short_increment(a, t / 2.0**doublings)
+    for _ in range(doublings):
+        d = d + d @ (np.eye(len(a)) + a @ d)
+    return d
+
+
+def _halves(a: Array) -> list[float]:
+    """D(1), D(1/2), D(1/4), ..., flat."""
+    return [value for k in range(HALVINGS) for value in _increment(a, 0.5**k, 0.0, 0.0).ravel().tolist()]
