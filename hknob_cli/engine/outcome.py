@@ -27,6 +27,8 @@ class Reason(IntEnum):
     TOO_MANY = 9
     REST_ON_EDGE = 10
     NO_STIFFNESS = 11
+    CONSERVATIVE = 12
+    EVENT_LIMIT = 13
 
 
 WORDS = {
@@ -41,5 +43,7 @@ WORDS = {
     Reason.TOO_FINE: "the motion spans more counts than double precision resolves",
     Reason.TOO_MANY: "more distinct orbits than a cell keeps",
     Reason.NO_STIFFNESS: "no hand stiffness: nothing holds the knob's position, and no level sequence repeated",
+    Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
+    Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }
