@@ -88,7 +88,12 @@ def crossing_time(v, y, gap, alpha, beta, latest):
 def damped_step(v, y, way, gap, alpha, beta):
     """To the edge, the turning point or the end of a damped motion: ``(kind, move, velocity, time)``."""
     inf = float("inf")
-    turn = first_zero(v, y, alpha, beta) if v != 0.0 else zero_spacing(alpha, beta)
+    if v == 0.0:
+        turn = zero_spacing(alpha, beta)
+    elif beta == 0.0 and way * y >= 0.0:
+        turn = inf
+    else:
+        turn = first_zero(v, y, alpha, beta)
     if turn < inf:
         s, g, _ = hold_coefficients(alpha, beta, turn)
         move = s * v + g * y

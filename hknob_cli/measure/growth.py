@@ -48,12 +48,10 @@ def parabola(time: Array, value: Array) -> tuple[float, float, float]:
 
     Fitted by polynomials orthogonal over the times themselves, centred and scaled (Forsythe 1957).
     """
-    if len(time) < 3:
+    if len(time) < 3 or time.min() == time.max():
         return nan, nan, nan
     centre = float(time.mean())
     scale = float(np.abs(time - centre).max())
-    if scale == 0.0:
-        return nan, nan, nan
     t = (time - centre) / scale
     t = t - t.mean()
     spread = float((t * t).mean())
