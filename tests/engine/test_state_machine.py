@@ -36,7 +36,7 @@ def test_full_swing_takes_half_a_ringing_period() -> None:
 
 
 @given(
-    v=st.floats(0.0, 2.0),
+    v=st.one_of(st.just(0.0), st.floats(1e-12, 2.0)),
     y=st.one_of(st.floats(-2.0, -1e-12), st.just(0.0), st.floats(1e-12, 2.0)),
     alpha=st.floats(1e-6, 5.0),
     beta=st.sampled_from([0.0, 1e-6, 0.5, 3.0]),
@@ -123,6 +123,9 @@ def test_heading_on_an_edge() -> None:
     assert heading(0.0, 0.0, 0.0, between) == (1.0, -1.0)
     assert heading(2.0, -2.0, 0.0, between) == (2.0, 1.0)
     held = between._replace(gamma=2.4, phi=0.5)
+    assert heading(1.0, -1.0, 0.0, held) == (1.0, 0.0)  # -1.4 above, -0.4 below, which friction holds
+    assert heading(1.0, -1.0, 0.0, held._replace(phi=0.3)) == (2.0, -1.0)
+    assert heading(2.0, -1.0, 0.0, held._replace(gamma=0.6)) == (2.0, 0.0)  # 0.4 above, which friction holds
     assert heading(2.0, -1.5, 0.0, held)[1] == 0.0
     assert heading(1.0, -0.5, 0.2, held)[1] == -1.0
 

@@ -1,6 +1,7 @@
 """Trials without a sample clock: energy, rest, chatter, settling, and recordings."""
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -106,9 +107,9 @@ def test_rms_and_period_are_those_of_the_recorded_motion(name: str) -> None:
     nodes, weights = np.polynomial.legendre.leggauss(16)
     first = second = 0.0
     times = motion.time_s[: turning[2] + 1]
-    for start, end in zip(times[:-1], times[1:], strict=True):
+    for start, end in pairwise(times):
         at = np.linspace(start, end, 5)
-        for a, b in zip(at[:-1], at[1:], strict=True):
+        for a, b in pairwise(at):
             theta = motion.at(0.5 * (a + b) + 0.5 * (b - a) * nodes)[0]
             first += 0.5 * (b - a) * float(weights @ theta)
             second += 0.5 * (b - a) * float(weights @ theta**2)
@@ -304,7 +305,7 @@ def test_every_motion_keeps_its_books(
     assert np.all(np.diff(energy) <= 1e-13 * scale)
     if damping == friction == 0.0:
         assert np.ptp(energy) <= 1e-12 * scale
-    theta, omega, _ = motion.at(np.minimum(motion.time_s, 0.1))
+    theta, _, _ = motion.at(np.minimum(motion.time_s, 0.1))
     # Where events crowd, a time tells only which of them it is to rounding: the angle, not the velocity.
     assert np.allclose(theta, motion.angle_rad, rtol=0.0, atol=1e-11)
     found = trial(one, angle, velocity, max_events=200_000)

@@ -1,7 +1,7 @@
 """A 50-digit knob without a sample clock, in SI, that shares no formula with the package.
 
-The equation of motion is the one stated under "Symbols and signs": J theta'' + b theta' + k theta = tau - g, with tau from
-the measured angle at once. Within a count the motion is a sum of exponentials, or a polynomial; events are bisected.
+The equation of motion is J theta'' + b theta' + k theta = tau - g, with tau from the measured angle at once. Within a
+count the motion is a sum of exponentials, or a polynomial; events are bisected.
 """
 
 from dataclasses import dataclass
