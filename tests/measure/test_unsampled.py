@@ -192,6 +192,40 @@ def test_chatter_under_friction_converges_to_the_edge() -> None:
     assert sorted(ratios)[-1] == pytest.approx(max(wanted), rel=1e-9)
 
 
+def test_chatter_is_cut_where_it_stays_within_the_height_asked_for() -> None:
+    one = knob(2650, hand=HAND)
+    fine = record(one, 0.2)
+    for height in (1e-1, 1e-2, 1e-3):
+        cut = record(one, 0.2, chatter_counts=height).time_s[-1]
+        left = fine.rows[fine.time_s >= cut]
+        assert len(left) > 20
+        beyond = np.abs(left[:, 2] + left[:, 3] + 1.0).max()
+        assert 0.2 * height < beyond <= height
+
+
+@pytest.mark.parametrize("counts", [2650, 8192, None])
+def test_losses_are_those_of_damping_and_of_friction(counts: int | None) -> None:
+    """Against the integral of b v^2, and friction times the way, over the recorded motion.
+
+    With an encoder the recording ends in chatter of 1e-7 counts, and the trial of 1e-6 at most: relative to the way of
+    some counts, which is what the friction's part may miss.
+    """
+    friction = 1e-4
+    encoder = "none" if counts is None else {"rounding": "floor"}
+    one = knob(counts, knob={"inertia": 1.9e-6, "coulomb_torque": friction}, hand=HAND, encoder=encoder)
+    found = trial(one)
+    motion = record(one, 0.4, chatter_counts=1e-7)
+    assert motion.rows[-1, 5] == 0.0
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    burnt = 0.0
+    for a, b in pairwise(motion.time_s):
+        omega = motion.at(0.5 * (a + b) + 0.5 * (b - a) * nodes)[1]
+        burnt += 0.5 * (b - a) * B * float(weights @ omega**2)
+    rubbed = friction * float(np.abs(np.diff(motion.angle_rad)).sum())
+    assert found.friction_loss_j == pytest.approx(rubbed, rel=1e-5)
+    assert found.damping_loss_j == pytest.approx(burnt, rel=1e-5)
+
+
 def test_friction_holds_the_knob_where_it_stops() -> None:
     """Outside the wall with g < T_c the knob does not move; thrown, it stops after J v^2 / 2 (T_c + g)."""
     one = knob(1024, knob={"inertia": 1.9e-6, "coulomb_torque": 1.5e-3})
