@@ -32,8 +32,20 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
+BOUNCES = (*PLAIN[:-1], "bounces")
+UNSAMPLED = (
+    "propagator",
+    "loop",
+    "turning",
+    *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
+)
 # What is compiled for a scene: its modules, and a function without which they are of no use.
-GROUPS = {"plain": (PLAIN, "ensemble.ensemble"), "general": (GENERAL, "ensemble.crowd")}
+GROUPS = {
+    "plain": (PLAIN, "ensemble.ensemble"),
+    "bounces": (BOUNCES, "bounces.bounce_peaks"),
+    "general": (GENERAL, "ensemble.crowd"),
+    "unsampled": (UNSAMPLED, "settling.settle_motion"),
+}
 
 
 def _source_digest() -> str:

@@ -29,6 +29,8 @@ class Reason(IntEnum):
     NO_STIFFNESS = 11
     AT_EVENT = 12
     EXPANDS = 13
+    CONSERVATIVE = 14
+    EVENT_LIMIT = 15
 
 
 WORDS = {
@@ -45,5 +47,7 @@ WORDS = {
     Reason.NO_STIFFNESS: "no hand stiffness: nothing holds the knob's position, and no level sequence repeated",
     Reason.AT_EVENT: "a standstill in the cycle may, to within the error bound, slide on or stay",
     Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
+    Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
+    Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

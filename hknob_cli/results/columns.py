@@ -56,8 +56,33 @@ ORBITS = (
     Column("staircase_j", _REAL, "J", "work of the wall inside it, by the torque of an earlier angle"),
 )
 
-# Columns that only some scenes have.
+# Columns that only some scenes have: with friction; without damping, of the cells; without a sample clock.
 FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipates over one period"),)
+GROWTH = (
+    Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
+    Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),
+    Column("growth_residual", _REAL, "1", "what the parabola leaves, root mean square, in spreads of the energy"),
+    Column("growth_fits", _WHOLE, "1", "trials with three bounces or more, which a parabola needs"),
+    Column("bounces", _REAL, "1", "bounce peaks per trial"),
+)
+CONTACT = (
+    Column("contact_s", _REAL, "s", "first contact with the wall, from the start"),
+    Column("settling_s", _REAL, "s", "from the start until the motion stays within a count; 1 % without encoder"),
+    Column("bounces", _WHOLE, "1", "times the knob left the wall until it had settled"),
+    Column("energy_drift", _REAL, "1", "largest relative change of energy at a peak, without damping and friction"),
+)
+# Columns that need samples, or a period of them.
+SAMPLED = (
+    "period_samples",
+    "margin_counts",
+    "closure_rad",
+    "wall_work_j",
+    "damping_loss_j",
+    "friction_loss_j",
+    "late_entry_j",
+    "late_exit_j",
+    "staircase_j",
+)
 
 _AXES = {
     RATE: Column(RATE, _REAL, "Hz", "sample rate of the controller"),

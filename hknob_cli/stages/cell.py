@@ -10,20 +10,26 @@ from hknob_cli.engine.attractors import (
     Search,
     sample_limit,
     settling_samples,
+    whole,
 )
+from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import is_plain, sample_knob
-from hknob_cli.spec.plan import COUNTS, RATE, Cell, SweepPlan, scene_at
+from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
+GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
+MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
+MAX_EVENTS_INTERPRETED = 20_000
 
 
 class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
-    ``group``: the engine functions it took, as `engine.jit` names them.
+    ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
+    ``contact``: how a trial without a sample clock settles.
     """
 
     cell: Cell
@@ -32,12 +38,34 @@ class CellResult(NamedTuple):
     measures: tuple[OrbitMeasures, ...]
     samples: int
     group: str = "plain"
+    growth: Any = None  # measure.growth.Growth
+    contact: Any = None  # measure.unsampled.UnsampledTrial
+
+
+def is_ball(scene: Scene) -> bool:
+    """Whether a scene is the bouncing ball: a push into the wall, and nothing that holds or damps (Hasser, 6.4.1)."""
+    hand, bias = scene.hand or Hand(), scene.bias or Bias(torque=0.0)
+    free = scene.knob.damping + hand.damping + hand.stiffness == 0.0
+    return is_plain(scene) and free and bool(bias.torque or bias.half_quantum) and scene.wall.stiffness > 0.0
+
+
+def group_of(scene: Scene) -> str:
+    """Group of engine functions that a scene takes."""
+    if not scene.sampled:
+        return "unsampled"
+    if is_ball(scene):
+        return "bounces"
+    return "plain" if is_plain(scene) else "general"
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
     """Group of engine functions that a cell takes, and rough number of trial-samples; decides if compiling pays."""
     scene, phases = scene_at(plan.scene, cell), plan.starts.phases
-    group = "plain" if is_plain(scene) else "general"
+    group = group_of(scene)
+    if group == "unsampled":
+        return group, 0.0
+    if group == "bounces":
+        return group, phases * cell[RATE] * (plan.growth_s or GROWTH_S)
     if (scene.hand and scene.hand.finger) or (scene.actuator and scene.actuator.time_constant):
         return group, phases * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
@@ -57,7 +85,12 @@ class CellFinder:
     def find(self, plan: SweepPlan, cell: Cell) -> CellResult:
         """Run one cell. Raises `ComputationError`, and `NeedsCompilerError` where the interpreter is too slow."""
         scene = scene_at(plan.scene, cell)
-        if not is_plain(scene):
+        group = group_of(scene)
+        if group == "unsampled":
+            return self._find_unsampled(plan, cell)
+        if group == "bounces":
+            return self._find_growth(plan, cell)
+        if group == "general":
             return self._find_general(plan, cell)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         if self._engine is None:
@@ -94,6 +127,54 @@ class CellFinder:
         except NeedsCompilerError:
             raise NeedsCompilerError("general") from None
         return _result(cell, knob.quantum_rad, search, GeneralMeasurer(knob, self._general).measure, "general")
+
+    def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
+        from hknob_cli.measure.growth import bounce_peaks, energy_growth
+
+        phases = plan.starts.phases
+        knob = sample_knob(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+        duration = plan.growth_s or GROWTH_S
+        peaks = bounce_peaks(
+            knob,
+            angle_rad=plan.starts.angle,
+            velocity_rad_s=plan.starts.velocity,
+            phases=phases,
+            duration_s=duration,
+            functions=self.functions.get("bounces"),
+        )
+        search = Search((whole(Outcome.UNDECIDED, Reason.NO_DAMPING, phases),), int(phases * duration / knob.period_s))
+        found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces")
+        return found._replace(growth=energy_growth(peaks))
+
+    def _find_unsampled(self, plan: SweepPlan, cell: Cell) -> CellResult:
+        from hknob_cli.measure.unsampled import settle
+        from hknob_cli.scene.unsampled_knob import reduce_unsampled
+
+        knob = reduce_unsampled(
+            scene_at(plan.scene, cell), counts_per_rev=int(cell[COUNTS]) if COUNTS in cell else None
+        )
+        functions = self.functions.get("unsampled")
+        trial = settle(
+            knob,
+            angle_rad=plan.starts.angle,
+            velocity_rad_s=plan.starts.velocity,
+            max_events=MAX_EVENTS if functions else MAX_EVENTS_INTERPRETED,
+            functions=functions,
+        )
+        if trial.reason is Reason.EVENT_LIMIT and not functions:
+            raise NeedsCompilerError("unsampled")
+        attractor = Attractor(outcome=trial.outcome, reason=trial.reason, trials=1)
+        measures = OrbitMeasures(
+            cycles=trial.cycles,
+            p2p_rad=trial.p2p_rad,
+            min_rad=trial.min_rad,
+            max_rad=trial.max_rad,
+            rms_rad=trial.rms_rad,
+            frequency_hz=trial.frequency_hz,
+        )
+        search = Search((attractor,), trial.events)
+        found = _result(cell, knob.unit_rad, search, lambda _one: measures, "unsampled")
+        return found._replace(contact=trial)
 
 
 def _result(

@@ -17,7 +17,12 @@ from hknob_cli.stages.sweep_tables import cells_table, orbits_table
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
 THREADS_ABOVE = 20_000_000
 SLOW = 50_000_000  # trial-samples worth a progress bar
-HEAVIER = {"plain": 1.0, "general": 10.0}  # times that a sample takes longer than in the plain loop
+HEAVIER = {
+    "plain": 1.0,
+    "bounces": 1.0,
+    "general": 10.0,
+    "unsampled": 1.0,
+}  # times that a sample takes longer than in the plain loop
 
 Progress = Callable[[int, int], None]
 

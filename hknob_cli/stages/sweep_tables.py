@@ -9,7 +9,7 @@ import pyarrow as pa
 from hknob_cli.engine.outcome import WORDS, Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import CELLS, FRICTION, ORBITS, Column, axis_column
+from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, SAMPLED, Column, axis_column
 from hknob_cli.spec.plan import COUNTS, SweepPlan
 from hknob_cli.stages.cell import CellResult
 
@@ -18,13 +18,19 @@ NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
-    return _table(plan, CELLS, [{**result.cell, **_cell_row(result)} for result in results])
+    grown = any(result.growth for result in results)
+    return _table(
+        plan, (*CELLS, *(GROWTH if grown else ())), [{**result.cell, **_cell_row(result)} for result in results]
+    )
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
     rows = [{**result.cell, **row} for result in results for row in _orbit_rows(result)]
-    return _table(plan, (*ORBITS, *(FRICTION if _has_friction(plan) else ())), rows)
+    columns = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
+    if not plan.scene.sampled:
+        columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
+    return _table(plan, columns, rows)
 
 
 def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]]) -> pa.Table:
@@ -61,13 +67,25 @@ def _cell_row(result: CellResult) -> dict[str, Any]:
         "at_rest_fraction": share[Outcome.REST],
         "diverged_fraction": share[Outcome.DIVERGED],
         "undecided_fraction": share[Outcome.UNDECIDED],
+        **_growth(result),
     }
+
+
+def _growth(result: CellResult) -> dict[str, Any]:
+    names = {
+        "growth_j_per_s2": "growth_j_per_s2",
+        "growth_std_j_per_s2": "growth_std_j_per_s2",
+        "growth_residual": "residual",
+        "growth_fits": "fits",
+        "bounces": "bounces",
+    }
+    return {name: getattr(result.growth, field) if result.growth else None for name, field in names.items()}
 
 
 def _orbit_rows(result: CellResult) -> Iterator[dict[str, Any]]:
     total = sum(one.trials for one in result.attractors)
     for number, (one, m) in enumerate(zip(result.attractors, result.measures, strict=True)):
-        orbit = one.period > 0
+        orbit = one.period > 0 or result.contact is not None
         yield {
             "orbit": number,
             "outcome": one.outcome.name.lower(),
@@ -89,4 +107,8 @@ def _orbit_rows(result: CellResult) -> Iterator[dict[str, Any]]:
             "late_entry_j": m.late_entry_j,
             "late_exit_j": m.late_exit_j,
             "staircase_j": m.staircase_j,
+            **{
+                name: getattr(result.contact, name, None)
+                for name in ("contact_s", "settling_s", "bounces", "energy_drift")
+            },
         }

@@ -7,6 +7,7 @@ import pytest
 from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search, sample_limit, settling_samples
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.scene import SceneSpec
 
@@ -109,11 +110,13 @@ def test_the_interpreter_hands_long_trials_over() -> None:
 
 def test_samples_follow_the_slowest_mode() -> None:
     loop = knob().loop
-    limit = sample_limit(loop)
+    rate = slowest_rate(loop.alpha, loop.beta)
+    limit = sample_limit(rate, damped=True)
     # The plant decays at b / 2J = 78.41 / s: ten time constants are 127.5 samples at 1 kHz, 600 are 7652.
-    assert settling_samples(loop, limit) == 127
+    assert settling_samples(rate, limit) == 127
     assert limit == 65_536  # the least there is
-    assert sample_limit(knob(rate=1e5).loop) == 765_217
+    fast = knob(rate=1e5).loop
+    assert sample_limit(slowest_rate(fast.alpha, fast.beta), damped=True) == 765_217
 
 
 def test_reasons_have_words() -> None:

@@ -1,0 +1,123 @@
+"""Bounce peaks against a loop of its own in SI, and in an oscillation fast enough to peak several times a hold."""
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.bounces import bounce_peaks
+from hknob_cli.engine.loop import drive_of
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.spec.scene import SceneSpec
+
+BALL: dict[str, Any] = {
+    "knob": {"inertia": 1.9e-6},
+    "hand": {"inertia": 3e-7},
+    "wall": {"stiffness": 0.27},
+    "bias": {"torque": 0.001},
+}
+
+
+def sampled(rate: float, counts: int, **parts: object) -> SampledKnob:
+    return sample_knob(SceneSpec.model_validate({**BALL, **parts}).plain(), sample_rate_hz=rate, counts_per_rev=counts)
+
+
+def falling(rate: float, counts: int, late: float, duration: float, delay: float) -> list[tuple[float, float]]:
+    """Peaks (time, angle) after the first contact, from 0.02 rad at rest: constant acceleration between torque changes.
+
+    The first sample is ``late`` periods after the start; the torque follows its sample by ``delay`` periods.
+    """
+    inertia, stiffness, bias = 2.2e-6, 0.27, 0.001
+    q, period = 2.0 * math.pi / counts, 1.0 / rate
+    theta, omega, torque, touched = 0.02, 0.0, 0.0, False
+    now = 0.0
+    changes: list[tuple[float, float]] = []
+    sample = 0
+    found = []
+    while now < duration:
+        next_sample = (late + sample) * period
+        upcoming = min([next_sample] + [at for at, _ in changes])
+        dt = upcoming - now
+        push = (torque - bias) / inertia
+        if touched and omega > 0.0 and omega + push * dt <= 0.0:
+            peak = theta - 0.5 * omega**2 / push
+            if peak >= 0.0:
+                found.append((now - omega / push, peak))
+        theta, omega, now = theta + omega * dt + 0.5 * push * dt**2, omega + push * dt, upcoming
+        while changes and changes[0][0] <= now:
+            torque = changes.pop(0)[1]
+        if now == next_sample:
+            level = math.floor(theta / q)
+            touched = touched or level < 0
+            command = -stiffness * q * level if level < 0 else 0.0
+            sample += 1
+            if delay == 0.0:
+                torque = command
+            else:
+                changes.append((now + delay * period, command))
+    return found
+
+
+@pytest.mark.parametrize(("rate", "counts"), [(215.0, 128), (1000.0, 4096), (1000.0, 128), (4642.0, 1024)])
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.25])
+def test_peaks_are_those_of_a_falling_body(rate: float, counts: int, delay: float) -> None:
+    """Errors grow with the bounces, by the ratio of wall stiffness at a sample: 1e-9 of the angle after 0.2 s."""
+    one = sampled(rate, counts, actuator={"delay_samples": delay})
+    late, duration = 0.5625, 0.2
+    loop = one.loop
+    s, g, _ = hold_coefficients(loop.alpha, loop.beta, late)
+    start, y = one.position(0.02), drive_of(0.0, loop)
+    samples = math.ceil(duration * rate) + 2
+    times, tops = [0.0] * samples, [0.0] * samples
+    line = [0.0] * one.delay_line
+    count = bounce_peaks(start + g * y, s * y, line, samples, loop, times, tops)
+    wanted = falling(rate, counts, late, duration, delay)
+    assert len(wanted) >= 1
+    got = [((t + late) / rate, one.angle_rad(x)) for t, x in zip(times[:count], tops[:count], strict=True)]
+    got = [pair for pair in got if pair[0] < wanted[-1][0] + 1e-6]
+    assert np.allclose(got, wanted, rtol=1e-9, atol=1e-12)
+
+
+def test_a_peak_before_the_first_contact_is_no_bounce() -> None:
+    one = sampled(1000.0, 4096)
+    times, tops = [0.0] * 9, [0.0] * 9
+    thrown = bounce_peaks(one.position(0.01), one.speed(2.0), [], 60, one.loop, times, tops)
+    assert thrown == 1
+    # The throw itself peaks after v J / g = 4.4 ms.
+    assert times[0] > 15.0
+
+
+def test_a_full_table_is_not_overrun() -> None:
+    one = sampled(1000.0, 4096)
+    times, tops = [0.0] * 2, [0.0] * 2
+    assert bounce_peaks(one.position(0.02), 0.0, [], 1000, one.loop, times, tops) == 2
+    assert 0.0 < times[0] < times[1]
+
+
+def test_several_peaks_in_one_hold() -> None:
+    """The knob rings some 40 times a second on the hand, damped, and is sampled 7 times.
+
+    Within the hold theta = middle + Re(C e^(s t)); it peaks where C s e^(s t) turns past i. But for the first, the
+    troughs lie outside the wall too, and are no peaks.
+    """
+    inertia, damping = 2.2e-6, 1.5e-4
+    stiffness = inertia * (2.0 * math.pi * 40.0) ** 2
+    one = sampled(7.0, 1024, hand={"inertia": 3e-7, "stiffness": stiffness, "damping": damping})
+    times, tops = [0.0] * 20, [0.0] * 20
+    count = bounce_peaks(one.position(-0.01), one.speed(0.3), [], 1, one.loop, times, tops)
+    middle = (0.27 * math.ceil(0.01 / one.quantum_rad) * one.quantum_rad - 0.001) / stiffness
+    decay = 0.5 * damping / inertia
+    s = complex(-decay, math.sqrt(stiffness / inertia - decay**2))
+    real = -0.01 - middle
+    c = complex(real, -(0.3 - s.real * real) / s.imag)
+    first = (0.5 * math.pi - cmath.phase(c * s)) % (2.0 * math.pi)
+    wanted = [(first + 2.0 * math.pi * i) / s.imag for i in range(6)]
+    wanted = [t for t in wanted if t < 1.0 / 7.0]
+    assert count == len(wanted) >= 5
+    assert middle + (c * cmath.exp(s * (wanted[0] + math.pi / s.imag))).real > 0.0
+    assert np.allclose(np.array(times[:count]) / 7.0, wanted, rtol=1e-11)
+    peaks = [middle + (c * cmath.exp(s * t)).real for t in wanted]
+    assert np.allclose([one.angle_rad(x) for x in tops[:count]], peaks, rtol=1e-11)
