@@ -14,7 +14,9 @@ from hknob_cli.stages.dfa import DfaStage
 class DfaWork:
     """See `stage_run.Work`."""
 
-    picture = "dfa.png"
+    def pictures(self, _job: Job) -> tuple[str, ...]:
+        """One picture."""
+        return ("dfa.png",)
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Cycles by method, and their differences from a sweep where there is one."""
@@ -36,14 +38,14 @@ class DfaWork:
         }
         return table, compare.statistics_table("method", groups)
 
-    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Nyquist curves with the relay's rays, and sizes over the grid."""
         from hknob_cli.report.nyquist import draw_dfa
 
-        drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=path)
+        drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:
             note(job, "no picture: more than two axes have several values")
-        return drawn
+        return paths if drawn else []
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every row, and statistics by method where there is a sweep to compare with."""

@@ -13,7 +13,9 @@ from hknob_cli.stages.predict import predict
 class PredictWork:
     """See `stage_run.Work`."""
 
-    picture = "predict.png"
+    def pictures(self, _job: Job) -> tuple[str, ...]:
+        """One picture."""
+        return ("predict.png",)
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Predictions, stability limits, and differences from a sweep where there is one."""
@@ -34,14 +36,14 @@ class PredictWork:
         groups = {law: compare.summarise([row for row in rows if row["law"] == law]) for law in job.plan.laws}
         return predictions, passivity, compare.statistics_table("law", groups)
 
-    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Every law over one axis or two."""
         from hknob_cli.report.predict_picture import draw_predictions
 
-        drawn = draw_predictions(tables[0], list(job.plan.axes), title=job.plan.name, path=path)
+        drawn = draw_predictions(tables[0], list(job.plan.axes), title=job.plan.name, path=paths[0])
         if not drawn:
             note(job, "no picture: more than two axes have several values")
-        return drawn
+        return paths if drawn else []
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every prediction, the limits, and differences to a sweep over the grid."""

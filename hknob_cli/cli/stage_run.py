@@ -16,7 +16,8 @@ Tables = tuple[pa.Table, ...]
 class Work(Protocol):
     """What differs between stages."""
 
-    picture: str  # name of the picture
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """Names of the pictures that `draw` may draw."""
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Names of the result files, one a table."""
@@ -27,8 +28,8 @@ class Work(Protocol):
     def compute(self, job: Job) -> Tables:
         """Result tables. Raises `ComputationError`."""
 
-    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
-        """Draw the picture; False, with a message, if these results have none."""
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """Draw the pictures; those drawn, and a message where these results have none."""
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Summary as plain data."""
@@ -44,15 +45,16 @@ def run_stage(job: Job, work: Work) -> None:
         stage=job.kind, values=job.plan.values, overrides=job.overrides, inputs=work.inputs(job)
     )
     paths = [job.out / file for file in work.files(job)]
-    picture = job.out / work.picture
-    ours = [*paths, picture]
+    pictures = [job.out / file for file in work.pictures(job)]
+    ours = [*paths, *pictures]
     store.refuse_foreign(ours, stage=job.kind, name=name)
     current = None if job.force else store.read_current(paths, stamp)
     if job.dry_run:
         _say_plan(job, paths, current=current is not None)
         return
     if current is not None and not job.plot and not store.leftovers(ours):
-        tables, drawn = current, False
+        tables: Tables = current
+        drawn: list[Path] = []
     else:
         with store.hold(job.out, ours):
             # Once more: another run may have been here since.
@@ -60,9 +62,10 @@ def run_stage(job: Job, work: Work) -> None:
             tables = current or work.compute(job)
             if current is None:
                 store.write(dict(zip(paths, tables, strict=True)), stamp)
-                picture.unlink(missing_ok=True)  # it would show what the files no longer hold
-            drawn = job.plot and work.draw(job, tables, picture)
-    files = [*paths, *([picture] if drawn else [])]
+                for picture in pictures:
+                    picture.unlink(missing_ok=True)  # it would show what the files no longer hold
+            drawn = work.draw(job, tables, pictures) if job.plot else []
+    files = [*paths, *drawn]
     status = "computed" if current is None else "up to date"
     summary = {
         "kind": job.kind,

@@ -15,11 +15,13 @@ from hknob_cli.stages.sweep import SweepStage
 class SweepWork:
     """See `stage_run.Work`."""
 
-    picture = "grid.png"
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The grid, and the recordings where there are any."""
+        return "grid.png", *(["trajectories.png"] if job.plan.record else [])
 
-    def files(self, _job: Job) -> tuple[str, ...]:
-        """Cells, and the orbits in them."""
-        return "cells.parquet", "orbits.parquet"
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Cells, the orbits in them, and the recordings where they are asked for."""
+        return "cells.parquet", "orbits.parquet", *(["trajectories.parquet"] if job.plan.record else [])
 
     def inputs(self, _job: Job) -> dict[str, str]:
         """A sweep depends on its spec alone."""
@@ -35,21 +37,33 @@ class SweepWork:
             seconds = time.perf_counter() - begin
             how = "compiled" if stage.compiled else "interpreted"
             note(job, f"{stage.cell_count} cells, {result.samples} trial-samples, {how}, {seconds:.2f} s")
-        return result.cells, result.orbits
+        if not job.plan.record:
+            return result.cells, result.orbits
+        from hknob_cli.stages.record import record_sweep
 
-    def draw(self, job: Job, tables: Tables, path: Path) -> bool:
-        """The grid, over one axis or two."""
+        return result.cells, result.orbits, record_sweep(job.plan)
+
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """The grid, over one axis or two, and the recordings."""
         from hknob_cli.report.picture import draw_sweep
 
-        cells, orbits = tables
-        drawn = draw_sweep(cells, orbits, list(job.plan.axes), title=job.plan.name, path=path)
-        if not drawn:
-            note(job, "no picture: more than two axes have several values")
+        cells, orbits = tables[:2]
+        drawn = []
+        if draw_sweep(cells, orbits, list(job.plan.axes), title=job.plan.name, path=paths[0]):
+            drawn.append(paths[0])
+        else:
+            note(job, f"no {paths[0].name}: more than two axes have several values")
+        if job.plan.record:
+            from hknob_cli.report.trajectory_picture import draw_trajectories
+
+            stiffness = job.plan.scene.wall.stiffness
+            draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])
+            drawn.append(paths[1])
         return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Counts of outcomes, and every cell."""
-        cells, orbits = tables
+        cells, orbits = tables[:2]
         return describe_sweep(cells, orbits, axes=list(job.plan.axes))
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.report.growth_picture import draw_growth
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -41,13 +42,18 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
     fixed = ", ".join(f"{axis} = {rows[0][axis]:g}" for axis in axes if axis not in wide)
     from matplotlib.figure import Figure
 
-    if len(wide) == 2:
+    grown = "growth_j_per_s2" in rows[0]
+    if grown:
+        figure = Figure(figsize=(9.5, 6.4), layout="constrained")
+        draw_growth(figure, rows, wide or axes[:1], axis_name)
+    elif len(wide) == 2:
         figure = Figure(figsize=(13.5, 0.52 * len({row[wide[0]] for row in rows}) + 2.6), layout="constrained")
         _draw_maps(figure, rows, wide)
     else:
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
         _draw_orbits(figure, orbits.to_pylist(), (wide or axes[:1])[0])
-    figure.suptitle(f"{title}: limit cycles against a virtual wall" + (f"  ({fixed})" if fixed else ""))
+    what = "energy of an undamped knob" if grown else "limit cycles"
+    figure.suptitle(f"{title}: {what} against a virtual wall" + (f"  ({fixed})" if fixed else ""))
     save(figure, path, stage="sweep", name=title)
     return True
 

@@ -25,6 +25,11 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
     fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if "growth_j_per_s2" in rows[0] and len(wide) == 2 and fits(rows, wide):
+        title = "growth of energy at bounce peaks, mJ/s^2 (second-order coefficient, mean of the trials)"
+        lines += ["", *matrix(rows, wide, "growth_j_per_s2", scale=1e3, title=title)]
+        lines += ["", "bounces do not settle: nothing damps them, so there are no limit cycles to prove"]
+        return "\n".join(lines)
     if len(wide) == 2 and fits(rows, wide):
         lines += [
             "",

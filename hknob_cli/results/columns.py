@@ -71,6 +71,20 @@ CONTACT = (
     Column("bounces", _WHOLE, "1", "times the knob left the wall until it had settled"),
     Column("energy_drift", _REAL, "1", "largest relative change of energy at a peak, without damping and friction"),
 )
+# Columns of trajectories.parquet, and those of a hand with a finger.
+TRAJECTORY = (
+    Column("trial", _WHOLE, "1", "number of the trial, by the phase of its sample clock"),
+    Column("time_s", _REAL, "s", "time from the start of the trial"),
+    Column("event", _TEXT, "", "sample, command, pulse ends or event (edge, turning point); empty between"),
+    Column("angle_rad", _REAL, "rad", "angle of the knob"),
+    Column("velocity_rad_s", _REAL, "rad/s", "velocity of the knob"),
+    Column("torque_nm", _REAL, "N*m", "torque of the actuator just after this instant"),
+    Column("energy_j", _REAL, "J", "energy of the masses, of the hand's springs and of the push; the wall has none"),
+)
+FINGER = (
+    Column("finger_angle_rad", _REAL, "rad", "angle of the finger"),
+    Column("finger_velocity_rad_s", _REAL, "rad/s", "velocity of the finger"),
+)
 # Columns that need samples, or a period of them.
 SAMPLED = (
     "period_samples",

@@ -67,6 +67,8 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     faults += more + _missing_axes(source, scene) + _absent(source, model, scene, axes)
     if scene:
         faults += [source.fault(path, text) for path, text in contradictions(scene, axes)]
+    if not faults and isinstance(spec, SweepSpec):
+        faults += [source.fault(path, text, at_key=True) for path, text in spec.contradictions(axes)]
     if faults:
         raise SpecError(faults)
     plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)

@@ -12,6 +12,35 @@ from hknob_cli.spec.scene import Part, SceneSpec
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
 
+# Axes that leave an undamped knob undamped.
+UNDAMPED = (
+    "knob.inertia",
+    "hand.inertia",
+    "wall.stiffness",
+    "bias.torque",
+    "actuator.delay_samples",
+    "encoder.offset_counts",
+)
+
+
+def is_undamped(scene: SceneSpec, axes: Axes) -> bool:
+    """Whether nothing but the wall and the bias acts on the knob: the bouncing ball (Hasser, sec. 6.4.1)."""
+    hand, knob, actuator, wall = scene.hand, scene.knob, scene.actuator, scene.wall
+    absent: list[Any] = [knob.damping, knob.coulomb_torque, wall.damping]
+    absent += [hand.damping, hand.stiffness, hand.finger] if hand else []
+    absent += [actuator.time_constant, actuator.torque_limit, actuator.torque_step] if actuator else []
+    free = (
+        "knob.inertia",
+        "hand.inertia",
+        "wall.stiffness",
+        "bias.torque",
+        "actuator.delay_samples",
+        "encoder.offset_counts",
+    )
+    varied = [name for name in axes if "." in name and name not in free]
+    return scene.sampling != "continuous" and scene.encoder != "none" and not any(absent) and not varied
+
+
 class StartsSpec(Part):
     """Where the trials of a cell begin, and how many sample clocks are tried."""
 
@@ -78,6 +107,17 @@ class SweepSpec(Part):
     growth: GrowthSpec | None = None
 
     ABSENT: ClassVar[dict[str, str]] = {}
+
+    def contradictions(self, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
+        """What excludes something else: places in the spec, and what is wrong there."""
+        found: list[tuple[tuple[str, ...], str]] = []
+        if self.growth and not is_undamped(self.scene, axes):
+            found.append(
+                (("growth",), "must be absent, but for a sampled knob without damping, friction and stiffness")
+            )
+        if self.record and self.record.pulse and self.scene.sampling == "continuous":
+            found.append((("record", "pulse"), "must be absent where sampling is continuous"))
+        return found
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
         """The spec as plain values, its axes resolved."""

@@ -5,11 +5,9 @@ from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, REST_EDGE, REST_PROVEN, same_line
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, pursue
-from hknob_cli.engine.general.glide import rub_many
+from hknob_cli.engine.general.glide import coast
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import certify
-from hknob_cli.engine.general.slide_two import rub_two
-from hknob_cli.engine.propagator import hold_coefficients
 
 
 def is_cycle(fate):
@@ -27,14 +25,7 @@ def begin(z, start, part, body, pad):
     """State ``part`` of a sample period after ``start``, no torque commanded yet."""
     for j in range(body.order):
         z[j] = start[j]
-    s, g, f = hold_coefficients(body.alpha, body.beta, part)
-    if body.order > 2:
-        rub_many(z, 0.0, part, body, pad)
-    elif body.friction > 0.0:
-        z[0], z[1] = rub_two(z[0], z[1], 0.0, part, s, g, f, body)
-    else:
-        y = body.drive - body.beta * z[0]
-        z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
+    coast(z, 0.0, part, body, pad)
 
 
 def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, bestring):

@@ -7,7 +7,8 @@ round or is held, until the other torques exceed the friction level.
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
 from hknob_cli.engine.general.slide_many import slide_many, stretch
-from hknob_cli.engine.general.slide_two import until_zero, way
+from hknob_cli.engine.general.slide_two import rub_two, until_zero, way
+from hknob_cli.engine.propagator import hold_coefficients
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -39,6 +40,19 @@ def rub_many(z, u, span, body, pad):
         if not ended:
             break
         mode = next_mode(mode, z, u, body)
+
+
+def coast(z, u, span, body, pad):
+    """Move ``z`` over any time up to a sample period, friction or not."""
+    if body.order > 2:
+        rub_many(z, u, span, body, pad)
+        return
+    s, g, f = hold_coefficients(body.alpha, body.beta, span)
+    if body.friction > 0.0:
+        z[0], z[1] = rub_two(z[0], z[1], u, span, s, g, f, body)
+    else:
+        y = u + body.drive - body.beta * z[0]
+        z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
 
 
 def slide(z, u, mode, left, s, g, f, known, body, pad):

@@ -1,0 +1,180 @@
+"""Recordings of a sweep: the exact motion of the first trials of every cell, row by row."""
+
+from collections.abc import Iterator
+from math import ceil, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+
+from hknob_cli.engine.general.body import CONSTANT, Body
+from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.glide import coast
+from hknob_cli.errors import ComputationError
+from hknob_cli.measure.unsampled import events
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import FINGER, TRAJECTORY, axis_column
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, cells, scene_at
+
+MOST_ROWS = 5_000_000  # of all trials together
+
+
+class Instant(NamedTuple):
+    """One row: time (s), what happens then, angles (rad), velocities (rad/s), torque of the actuator after it (N·m)."""
+
+    time: float
+    event: str
+    angle: float
+    velocity: float
+    torque: float
+    finger: float = nan
+    finger_velocity: float = nan
+
+
+def record_sweep(plan: SweepPlan) -> pa.Table:
+    """Trajectories of a sweep that asks for them. Raises `ComputationError` where they would not fit in memory."""
+    assert plan.record
+    rows: list[dict[str, Any]] = []
+    expected = sum(_expected_rows(plan.record, cell) for cell in cells(plan.axes))
+    if expected > MOST_ROWS:
+        raise ComputationError(f"the recordings would have {expected:.3g} rows; at most {MOST_ROWS} fit")
+    for cell in cells(plan.axes):
+        scene = scene_at(plan.scene, cell)
+        push = _push(scene, cell)
+        trials = min(plan.record.trials, plan.starts.phases) if scene.sampled else 1
+        for trial in range(trials):
+            for one in _instants(plan, scene, cell, trial):
+                rows.append({**cell, "trial": trial, **_row(one, scene, push)})
+    axes = [axis_column(name, plan.units[name]) for name in plan.axes]
+    finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
+    return build_table([*axes, *TRAJECTORY, *(FINGER if finger else ())], rows)
+
+
+def _expected_rows(record: Record, cell: Cell) -> float:
+    return record.trials * record.duration * (1.0 / record.interval + cell.get(RATE, 0.0))
+
+
+def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int) -> Iterator[Instant]:
+    assert plan.record
+    counts = int(cell[COUNTS]) if COUNTS in cell else None
+    if not scene.sampled:
+        return _unsampled(plan, scene, counts)
+    knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
+    phase = (trial + 0.5) / plan.starts.phases
+    return record_trial(knob, plan.record, angle=plan.starts.angle, velocity=plan.starts.velocity, phase=phase)
+
+
+def _row(one: Instant, scene: Scene, push: float) -> dict[str, Any]:
+    return {
+        "time_s": one.time,
+        "event": one.event,
+        "angle_rad": one.angle,
+        "velocity_rad_s": one.velocity,
+        "torque_nm": one.torque,
+        "energy_j": energy(scene, push, one),
+        "finger_angle_rad": one.finger,
+        "finger_velocity_rad_s": one.finger_velocity,
+    }
+
+
+def _push(scene: Scene, cell: Cell) -> float:
+    bias = scene.bias or Bias(torque=0.0)
+    if bias.half_quantum:
+        return np.pi * scene.wall.stiffness / cell[COUNTS]
+    return bias.torque or 0.0
+
+
+def energy(scene: Scene, push: float, one: Instant) -> float:
+    """Energy of the masses, of the hand's springs and of the push into the wall, J; the wall has none."""
+    hand = scene.hand or Hand()
+    total = 0.5 * (scene.knob.inertia + hand.inertia) * one.velocity**2 + push * one.angle
+    if hand.finger and hand.fingerpad:
+        total += 0.5 * hand.finger.inertia * one.finger_velocity**2 + 0.5 * hand.finger.stiffness * one.finger**2
+        return total + 0.5 * hand.fingerpad.stiffness * (one.angle - one.finger) ** 2
+    return total + 0.5 * hand.stiffness * one.angle**2
+
+
+def pulsed(body: Body, torque: float) -> Body:
+    """The body with one more constant acceleration of the knob."""
+    vectors = list(body.vectors)
+    n = body.order
+    vectors[CONSTANT * n + 1] += torque
+    if body.ratio > 0.0:
+        vectors[CONSTANT * n + 3] += torque
+    return body._replace(vectors=vectors, drive=body.drive + torque)
+
+
+def record_trial(
+    knob: GeneralKnob, record: Record, *, angle: float, velocity: float, phase: float
+) -> Iterator[Instant]:
+    """Motion of one trial: at every sample, wherever the command that acts changes, and between at the interval asked.
+
+    ``angle`` (rad) and ``velocity`` (rad/s) at the start; the first sample comes ``phase`` of a period later.
+    """
+    wall, n = knob.wall, knob.body.order
+    end, interval = record.duration / knob.period_s, record.interval / knob.period_s
+    until = record.pulse.duration / knob.period_s if record.pulse else 0.0
+    body = pulsed(knob.body, record.pulse.torque / knob.torque_nm) if record.pulse else knob.body
+    stops = [(phase + i, "sample") for i in range(ceil(end) + 1)]
+    stops += [(i * interval, "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
+    if wall.split > 0.0:
+        stops += [(phase + i + wall.split, "command") for i in range(ceil(end) + 1)]
+    if record.pulse:
+        stops.append((until, "pulse ends"))
+    # What happens at an instant takes the place of a row that was only due.
+    named = {time for time, event in stops if event}
+    stops = sorted(stop for stop in stops if stop[0] <= end and (stop[1] or stop[0] not in named))
+    z, pad = knob.start(angle, velocity), [0.0] * (2 * n)
+    ring, head = [0.0] * knob.delay_line, 0
+    before, acting, later, t = read(z[0], wall), 0.0, 0.0, 0.0
+    first = True
+    for time, event in stops:
+        while t < time:
+            step = min(time - t, 1.0)
+            coast(z, acting, step, body, pad)
+            t = time if step == time - t else t + step
+        if event == "sample":
+            shown = read(z[0], wall)
+            before = shown if first else before
+            u = command(shown, before, wall)
+            before, first = shown, False
+            later = acting = u
+            if ring:
+                acting, ring[head] = ring[head], u
+                head = (head + 1) % len(ring)
+                later = ring[head]
+                acting = acting if wall.split > 0.0 else later
+        elif event == "command":
+            acting = later
+        elif event == "pulse ends":
+            body = knob.body
+        speed = knob.quantum_rad / knob.period_s
+        torque = (z[n - 1] if body.lag > 0.0 else acting) * knob.torque_nm
+        found = Instant(time * knob.period_s, event, knob.angle_rad(z[0]), z[1] * speed, torque)
+        if body.ratio > 0.0:
+            found = found._replace(finger=knob.angle_rad(z[0] - z[2]), finger_velocity=(z[1] - z[3]) * speed)
+        yield found
+
+
+def _unsampled(plan: SweepPlan, scene: Scene, counts: int | None) -> Iterator[Instant]:
+    """Motion without a sample clock: every event, and between them at the interval asked."""
+    assert plan.record
+    record = plan.record
+    motion = events(
+        reduce_unsampled(scene, counts_per_rev=counts),
+        angle_rad=plan.starts.angle,
+        velocity_rad_s=plan.starts.velocity,
+        duration_s=record.duration,
+    )
+    between = np.arange(int(record.duration / record.interval * (1.0 + 1e-12)) + 1, dtype=np.float64) * record.interval
+    between = between[~np.isin(between, motion.time_s) & (between <= record.duration)]
+    rows = list(zip(motion.time_s, motion.angle_rad, motion.velocity_rad_s, motion.torque_nm, strict=True))
+    found = [Instant(float(t), "event", float(a), float(v), float(u)) for t, a, v, u in rows]
+    angle, velocity, torque = motion.at(between)
+    found += [
+        Instant(float(t), "", float(a), float(v), float(u))
+        for t, a, v, u in zip(between, angle, velocity, torque, strict=True)
+    ]
+    return iter(sorted(found))
