@@ -57,7 +57,7 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/ from the models
-	@for kind in sweep dfa predict; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+	@for kind in sweep dfa predict bench; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 
 bench: $(VENV)/.dev ## throughput, start-up, and rival methods
 	@for name in throughput rivals startup; do \

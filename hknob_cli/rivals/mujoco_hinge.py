@@ -24,7 +24,8 @@ _MODEL = """<mujoco>
 <actuator>{motor}</actuator>
 </mujoco>"""
 _BODY = """<body><inertial pos="0 0 0" mass="1e-3" diaginertia="{j!r} {j!r} {j!r}"/>
-<joint name="{name}" type="hinge" axis="0 0 1" damping="{b!r}" stiffness="{k!r}" frictionloss="{friction!r}"{solver}/></body>"""
+<joint name="{name}" type="hinge" axis="0 0 1" damping="{b!r}" stiffness="{k!r}"
+ frictionloss="{friction!r}"{solver}/></body>"""
 _STIFF = ' solimpfriction="0.9999 0.9999 0.001 0.5 2" solreffriction="0.00001 1"'  # the time: at least two steps
 _PAD = """<tendon><fixed springlength="0" damping="{b!r}" stiffness="{k!r}">
 <joint joint="knob" coef="1"/><joint joint="finger" coef="-1"/></fixed></tendon>"""
