@@ -16,7 +16,7 @@ from hknob_cli.rivals.run import PHASE, Deadline, LostError, Motion, TooSlowErro
 from hknob_cli.scene.trial import simulate
 from hknob_cli.spec.plan import BenchScene
 
-QUICK_S = 0.1  # runs are repeated while they take no longer together
+QUICK_S = 0.03  # runs are repeated while they take no longer together
 MOST_REPEATS = 7
 COMPILED = "compiled"
 _WARM_SAMPLES = 4
