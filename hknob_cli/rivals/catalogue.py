@@ -48,6 +48,9 @@ def settings(plan: BenchPlan, trial: BenchScene, method: str) -> list[Setting]:
 
 def run_rival(trial: BenchScene, method: str, setting: Setting, deadline: Deadline) -> Motion:
     """One run, set-up included. Raises what `run.follow` raises."""
+    if method in FIXED:
+        assert setting.substeps is not None
+        return FixedStep(trial, method=method, substeps=setting.substeps).run(deadline)
     controller = Controller(trial)
     if method in SCIPY:
         integrator = ScipyIntegrator(
@@ -60,8 +63,5 @@ def run_rival(trial: BenchScene, method: str, setting: Setting, deadline: Deadli
         )
         return follow(trial, controller, integrator, integrator.start(trial), deadline)
     assert setting.substeps is not None
-    if method in FIXED:
-        fixed = FixedStep(trial, controller, method=method, substeps=setting.substeps)
-        return follow(trial, controller, fixed, fixed.start(trial), deadline)
     hinge = MujocoHinge(trial, controller, method=method, substeps=setting.substeps, stiff=setting.friction == "stiff")
     return follow(trial, controller, hinge, hinge.start(trial), deadline)

@@ -1,90 +1,117 @@
-"""Methods with a fixed step, compiled: semi-implicit Euler, implicit midpoint, classical Runge-Kutta."""
+"""Methods with a fixed step, compiled with their controller: semi-implicit Euler, implicit midpoint, Runge-Kutta."""
 
 import types
 from collections.abc import Callable
 from functools import cache
-from math import ceil
+from math import ceil, inf, isfinite
 from typing import Any
 
 import numpy as np
 
-from hknob_cli.rivals import kernels
+from hknob_cli.rivals import kernel_loop, kernels
 from hknob_cli.rivals.controller import Controller
 from hknob_cli.rivals.plant import bias_torque, build_plant
+from hknob_cli.rivals.run import PHASE, Deadline, LostError, Motion
 from hknob_cli.spec.plan import BenchScene
 
 METHODS = ("euler", "midpoint", "rk4")
 ORDER = {"euler": 1, "midpoint": 2, "rk4": 4}
-EVALUATIONS = {"euler": 1, "midpoint": 1, "rk4": 4}
+STAGES = {"euler": 1, "midpoint": 1, "rk4": 4}
+_STEPS_A_LOOK = 500_000  # between two looks at the clock
+_SENSES = {"": 0.0, "floor": 1.0, "nearest": 2.0, "ceil": 3.0, "truncate": 4.0}
 
 Array = Any
+Steps = tuple[float, int, Array]  # duration of a step, number of steps, matrices
 
 
 @cache
-def compiled(method: str) -> Callable[..., None]:
-    """The loop of one method, compiled on first use."""
+def compiled(method: str) -> tuple[Callable[..., None], Callable[..., None]]:
+    """One method, and the loop over samples with it, compiled on first use."""
     import numba
 
     done: dict[str, Any] = {}
-    for name in ("way_of", "slope", method):
-        function = getattr(kernels, name)
-        copy = types.FunctionType(function.__code__, {**function.__globals__, **done}, name)
-        done[name] = numba.njit(copy)
-    kernel: Callable[..., None] = done[method]
-    return kernel
+    for module, names in ((kernels, ("way_of", "slope", method)), (kernel_loop, ("measured", "command", "samples"))):
+        for name in names:
+            function = getattr(module, name)
+            copy = types.FunctionType(function.__code__, {**function.__globals__, **done}, name)
+            done[name] = numba.njit(copy)
+        done["method"] = done[method]
+        if module is kernels:
+            done["floor"] = np.floor
+    return done[method], done["samples"]
 
 
 class FixedStep:
-    """See `run.Integrator`; ``substeps`` steps a sample, and at least one while a command acts."""
+    """A trial by fixed steps: ``substeps`` a sample, and at least one while a command acts.
 
-    def __init__(self, trial: BenchScene, controller: Controller, *, method: str, substeps: int) -> None:
+    Without a sample clock the controller acts at every step.
+    """
+
+    def __init__(self, trial: BenchScene, *, method: str, substeps: int) -> None:
         """Make ready."""
+        self.trial, self.method, self.substeps = trial, method, substeps
         self.plant = build_plant(trial.scene)
-        self.controller, self.method, self.substeps = controller, method, substeps
-        self.kernel = compiled(method)
+        self.controller = Controller(trial)
         self.a: Array = np.array(self.plant.a)
-        self.b, self.c = np.array(self.plant.b), np.array(self.plant.c)
-        self.bias = bias_torque(trial.scene, controller.quantum)
+        self.b: Array = np.array(self.plant.b)
+        self.rest: Array = -bias_torque(trial.scene, self.controller.quantum) * np.array(self.plant.c)
         self.friction = float(self.plant.friction / self.plant.inertia)
-        self.steps = 0
-        self._solved: dict[float, tuple[Array, ...]] = {}
 
-    def start(self, trial: BenchScene) -> Array:
-        """State at the start: hand at rest with the knob, no torque."""
+    def steps(self, duration: float, most: int) -> Steps:
+        """Equal steps over a duration, of which ``most`` would fill a sample period."""
+        count = ceil(most * duration / self.controller.period - 1e-9)
+        if count == 0:
+            return 0.0, 0, self._solved(0.0)
+        return duration / count, count, self._solved(duration / count)
+
+    def run(self, deadline: Deadline) -> Motion:
+        """Run the trial. Raises `TooSlowError`, `LostError`."""
+        step, loop = compiled(self.method)
         state = np.zeros(self.plant.order)
-        state[0], state[1] = trial.angle, trial.velocity
-        return state
-
-    def hold(self, state: Array, command: float, duration: float) -> Array:
-        """State after a constant command."""
-        count = max(1, ceil(self.substeps * duration / self.controller.period - 1e-9))
-        self._march(state, command, duration / count, count)
-        return state
-
-    def free(self, state: Array, duration: float) -> Array:
-        """State after a time under a controller that acts at every step."""
-        count = max(1, ceil(self.substeps * duration / self.controller.period - 1e-9))
-        for _ in range(count):
-            self._march(state, self.controller.command(self.controller.measured(state[0])), duration / count, 1)
-        return state
-
-    def _march(self, state: Array, command: float, step: float, count: int) -> None:
-        drive = self.b * command - self.c * self.bias
-        if self.method == "midpoint":
-            self.kernel(self.a, drive, self.friction, state, *self._matrices(step), count)
+        state[0], state[1] = self.trial.angle, self.trial.velocity
+        control, clocked = self.controller, self.trial.scene.sampled
+        whole, ticks = control.period, 1 if clocked else self.substeps
+        law = kernel_loop.Law(
+            sense=_SENSES[control.rounding],
+            quantum=float(control.quantum),
+            offset=float(control.offset),
+            stiffness=float(control.stiffness),
+            damping=float(control.damping),
+            period=whole,
+            limit=inf if control.limit is None else control.limit,
+            step=float(control.step),
+        )
+        memory = np.array([np.nan, *control.under_way])
+        early, late = self.steps(control.early, self.substeps), self.steps(whole - control.early, self.substeps)
+        before = self.steps(whole * PHASE, self.substeps)
+        taken = before[1]
+        if clocked:
+            step(self.a, self.rest, self.friction, state, *before)
         else:
-            self.kernel(self.a, drive, self.friction, state, step, count)
-        self.steps += count
+            late = self.steps(whole / self.substeps, self.substeps)
+            one = (before[0], 1, before[2])
+            loop(self.a, self.b, self.rest, self.friction, state, law, memory, early, one, np.empty(before[1]))
+        angles = [float(state[0])]
+        chunk = max(1, _STEPS_A_LOOK // self.substeps)
+        while len(angles) <= self.trial.samples:
+            deadline.look()
+            found = np.full(min(chunk, self.trial.samples + 1 - len(angles)) * ticks, np.nan)
+            loop(self.a, self.b, self.rest, self.friction, state, law, memory, early, late, found)
+            taken += len(found) * (early[1] + late[1])
+            angles += found[ticks - 1 :: ticks].tolist()
+            if not isfinite(angles[-1]):
+                raise LostError("the angle is no longer a number")
+        return Motion(angles, taken, taken * STAGES[self.method])
 
-    def _matrices(self, h: float) -> tuple[Array, ...]:
-        """(I - hA/2)^-1 (I + hA/2) and h (I - hA/2)^-1; the same for a knob that sticks."""
-        if h not in self._solved:
-            found: list[Array] = []
-            stuck = self.a.copy()
-            stuck[1] = 0.0
-            one = np.eye(len(stuck))
-            for matrix in (self.a, stuck):
-                inverse = np.linalg.inv(one - 0.5 * h * matrix)
-                found += [inverse @ (one + 0.5 * h * matrix), h * inverse]
-            self._solved[h] = tuple(found)
-        return self._solved[h]
+    def _solved(self, h: float) -> Array:
+        """(I - hA/2)^-1 (I + hA/2) and h (I - hA/2)^-1, and the same for a knob that sticks; (4, n, n)."""
+        if self.method != "midpoint":
+            return np.empty((0, 0, 0))
+        found: list[Array] = []
+        stuck = self.a.copy()
+        stuck[1] = 0.0
+        one = np.eye(len(stuck))
+        for matrix in (self.a, stuck):
+            inverse = np.linalg.inv(one - 0.5 * h * matrix)
+            found += [inverse @ (one + 0.5 * h * matrix), h * inverse]
+        return np.array(found)

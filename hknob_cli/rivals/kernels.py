@@ -36,7 +36,7 @@ def slope(a, r, d, way, y, out):
         out[1] -= way * d
 
 
-def euler(a, r, d, y, h, steps):
+def euler(a, r, d, y, h, steps, _solved):
     """Semi-implicit (symplectic) Euler, order 1: speeds first, angles by the new speeds; damping explicit."""
     n = len(y)
     k = np.empty(n)
@@ -53,7 +53,7 @@ def euler(a, r, d, y, h, steps):
             y[2] += h * y[3]
 
 
-def rk4(a, r, d, y, h, steps):
+def rk4(a, r, d, y, h, steps, _solved):
     """The classical Runge-Kutta method, order 4."""
     n = len(y)
     k1, k2, k3, k4, z = np.empty(n), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
@@ -75,25 +75,21 @@ def rk4(a, r, d, y, h, steps):
             y[1] = 0.0
 
 
-def midpoint(a, r, d, y, step, force, stuck_step, stuck_force, steps):
-    """Implicit midpoint, order 2, solved beforehand: y + = step y + force r; with other matrices where it sticks."""
+def midpoint(a, r, d, y, _h, steps, solved):
+    """Implicit midpoint, order 2, solved beforehand: y+ = M y + N r; ``solved``: M, N, and those where it sticks."""
     n = len(y)
     z, drive = np.empty(n), np.empty(n)
     for _ in range(steps):
         way = way_of(a, r, d, y)
-        stuck = way == 2.0
+        first = 2 if way == 2.0 else 0
         for i in range(n):
             drive[i] = r[i]
-        drive[1] = 0.0 if stuck else r[1] - way * d
+        drive[1] = 0.0 if way == 2.0 else r[1] - way * d
         for i in range(n):
-            total = 0.0
+            z[i] = 0.0
             for j in range(n):
-                if stuck:
-                    total += stuck_step[i, j] * y[j] + stuck_force[i, j] * drive[j]
-                else:
-                    total += step[i, j] * y[j] + force[i, j] * drive[j]
-            z[i] = total
+                z[i] += solved[first, i, j] * y[j] + solved[first + 1, i, j] * drive[j]
         for i in range(n):
             y[i] = z[i]
-        if way * y[1] < 0.0 or stuck:
+        if way * y[1] < 0.0 or way == 2.0:
             y[1] = 0.0

@@ -1,8 +1,9 @@
 """What a run is worth: its error against the reference, and the verdict.
 
 - accurate: no sample's angle is off by more than ``accurate`` (1e-6) of the reference's swing;
-- inaccurate: it is, but the motion ends on the same attractor: in the last third of the trial peak to peak is within
-  ``same_attractor`` (1 %) of the reference's, and the encoder shows the same counts;
+- inaccurate: it is, but the motion ends on the same attractor: in the last third of the trial peak to peak, and the
+  highest and the lowest angle, are within ``same_attractor`` (1 %) of the swing of the reference's, and the encoder
+  shows the same counts, where a count is not below that;
 - wrong attractor: it ends in another cycle, at rest instead of in a cycle, or flies off;
 - failed: an exception, an angle that is not a number, a scene that the method cannot express;
 - too slow: stopped at the time limit.
@@ -23,11 +24,17 @@ Angles = list[float]
 
 
 class Measure(NamedTuple):
-    """Peak to peak and swing (rad), and the counts that the encoder shows, of a trial's last third."""
+    """Lowest and highest angle and swing (rad), and the counts that the encoder shows, of a trial's last third."""
 
-    p2p_rad: float
+    low_rad: float
+    high_rad: float
     swing_rad: float
     counts: frozenset[int]
+
+    @property
+    def p2p_rad(self) -> float:
+        """Peak to peak."""
+        return self.high_rad - self.low_rad
 
 
 class Judged(NamedTuple):
@@ -47,7 +54,7 @@ def measure(trial: BenchScene, angles: Angles) -> Measure:
     whole = max(angles) - min(angles)
     controller = Controller(trial)
     counts = frozenset(controller.level(angle) for angle in last) if controller.rounding else frozenset[int]()
-    return Measure(p2p, p2p if p2p > REST * whole else whole, counts)
+    return Measure(min(last), max(last), p2p if p2p > REST * whole else whole, counts)
 
 
 def judge(trial: BenchScene, angles: Angles, reference: Angles, *, accurate: float, same_attractor: float) -> Judged:
@@ -56,9 +63,12 @@ def judge(trial: BenchScene, angles: Angles, reference: Angles, *, accurate: flo
     error = max(abs(a - b) for a, b in zip(angles, reference, strict=True))
     relative = _over(error, theirs.swing_rad)
     off = _over(abs(ours.p2p_rad - theirs.p2p_rad), theirs.swing_rad)
+    near = same_attractor * theirs.swing_rad
+    ends = max(abs(ours.low_rad - theirs.low_rad), abs(ours.high_rad - theirs.high_rad))
+    fine = Controller(trial).quantum < near
     if relative <= accurate:
         verdict = "accurate"
-    elif off <= same_attractor and ours.counts == theirs.counts:
+    elif off <= same_attractor and ends <= near and (fine or ours.counts == theirs.counts):
         verdict = "inaccurate"
     else:
         verdict = "wrong attractor"

@@ -7,10 +7,13 @@ import pytest
 
 from hknob_cli.rivals import kernels
 from hknob_cli.rivals.catalogue import Setting
-from hknob_cli.rivals.fixed_step import METHODS, ORDER, compiled
-from hknob_cli.spec.plan import Actuator, Bias, Finger, Fingerpad, Hand, Knob
+from hknob_cli.rivals.controller import Controller
+from hknob_cli.rivals.fixed_step import METHODS, ORDER, FixedStep, compiled
+from hknob_cli.rivals.run import Deadline, follow
+from hknob_cli.spec.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Wall
 from tests.rivals.trials import INERTIA, by, by_digits60, trial
 
+NONE = np.empty((0, 0, 0))
 SECOND = Hand(3e-7, 3.45e-4, 0.04)
 FOURTH = Hand(finger=Finger(3e-7, 1e-4, 0.04), fingerpad=Fingerpad(3e-4, 0.5))
 
@@ -46,6 +49,54 @@ def test_friction_holds_and_stops(method: str) -> None:
 def test_compiled_is_interpreted() -> None:
     a = np.array([[0.0, 1.0], [-2e4, -150.0]])
     r, y, z = np.array([0.0, 800.0]), np.array([0.01, -1.0]), np.array([0.01, -1.0])
-    kernels.rk4(a, r, 5.0, y, 1e-4, 50)
-    compiled("rk4")(a, r, 5.0, z, 1e-4, 50)
+    kernels.rk4(a, r, 5.0, y, 1e-4, 50, NONE)
+    compiled("rk4")[0](a, r, 5.0, z, 1e-4, 50, NONE)
     assert z == pytest.approx(y, rel=1e-12)
+
+
+class OneByOne:
+    """The same steps under the controller that the other rivals have; see `run.Integrator`."""
+
+    def __init__(self, fixed: FixedStep) -> None:
+        self.fixed, self.steps = fixed, 0
+
+    def hold(self, state, command, duration):
+        fixed = self.fixed
+        compiled(fixed.method)[0](
+            fixed.a, fixed.rest + fixed.b * command, fixed.friction, state, *fixed.steps(duration, fixed.substeps)
+        )
+        return state
+
+    def free(self, state, duration):
+        length, count, _ = self.fixed.steps(duration, self.fixed.substeps)
+        control = self.fixed.controller
+        for _ in range(count):
+            self.hold(state, control.command(control.measured(state[0])), length)
+        return state
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("rounding", [None, "floor", "nearest", "ceil", "truncate"])
+@pytest.mark.parametrize("delay", [0.0, 2.0, 1.25])
+def test_the_compiled_controller_is_that_of_the_other_rivals(method: str, rounding: str | None, delay: float) -> None:
+    case = trial(
+        angle=0.01, samples=120, hand=SECOND, bias=Bias(0.001), wall=Wall(0.3, 2e-5), knob=Knob(INERTIA, 0.0, 1e-4),
+        encoder=Encoder(rounding, 0.2) if rounding else None, actuator=Actuator(delay, 1e-4, 0.004, 3e-4),
+    )  # fmt: skip
+    fixed = FixedStep(case, method=method, substeps=8)
+    state = np.zeros(3)
+    state[0] = 0.01
+    expected = follow(case, Controller(case), OneByOne(fixed), state, Deadline(60.0))
+    assert fixed.run(Deadline(60.0)).angles == expected.angles
+
+
+@pytest.mark.parametrize("rounding", [None, "floor"])
+def test_so_it_is_without_a_clock(rounding: str | None) -> None:
+    case = trial(
+        angle=0.01, samples=50, hand=SECOND, bias=Bias(0.001), encoder=Encoder(rounding) if rounding else None,
+        sampled=False,
+    )  # fmt: skip
+    fixed = FixedStep(case, method="rk4", substeps=8)
+    state = np.array([0.01, 0.0])
+    expected = follow(case, Controller(case), OneByOne(fixed), state, Deadline(60.0))
+    assert fixed.run(Deadline(60.0)).angles == pytest.approx(expected.angles, rel=1e-12)
