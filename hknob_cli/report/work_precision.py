@@ -69,19 +69,22 @@ def draw_sheet(scenes: dict[str, Rows], *, accurate: float, name: str, path: Pat
     columns = min(_COLUMNS, len(scenes))
     down = ceil(len(scenes) / columns)
     figure = Figure(figsize=(max(8.0, 4.2 * columns), 3.1 * down + 1.4), layout="constrained")
-    panels = figure.subplots(down, columns, squeeze=False, sharex=True, sharey=True).flat
+    panels = list(figure.subplots(down, columns, squeeze=False, sharex=True, sharey=True).flat)
     for axes, (scene, rows) in zip(panels, scenes.items(), strict=False):
         _draw(axes, rows, accurate=accurate, size=4.5)
         axes.set_title(scene.replace("_", " "), fontsize=10)
-    for axes in list(panels)[len(scenes) :]:
+    for axes in panels[len(scenes) :]:
         axes.set_axis_off()
+    for axes in panels[max(0, len(scenes) - columns) : len(scenes)]:
+        axes.set_xlabel("processor time, s", fontsize=9)
+        axes.tick_params(labelbottom=True)
+    for axes in panels[::columns]:
+        axes.set_ylabel("error / swing", fontsize=9)
     rows = [row for rows in scenes.values() for row in rows]
     figure.legend(
         handles=_legend(rows), loc="outside lower center", ncols=min(5, columns + 1), fontsize=9, frameon=False
     )
-    figure.supxlabel("processor time of a run, s")
-    figure.supylabel("largest error of the angle / swing of the reference", fontsize=11)
-    figure.suptitle(f"{name}: error against run time")
+    figure.suptitle(f"{name}: largest error of the angle, over the reference's swing, against run time")
     save(figure, path, stage="bench", name=name)
 
 

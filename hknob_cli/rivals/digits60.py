@@ -10,7 +10,7 @@ from typing import Any
 
 from hknob_cli.errors import UsageError
 from hknob_cli.rivals.controller import Controller
-from hknob_cli.rivals.plant import bias_torque, build_plant
+from hknob_cli.rivals.plant import bias_torque, build_plant, start_state
 from hknob_cli.rivals.run import LostError
 from hknob_cli.spec.plan import BenchScene
 
@@ -61,10 +61,8 @@ class Digits60:
         self.steps = 0
 
     def start(self, trial: BenchScene) -> State:
-        """State at the start: hand at rest with the knob, no torque; last, command and other torque on the knob."""
-        state = [self.mp.mpf(0)] * (self.order + 2)
-        state[0], state[1] = self.mp.mpf(trial.angle), self.mp.mpf(trial.velocity)
-        return state
+        """State at the start; last, command and other torque on the knob."""
+        return [*start_state(trial, self.plant, self.mp.mpf), self.mp.mpf(0), self.mp.mpf(0)]
 
     def hold(self, state: State, command: Any, duration: Any) -> State:
         """State after a constant command."""

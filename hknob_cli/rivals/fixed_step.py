@@ -10,7 +10,7 @@ import numpy as np
 
 from hknob_cli.rivals import kernel_loop, kernels
 from hknob_cli.rivals.controller import Controller
-from hknob_cli.rivals.plant import bias_torque, build_plant
+from hknob_cli.rivals.plant import bias_torque, build_plant, start_state
 from hknob_cli.rivals.run import PHASE, Deadline, LostError, Motion
 from hknob_cli.spec.plan import BenchScene
 
@@ -67,8 +67,7 @@ class FixedStep:
     def run(self, deadline: Deadline) -> Motion:
         """Run the trial. Raises `TooSlowError`, `LostError`."""
         step, loop = compiled(self.method)
-        state = np.zeros(self.plant.order)
-        state[0], state[1] = self.trial.angle, self.trial.velocity
+        state = np.array(start_state(self.trial, self.plant))
         control, clocked = self.controller, self.trial.scene.sampled
         whole, ticks = control.period, 1 if clocked else self.substeps
         law = kernel_loop.Law(

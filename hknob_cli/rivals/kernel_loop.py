@@ -14,7 +14,7 @@ method = rk4  # which one, where it is compiled
 class Law(NamedTuple):
     """The controller in numbers; every field is a float, in SI units.
 
-    ``sense``: 0 a continuous sensor, 1 floor, 2 nearest, 3 ceil, 4 truncate. ``limit`` infinite: none; ``step`` 0: none.
+    ``sense``: 0 continuous, 1 floor, 2 nearest, 3 ceil, 4 truncate. ``limit`` infinite: none; ``step`` 0: none.
     """
 
     sense: float

@@ -85,8 +85,8 @@ class MujocoHinge:
         self.steps = 0
 
     def start(self, trial: BenchScene) -> Any:
-        """State at the start: hand at rest with the knob, no torque."""
-        self.data.qpos[0], self.data.qvel[0] = trial.angle, trial.velocity
+        """State at the start: the finger moves with the knob, no torque acts."""
+        self.data.qpos[:], self.data.qvel[:] = trial.angle, trial.velocity
         self.data.qfrc_applied[0] = -self.bias
         return self.data.qpos
 

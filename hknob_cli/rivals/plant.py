@@ -13,7 +13,7 @@ Source: Hasser, Eq. 1 and Fig. 13, with damping of the knob's own; without a fin
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.spec.plan import Actuator, Hand, Scene
+from hknob_cli.spec.plan import Actuator, BenchScene, Hand, Scene
 
 Number = Callable[[float], Any]
 Rows = tuple[tuple[Any, ...], ...]
@@ -71,6 +71,13 @@ def build_plant(scene: Scene, number: Number = float) -> Plant:
         inertia=inertia,
         friction=number(knob.coulomb_torque),
     )
+
+
+def start_state(trial: BenchScene, plant: Plant, number: Number = float) -> list[Any]:
+    """State at the start of a trial: the finger moves with the knob, no torque acts."""
+    angle, speed = number(trial.angle), number(trial.velocity)
+    moving = [angle, speed] * (plant.order // 2)
+    return [*moving, number(0.0)] if plant.order % 2 else moving
 
 
 def bias_torque(scene: Scene, quantum: Any, number: Number = float) -> Any:

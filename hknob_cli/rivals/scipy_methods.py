@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.rivals.controller import Controller
-from hknob_cli.rivals.plant import Plant, bias_torque, build_plant
+from hknob_cli.rivals.plant import Plant, bias_torque, build_plant, start_state
 from hknob_cli.rivals.run import Deadline, LostError
 from hknob_cli.spec.plan import BenchScene
 
@@ -61,10 +61,8 @@ class ScipyIntegrator:
         self.level: int | None = None
 
     def start(self, trial: BenchScene) -> Array:
-        """State at the start: hand at rest with the knob, no torque."""
-        state = np.zeros(self.plant.order)
-        state[0], state[1] = trial.angle, trial.velocity
-        return state
+        """State at the start."""
+        return np.array(start_state(trial, self.plant))
 
     def hold(self, state: Array, command: float, duration: float) -> Array:
         """State after a constant command."""

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from hknob_cli.rivals.plant import bias_torque, build_plant
+from hknob_cli.rivals.plant import bias_torque, build_plant, start_state
 from hknob_cli.spec.plan import Actuator, Bias, Finger, Fingerpad, Hand, Knob, Scene, Wall
+from tests.rivals.trials import trial
 
 FOURTH = Hand(finger=Finger(3e-7, 1e-4, 0.04), fingerpad=Fingerpad(2e-4, 5.0))
 
@@ -40,6 +41,12 @@ def test_lag_makes_the_torque_a_state(hand: Hand | None) -> None:
     change = slope(plant, state, 0.1, 0.05)
     assert change[-1] == pytest.approx((0.1 - 0.3) / 0.5)
     assert change[1] == pytest.approx((0.3 + 0.05) / 2e-6)
+
+
+def test_the_finger_starts_with_the_knob() -> None:
+    case = trial(angle=0.1, velocity=2.0)
+    assert start_state(case, build_plant(scene(None))) == [0.1, 2.0]
+    assert start_state(case, build_plant(scene(FOURTH, Actuator(time_constant=0.5)))) == [0.1, 2.0, 0.1, 2.0, 0.0]
 
 
 def test_half_quantum_bias() -> None:
