@@ -108,10 +108,26 @@ def test_without_mujoco_its_methods_are_left_out(monkeypatch, spec_file) -> None
     assert "mujoco is not installed" in said[0]
 
 
-def test_check_and_quick_experiment(hknob, tmp_path: Path) -> None:
+def test_experiments_are_good(hknob) -> None:
     done = hknob("check", EXPERIMENTS / "bench.yaml", EXPERIMENTS / "bench_quick.yaml")
     assert done.returncode == 0, done.stderr
-    assert "bench 'bench-quick', 4 scenes: good" in done.stdout
+    assert "bench 'bench', 35 scenes: good" in done.stdout
+
+
+def test_the_quick_experiment(hknob) -> None:
+    summary = json.loads(hknob("bench", EXPERIMENTS / "bench_quick.yaml", "-o", "out", "--json").stdout)
+    best = {
+        (scene, method): min(
+            (run["relative_error"] for run in summary["runs"]
+             if (run["scene"], run["method"]) == (scene, method) and run["relative_error"] is not None),
+            default=None,
+        )
+        for scene in summary["scenes"] for method in summary["methods"]
+    }  # fmt: skip
+    for scene in summary["scenes"]:
+        assert best[scene, "dop853"] < 1e-6
+    for scene in ("nominal", "stiff_hand"):
+        assert best[scene, "exact"] < 1e-12
 
 
 @pytest.mark.parametrize(
