@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep ladder maps smoke test lint schemas bench clean
+.PHONY: help sweep ladder maps smoke test lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -57,7 +57,10 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/ from the models
-	@for kind in sweep dfa predict; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+	@for kind in sweep dfa predict bench; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+
+compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
+	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench
 
 bench: $(VENV)/.dev ## throughput, start-up, and rival methods
 	@for name in throughput rivals startup; do \

@@ -12,7 +12,7 @@ from tests.conftest import HKNOB, ROOT
 
 PACKAGE = ROOT / "hknob_cli"
 # Each layer may use the ones before it.
-ORDER = ["errors", "spec", "engine", "scene", "theory", "measure", "results", "report", "stages", "cli"]
+ORDER = ["errors", "spec", "engine", "scene", "theory", "rivals", "measure", "results", "report", "stages", "cli"]
 
 
 def imports(path: Path) -> set[str]:

@@ -2,13 +2,27 @@
 
 from math import prod
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from hknob_cli.cli.console import reporting, say
 from hknob_cli.cli.options import Sets
 from hknob_cli.errors import ExitCode, UsageError
+
+if TYPE_CHECKING:
+    from hknob_cli.spec.plan import Plan
+
+
+def _size(plan: "Plan") -> str:
+    """How much there is to do."""
+    from hknob_cli.spec.plan import BenchPlan
+
+    if isinstance(plan, BenchPlan):
+        count, what = len(plan.scenes), "scene"
+    else:
+        count, what = prod(len(values) for values in plan.axes.values()), "cell"
+    return f"{count} {what}{'' if count == 1 else 's'}"
 
 
 def check(
@@ -27,8 +41,6 @@ def check(
                 say(str(error))
                 failed = True
                 continue
-            count = prod(len(values) for values in plan.axes.values())
-            cells = "1 cell" if count == 1 else f"{count} cells"
-            typer.echo(f"{path}: {plan.values['kind']} '{plan.name}', {cells}: good")
+            typer.echo(f"{path}: {plan.values['kind']} '{plan.name}', {_size(plan)}: good")
     if failed:
         raise typer.Exit(ExitCode.USAGE)

@@ -9,6 +9,7 @@ WORK = {
     "sweep": "hknob_cli.cli.sweep_work",
     "dfa": "hknob_cli.cli.dfa_work",
     "predict": "hknob_cli.cli.predict_work",
+    "bench": "hknob_cli.cli.bench_work",
 }
 
 

@@ -1,4 +1,4 @@
-"""The stage commands, ``hknob sweep``, ``dfa`` and ``predict``: one way to be called, told apart by their kind."""
+"""The stage commands, ``hknob sweep``, ``dfa``, ``predict``, ``bench``: one way to be called, told apart by kind."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -37,6 +37,10 @@ STAGES = {
     "predict": (
         "Estimate limit cycles by closed laws, say how far to trust them, and which stability limit binds.",
         "Draw every law into predict.png beside the results.",
+    ),
+    "bench": (
+        "Compare the engine with SciPy, fixed steps and MuJoCo, scene by scene: error against run time.",
+        "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",
     ),
 }
 

@@ -13,7 +13,7 @@ import pyarrow as pa
 from hknob_cli import __version__
 
 KEY = b"hknob.provenance"
-_COMPUTING = ("spec", "scene", "engine", "theory", "measure", "results", "stages")
+_COMPUTING = ("spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
 
 
 @cache

@@ -212,7 +212,28 @@ def _increment(a: Array, t: float, alpha: float, beta: float) -> Array:
 
 def _increments(a: Array, held: Array, split: float, alpha: float, beta: float) -> list[Array]:
     """D over both parts of an interval, and, but for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
-    parts = [_increment(a, split, alpha, beta), _increment(a, 1.0 - split, alpha, beta)]
-    if len(a) > 2:
-        parts += [_increment(matrix, 0.5**k, 0.0, 0.0) for matrix in (a, held) for k in range(HALVINGS)]
-    return [part.ravel() for part in parts]
+    if len(a) == 2:
+        return [_increment(a, split, alpha, beta).ravel(), _increment(a, 1.0 - split, alpha, beta).ravel()]
+    halves = [_halves(a), _halves(held)]
+    whole = halves[0][0] if split == 0.0 else _increment(a, 1.0 - split, alpha, beta)
+    first = np.zeros_like(a) if split == 0.0 else _increment(a, split, alpha, beta)
+    return [first.ravel(), whole.ravel(), *(part.ravel() for part in halves)]
+
+
+def _halves(a: Array) -> Array:
+    """D(1), D(1/2), D(1/4), ..., shape (HALVINGS, n, n): the short ones by their series, the rest by doubling."""
+    one = np.eye(len(a))
+    times = 0.5 ** np.arange(HALVINGS)
+    size = float(np.abs(a).sum(axis=1).max())
+    first = min(HALVINGS - 1, max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0)
+    found = np.zeros((HALVINGS, *a.shape))
+    total = term = times[first:, None, None] * one
+    for k in range(2, 30):
+        term = term @ a * (times[first:, None, None] / k)
+        total = total + term
+        if np.abs(term[0]).max() <= 1e-20 * np.abs(total[0]).max():
+            break
+    found[first:] = total
+    for k in range(first - 1, -1, -1):
+        found[k] = found[k + 1] + found[k + 1] @ (one + a @ found[k + 1])
+    return found

@@ -10,6 +10,7 @@ from hknob_cli.engine.general.ensemble import begin
 from hknob_cli.engine.general.search import as_arrays
 from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
+from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.spec.plan import Scene
 
@@ -40,8 +41,10 @@ def simulate(
     """Run one trial exactly, for ``samples`` intervals from its first sample, ``phase`` of a period after the start.
 
     ``compiled``: by the compiled engine, to the same last bit. ``knob``: the scene reduced before, to save time.
-    Raises `ComputationError` if the scene's numbers overflow.
+    Raises `ComputationError` if the scene's numbers overflow, or if it has no sample clock.
     """
+    if not scene.sampled:
+        raise ComputationError("a scene without a sample clock has no samples")
     knob = knob or sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line

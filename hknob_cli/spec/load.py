@@ -10,24 +10,26 @@ from pydantic import BaseModel, ValidationError
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.analysis import Case, CaseFile, DfaSpec, PredictSpec
+from hknob_cli.spec.bench import BenchSpec, validate_bench
+from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.grid import (
     MAX_CELLS,
     AxisError,
     Grid,
     axis_unit,
     axis_values,
-    model_of,
     scalar_field,
     scalar_paths,
 )
-from hknob_cli.spec.messages import keys_of, message, nearest
+from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan, PredictPlan
 from hknob_cli.spec.scene import SceneSpec, contradictions
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
 Spec = SweepSpec | DfaSpec | PredictSpec
-KINDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
+GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
+KINDS: dict[str, type[BaseModel]] = {**GRIDS, "bench": BenchSpec}
 
 
 def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Plan:
@@ -48,17 +50,20 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     given = source.value.get("kind")
     if given is None:
         raise SpecError([source.fault(("kind",), f"missing, and required; one of: {', '.join(KINDS)}")])
-    model = KINDS.get(given) if isinstance(given, str) else None
-    if model is None or (kind is not None and given != kind):
+    known = isinstance(given, str) and given in KINDS
+    if not known or (kind is not None and given != kind):
         allowed = [kind] if kind else list(KINDS)
         raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
+    if given == "bench":
+        return validate_bench(source)
+    model = GRIDS[given]
     faults: list[Fault] = []
     scene: SceneSpec | None = None
     try:
         spec = model.model_validate(source.value)
         grid, scene = spec.grid, spec.scene
     except ValidationError as error:
-        faults += [_fault(source, model, item) for item in error.errors(include_url=False)]
+        faults += [fault_at(source, model, item) for item in error.errors(include_url=False)]
         try:
             grid = Grid.model_validate(source.value.get("grid"))
         except ValidationError:
@@ -90,7 +95,7 @@ def _read_case(source: Source, name: str) -> tuple[float, str]:
     try:
         case = Case.model_validate(case_source.value)
     except ValidationError as error:
-        raise SpecError([_fault(case_source, Case, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError([fault_at(case_source, Case, item) for item in error.errors(include_url=False)]) from None
     return case.constant(), hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -124,31 +129,6 @@ def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Ax
     if model.ABSENT and scene and scene.sampling == "continuous":
         faults.append(source.fault(("scene", "sampling"), f"must be zero_order_hold: {kind} is about a sampled wall"))
     return faults
-
-
-def _fault(source: Source, model: type[BaseModel], error: Any) -> Fault:
-    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words."""
-    path: list[str | int] = []
-    value: Any = source.value
-    last = len(error["loc"]) - 1
-    for i, part in enumerate(error["loc"]):
-        if isinstance(value, dict) and (part in value or (error["type"] == "missing" and i == last)):
-            path.append(part)
-            value = value.get(part)
-        elif isinstance(value, list) and isinstance(part, int):
-            path.append(part)
-            value = value[part] if part < len(value) else None
-        # anything else is a union's tag, which the user never wrote
-    allowed = keys_of(_model_at(model, tuple(path[:-1])))
-    return source.fault(tuple(path), message(error, allowed), at_key=error["type"] == "extra_forbidden")
-
-
-def _model_at(model: type[BaseModel], path: tuple[str | int, ...]) -> type[BaseModel] | None:
-    current: type[BaseModel] | None = model
-    for part in path:
-        info = current.model_fields.get(str(part)) if current else None
-        current = model_of(info) if info else None
-    return current
 
 
 def _resolve_axes(source: Source, grid: Grid, scene: SceneSpec | None) -> tuple[Axes, list[Fault]]:

@@ -161,7 +161,42 @@ class SweepPlan(NamedTuple):
     growth_s: float | None = None
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan
+class BenchScene(NamedTuple):
+    """One trial of a benchmark: from ``angle`` (rad) and ``velocity`` (rad/s), over ``samples`` sample intervals.
+
+    ``counts_per_rev`` None: a continuous sensor. ``reference``: what errors are against, exact or digits60.
+    """
+
+    name: str
+    scene: Scene
+    sample_rate_hz: float
+    counts_per_rev: int | None
+    angle: float
+    velocity: float
+    samples: int
+    reference: str
+
+
+class BenchPlan(NamedTuple):
+    """A benchmark of ``methods``.
+
+    ``smoothing``: speed over which smoothed friction turns, rad/s; ``seconds_per_run``: processor time allowed;
+    ``accurate``, ``same_attractor``: thresholds of the verdicts, relative to peak to peak.
+    """
+
+    name: str
+    scenes: tuple[BenchScene, ...]
+    methods: tuple[str, ...]
+    tolerances: tuple[float, ...]
+    substeps: tuple[int, ...]
+    smoothing: float
+    seconds_per_run: float
+    accurate: float
+    same_attractor: float
+    values: dict[str, Any]
+
+
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

@@ -1,0 +1,48 @@
+"""From a validator's error to a fault with its place in the file."""
+
+from collections.abc import Callable
+from typing import Any
+
+from pydantic import BaseModel
+
+from hknob_cli.errors import Fault
+from hknob_cli.spec.grid import model_of
+from hknob_cli.spec.messages import keys_of, message
+from hknob_cli.spec.source import Path_, Source
+
+Place = Callable[[Path_], Path_]
+
+
+def fault_at(
+    source: Source,
+    model: type[BaseModel],
+    error: Any,
+    *,
+    values: Any = None,
+    place: Place = lambda path: path,
+) -> Fault:
+    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words.
+
+    ``values`` is what was validated, if not the whole of ``source``; ``place`` says where in the file a path in it is.
+    """
+    path: list[str | int] = []
+    value: Any = source.value if values is None else values
+    last = len(error["loc"]) - 1
+    for i, part in enumerate(error["loc"]):
+        if isinstance(value, dict) and (part in value or (error["type"] == "missing" and i == last)):
+            path.append(part)
+            value = value.get(part)
+        elif isinstance(value, list) and isinstance(part, int):
+            path.append(part)
+            value = value[part] if part < len(value) else None
+        # anything else is a union's tag, which the user never wrote
+    allowed = keys_of(_model_at(model, tuple(path[:-1])))
+    return source.fault(place(tuple(path)), message(error, allowed), at_key=error["type"] == "extra_forbidden")
+
+
+def _model_at(model: type[BaseModel], path: Path_) -> type[BaseModel] | None:
+    current: type[BaseModel] | None = model
+    for part in path:
+        info = current.model_fields.get(str(part)) if current else None
+        current = model_of(info) if info else None
+    return current

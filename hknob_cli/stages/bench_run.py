@@ -1,0 +1,148 @@
+"""One run of the benchmark, in whatever process: a method in a scene, timed."""
+
+import time
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.jit import compiled as compiled_functions
+from hknob_cli.errors import HknobError, UsageError
+from hknob_cli.measure.unsampled import events
+from hknob_cli.rivals import digits60
+from hknob_cli.rivals.catalogue import Setting, run_rival
+from hknob_cli.rivals.controller import Controller
+from hknob_cli.rivals.fixed_step import METHODS as FIXED
+from hknob_cli.rivals.mujoco_hinge import INTEGRATORS as MUJOCO
+from hknob_cli.rivals.run import PHASE, Deadline, LostError, Motion, TooSlowError, follow
+from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.unsampled_knob import reduce_unsampled
+from hknob_cli.spec.plan import BenchScene
+
+QUICK_S = 0.03  # runs are repeated while they take no longer together
+MOST_REPEATS = 7
+COMPILED = "compiled"
+_WARM_SAMPLES = 4
+
+
+class Run(NamedTuple):
+    """What came of a run: angles (rad) at the samples, None with a ``reason`` where there are none.
+
+    ``seconds``: processor time, the best of ``repeats``.
+    """
+
+    angles: list[float] | None
+    reason: str
+    too_slow: bool
+    seconds: float
+    repeats: int
+    steps: int | None
+    evaluations: int | None
+
+
+def exact_settings(trial: BenchScene) -> list[Setting]:
+    """How the exact engine is run: the same source both ways."""
+    friction = "stick" if trial.scene.knob.coulomb_torque > 0.0 else "none"
+    return [Setting("interpreted", friction), Setting(COMPILED, friction)]
+
+
+def timed_run(trial: BenchScene, method: str, setting: Setting, *, limit_s: float) -> Run:
+    """Run a method, again while it is quick; set-up included, compilation and imports not."""
+    _warm(trial, method, setting)
+    best, total, repeats = float("inf"), 0.0, 0
+    motion: Motion | None = None
+    reason, too_slow = "", False
+    while repeats == 0 or (total < QUICK_S and repeats < MOST_REPEATS and motion):
+        deadline = Deadline(limit_s)
+        begin = time.process_time()
+        try:
+            # A method on its way out of bounds warns; the verdict says so in its place.
+            with np.errstate(all="ignore"), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                motion = _once(trial, method, setting, deadline)
+        except TooSlowError:
+            too_slow, motion = True, None
+        except (LostError, HknobError, ArithmeticError, ValueError, RuntimeError, np.linalg.LinAlgError) as error:
+            reason, motion = (str(error) or type(error).__name__).splitlines()[0], None
+        seconds = time.process_time() - begin
+        best, total, repeats = min(best, seconds), total + seconds, repeats + 1
+    angles = [float(angle) for angle in motion.angles] if motion else None
+    if angles and not all(abs(angle) < float("inf") for angle in angles):
+        angles, reason = None, "the angle is no longer a number"
+    if best > limit_s:
+        angles, too_slow = None, True
+    return Run(
+        angles=None if too_slow else angles,
+        reason=reason,
+        too_slow=too_slow,
+        seconds=best,
+        repeats=repeats,
+        steps=motion.steps if motion else None,
+        evaluations=motion.evaluations if motion else None,
+    )
+
+
+def reference_angles(trial: BenchScene) -> list[float]:
+    """Angles (rad) at the samples, by the scene's reference. Raises `HknobError` if there are none."""
+    if trial.reference == "exact":
+        return [float(angle) for angle in _exact(trial, compiled=True).angles]
+    mp = digits60.context()
+    model = digits60.Digits60(trial, mp)
+    try:
+        motion = follow(trial, model.controller, model, model.start(trial), Deadline(float("inf")))
+    except LostError as error:
+        raise UsageError(f"scene {trial.name}: reference: digits60 cannot follow it: {error}") from None
+    return [float(angle) for angle in motion.angles]
+
+
+def _once(trial: BenchScene, method: str, setting: Setting, deadline: Deadline) -> Motion:
+    if method == "exact":
+        return _exact(trial, compiled=setting.label == COMPILED)
+    return run_rival(trial, method, setting, deadline)
+
+
+def _exact(trial: BenchScene, *, compiled: bool) -> Motion:
+    if not trial.scene.sampled:
+        return _exact_unsampled(trial, compiled=compiled)
+    found = simulate(
+        trial.scene,
+        sample_rate_hz=trial.sample_rate_hz,
+        counts_per_rev=trial.counts_per_rev,
+        angle_rad=trial.angle,
+        velocity_rad_s=trial.velocity,
+        phase=PHASE,
+        samples=trial.samples,
+        compiled=compiled,
+    )
+    return Motion(found.angle_rad.tolist(), trial.samples, None)
+
+
+def _exact_unsampled(trial: BenchScene, *, compiled: bool) -> Motion:
+    """The knob without a sample clock, at the times at which a sampled one would be read."""
+    times = (PHASE + np.arange(trial.samples + 1, dtype=np.float64)) / trial.sample_rate_hz
+    motion = events(
+        reduce_unsampled(trial.scene, counts_per_rev=trial.counts_per_rev),
+        angle_rad=trial.angle,
+        velocity_rad_s=trial.velocity,
+        duration_s=float(times[-1]) * (1.0 + 1e-9),
+        functions=compiled_functions("unsampled") if compiled else None,
+    )
+    return Motion(motion.at(times)[0].tolist(), len(motion.time_s), None)
+
+
+def _warm(trial: BenchScene, method: str, setting: Setting) -> None:
+    """Load and compile what the run needs, which its time does not count."""
+    if method in FIXED or method in MUJOCO or method == "exact":
+        short = trial._replace(samples=min(trial.samples, _WARM_SAMPLES))
+        try:
+            with np.errstate(all="ignore"), warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                _once(short, method, setting, Deadline(60.0))
+        except (LostError, TooSlowError, HknobError, ArithmeticError, ValueError):
+            return  # the run itself will say so
+    else:
+        import scipy.integrate
+        import scipy.optimize
+
+        del scipy
+        Controller(trial)
