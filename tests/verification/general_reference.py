@@ -9,9 +9,9 @@ time to or from an event, its Taylor series.
 Coulomb friction switches between three matrices: knob turning up, turning down, and stuck. The knob sticks where its
 velocity is 0 and the sum of the other torques on it is at most the friction; it is released where that sum exceeds it.
 Both events are zeros of a component f(t) of the state. *All* zeros in a hold are found, by exclusion, not by sampling:
-an interval of length h with ``|f| > h max|f'|`` at its left end has none, one with ``|f'| > h max|f''|`` has at most
-one, which shows in the signs at its ends, and any other interval is halved. The maxima come from the energy of the motion
-of the derivatives, which passive bodies cannot gain and which only the lag, decaying, can feed.
+an interval of length h with ``|f| > h max|f'|`` at its left end has none, one with ``|f'| > h max|f''|`` at most
+one, which shows in the signs at its ends, and any other interval is halved. The maxima come from the energy of the
+derivatives' motion, which passive bodies cannot gain and which only the lag, decaying, can feed.
 """
 
 from collections.abc import Iterator
@@ -568,12 +568,12 @@ def simulate(
 def _schedule(control: Control, samples: int) -> Iterator[tuple[list[int], list[Any]]]:
     """For each sample interval the indices of the commands that act in it, in order, and for how long each does.
 
-    Command j arrives at sample j + delay: of interval [i, i + 1), the part before the first whole j + delay in it.
+    Command j arrives at sample j + delay: what of an interval lies before a command arrives runs under the last.
     """
+    whole = int(mp.floor(control.delay))
+    part = control.delay - whole
     for i in range(samples):
-        j = int(mp.ceil(i - control.delay))
-        arrival = j + control.delay - i
-        if arrival == 0:
-            yield [j], [control.period]
+        if part == 0:
+            yield [i - whole], [control.period]
         else:
-            yield [j - 1, j], [arrival * control.period, (1 - arrival) * control.period]
+            yield [i - whole - 1, i - whole], [part * control.period, (1 - part) * control.period]

@@ -46,19 +46,20 @@ def bounds(trial: reference.Trial, case: Case) -> Bounds:
     lag, period = float(bodies.lag), float(control.period)
     local, n = LOCAL * EPS, case.samples + 2
     angle = max(trial.largest_angle, abs(case.angle))
-    # Terms of a sum may exceed it: velocity by torque / inertia * time, angle by that times the period.
+    # Terms of a sum may exceed it: velocity by torque / inertia * time, angle by that times the period, and by a count,
+    # from whose edge a position may be reckoned.
     load = trial.largest_command + float(bodies.bias) + float(bodies.friction) + k * angle
     gain = min(period / j, 1 / b if b else inf)
     speed = max(trial.largest_speed, abs(case.velocity)) + gain * load
-    angle += period * speed
+    angle += period * speed + (float(control.quantum) if control.quantum is not None else 0.0)
     springs = [k]
     inertias = [j]
     if bodies.finger:
         springs = [float(bodies.finger_stiffness), float(bodies.pad_stiffness)]
         inertias.append(float(bodies.finger_inertia))
     torque = local * load
-    if lag:
-        torque /= -np.expm1(-period / lag)
+    if lag:  # an error of a hold's end by a rounding of the sample period, and the sum of what has not decayed yet
+        torque = (torque + 4 * EPS * period / lag * load) / -np.expm1(-period / lag)
     step = sqrt(sum(springs) * (local * angle) ** 2 + sum(inertias) * (local * speed) ** 2)
     step += torque * period / sqrt(j)
     root = n * step
