@@ -11,8 +11,6 @@ from hknob_cli.cli.stage_run import Tables, note
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.stages.sweep import SweepStage
 
-SLOW = 50_000_000  # trial-samples worth a progress bar
-
 
 class SweepWork:
     """See `stage_run.Work`."""
@@ -31,7 +29,7 @@ class SweepWork:
         """Cells and orbits."""
         begin = time.perf_counter()
         stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
-        with progress_bar(stage.cell_count, show=not job.quiet and stage.expected > SLOW) as progress:
+        with progress_bar(stage.cell_count, show=not job.quiet and stage.long) as progress:
             result = stage.run(progress)
         if job.verbose:
             seconds = time.perf_counter() - begin

@@ -21,10 +21,10 @@ CAPACITY = 1024  # distinct orbits a cell keeps
 FINEST = 2.0**45  # counts; beyond it a double leaves a count less than 8 bits of fraction
 SETTLE = 10.0  # transient skipped before detection, in time constants of the slowest mode
 PATIENCE = 20_000  # samples a trial may take in the interpreter
-_UNDAMPED_SAMPLES = 65_536
+UNDAMPED_SAMPLES = 65_536
 _FEWEST_SAMPLES, _MOST_SAMPLES = 65_536, 2**24
 
-_FATES = {
+FATES = {
     follow.CYCLE_PROVEN: (Outcome.CYCLE, Reason.NONE),
     follow.CYCLE_ON_EDGE: (Outcome.CYCLE, Reason.ON_EDGE),
     follow.CYCLE_CONTINUUM: (Outcome.CYCLE, Reason.CONTINUUM),
@@ -43,6 +43,8 @@ class Attractor(NamedTuple):
     ``period``: samples, 1 at rest, 0 without an orbit. ``x``, ``v``: state at its deepest sample; ``line``: levels
     under way there, oldest first. ``margin``: least distance of a sample to an edge that changes the torque; ``edge``:
     to any count edge; ``closure``: residual of the period map; ``bound``: rounding error of the orbit's positions.
+    In the general loop ``line`` holds commands, ``state`` what the body has beside x and v, ``before`` the reading one
+    sample earlier, and ``span`` the least and the largest position at which friction holds trials at rest.
     """
 
     outcome: Outcome
@@ -56,6 +58,9 @@ class Attractor(NamedTuple):
     edge: float = 0.0
     closure: float = 0.0
     bound: float = 0.0
+    state: tuple[float, ...] = ()
+    before: float = 0.0
+    span: tuple[float, float] | None = None
 
     @property
     def certified(self) -> bool:
@@ -70,24 +75,26 @@ class Search(NamedTuple):
     samples: int
 
 
-def sample_limit(loop: Loop) -> int:
-    """Samples a trial may take: 600 time constants of the slowest mode, within bounds."""
-    rate = slowest_rate(loop.alpha, loop.beta)
-    if loop.alpha == 0.0:
-        return _UNDAMPED_SAMPLES
+def sample_limit(rate: float, *, damped: bool) -> int:
+    """Samples a trial may take: 600 time constants of the slowest mode, of decay ``rate``, within bounds."""
+    if not damped:
+        return UNDAMPED_SAMPLES
     return int(min(max(600.0 / rate if rate > 0.0 else inf, _FEWEST_SAMPLES), _MOST_SAMPLES))
 
 
-def settling_samples(loop: Loop, limit: int) -> int:
+def settling_samples(rate: float, limit: int) -> int:
     """Samples to pass before detection begins, at most an eighth of ``limit``."""
-    rate = slowest_rate(loop.alpha, loop.beta)
     if rate == 0.0:
         return 0
     return int(min(SETTLE / rate, limit // 8))
 
 
 class NeedsCompilerError(Exception):
-    """A trial is too long for the interpreter."""
+    """A trial is too long for the interpreter; ``group``: the functions to compile."""
+
+    def __init__(self, group: str = "plain") -> None:
+        super().__init__(group)
+        self.group = group
 
 
 class Engine:
@@ -109,15 +116,16 @@ class Engine:
 
         Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed.
         """
-        budget = max_samples or sample_limit(loop)
+        rate = slowest_rate(loop.alpha, loop.beta)
+        budget = max_samples or sample_limit(rate, damped=loop.alpha > 0.0)
         static = loop.gamma / (loop.kappa + loop.beta) if loop.kappa + loop.beta > 0.0 else 0.0
         coast = abs(v) * min(1000.0, 1.0 / sqrt(loop.beta) if loop.beta > 0.0 else inf)
         scale = max(1.0, abs(x), abs(static), coast)
         if not scale < FINEST:
-            return Search(attractors=(_whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
+            return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
         if loop.kappa == 0.0 and loop.beta == 0.0 and loop.gamma > 0.0:
-            return Search(attractors=(_whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
-        skip = settling_samples(loop, budget)
+            return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
+        skip = settling_samples(rate, budget)
         cut = not self.compiled and budget > PATIENCE
         width = min(LANES, phases)
         table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
@@ -145,15 +153,14 @@ class Engine:
             samples += int(taken)
         if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
             raise NeedsCompilerError
-        why = _why_unrepeated(loop, budget)
+        why = why_unrepeated(rate, budget, held=loop.beta > 0.0)
         found = [
             _attractor(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
             for row in range(rows)
         ]
         if overflow:
-            found.append(_whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
-        found.sort(key=lambda one: (-one.trials, one.outcome, one.period, one.x))
-        return Search(attractors=tuple(found), samples=samples)
+            found.append(whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
+        return Search(attractors=ranked(found), samples=samples)
 
     def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
         """One period of an orbit: states at its samples (n + 1 each), older and newer drives (n each)."""
@@ -164,26 +171,31 @@ class Engine:
         return tuple(np.asarray(values) for values in out)
 
 
-def _whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:
+def whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:
+    """An end without an orbit."""
     return Attractor(outcome=outcome, reason=reason, trials=trials)
 
 
-def _why_unrepeated(loop: Loop, budget: int) -> Reason:
-    """Why a trial found no repeating levels within ``budget`` samples."""
-    if loop.beta == 0.0:
+def ranked(found: list[Attractor]) -> tuple[Attractor, ...]:
+    """Attractors, the most frequent first."""
+    return tuple(sorted(found, key=lambda one: (-one.trials, one.outcome, one.period, one.x)))
+
+
+def why_unrepeated(rate: float, budget: int, *, held: bool) -> Reason:
+    """Why a trial found no repeating levels within ``budget`` samples; ``held``: whether a spring holds the knob."""
+    if not held:
         return Reason.NO_STIFFNESS
-    rate = slowest_rate(loop.alpha, loop.beta)
     return Reason.TOO_SLOW if 0.0 < rate * budget < SETTLE else Reason.NO_REPEAT
 
 
 def _attractor(row: Any, line: Any, unrepeated: Reason) -> Attractor:
     """Attractor from a row of the kernel's table; ``unrepeated``: the reason for one whose levels never repeated."""
     fate, n, x, v, margin, edge, closure, bound, trials, _ = (float(value) for value in row)
-    outcome, reason = _FATES[int(fate)]
+    outcome, reason = FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated
     if int(n) == 0:
-        return _whole(outcome, reason, int(trials))
+        return whole(outcome, reason, int(trials))
     if outcome is Outcome.REST:
         edge = min(x % 1.0, 1.0 - x % 1.0)
     return Attractor(
@@ -199,8 +211,3 @@ def _attractor(row: Any, line: Any, unrepeated: Reason) -> Attractor:
         closure=closure,
         bound=bound,
     )
-
-
-def expected_samples(loop: Loop, phases: int) -> float:
-    """Rough number of trial-samples a cell takes; decides whether compiling pays."""
-    return phases * (settling_samples(loop, sample_limit(loop)) + 300.0)

@@ -27,6 +27,8 @@ class Reason(IntEnum):
     TOO_MANY = 9
     REST_ON_EDGE = 10
     NO_STIFFNESS = 11
+    AT_EVENT = 12
+    EXPANDS = 13
 
 
 WORDS = {
@@ -41,5 +43,7 @@ WORDS = {
     Reason.TOO_FINE: "the motion spans more counts than double precision resolves",
     Reason.TOO_MANY: "more distinct orbits than a cell keeps",
     Reason.NO_STIFFNESS: "no hand stiffness: nothing holds the knob's position, and no level sequence repeated",
+    Reason.AT_EVENT: "a standstill in the cycle may, to within the error bound, slide on or stay",
+    Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

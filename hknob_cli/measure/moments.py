@@ -16,7 +16,7 @@ from hknob_cli.measure.period import Array, Period
 # Gauss-Legendre, 10 nodes: the positive ones and their weights (Abramowitz & Stegun, table 25.4).
 _HALF = (0.14887433898163122, 0.4333953941292472, 0.6794095682990244, 0.8650633666889845, 0.9739065285171717)
 _HALF_WEIGHTS = (0.2955242247147528, 0.2692667193099965, 0.219086362515982, 0.1494513491505804, 0.06667134430868814)
-_RULE = [(sign * node, weight) for node, weight in zip(_HALF, _HALF_WEIGHTS, strict=True) for sign in (-1.0, 1.0)]
+RULE = [(sign * node, weight) for node, weight in zip(_HALF, _HALF_WEIGHTS, strict=True) for sign in (-1.0, 1.0)]
 
 
 class Forms(NamedTuple):
@@ -47,7 +47,7 @@ def hold_forms(alpha: float, beta: float, duration: float) -> Forms:
     doublings = max(0, ceil(log2(pace)) + 1) if pace > 0.0 else 0
     h = duration / 2.0**doublings
     mean, square, speed = np.zeros(3), np.zeros((3, 3)), np.zeros((3, 3))
-    for node, weight in _RULE:
+    for node, weight in RULE:
         phi = transition(alpha, beta, 0.5 * h * (node + 1.0))
         mean += 0.5 * h * weight * phi[0]
         square += 0.5 * h * weight * np.outer(phi[0], phi[0])

@@ -9,6 +9,7 @@ from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.energy import damping_loss, wall_work
 from hknob_cli.measure.extrema import find_extrema
+from hknob_cli.measure.leak import split_leak
 from hknob_cli.measure.moments import Forms, find_moments, hold_forms
 from hknob_cli.measure.period import split_holds
 from hknob_cli.scene.sampled_knob import SampledKnob
@@ -25,6 +26,10 @@ class OrbitMeasures(NamedTuple):
     frequency_hz: float = nan
     wall_work_j: float = nan
     damping_loss_j: float = nan
+    friction_loss_j: float = nan
+    late_entry_j: float = nan
+    late_exit_j: float = nan
+    staircase_j: float = nan
 
 
 class Measurer:
@@ -47,6 +52,9 @@ class Measurer:
                 frequency_hz=0.0,
                 wall_work_j=0.0,
                 damping_loss_j=0.0,
+                late_entry_j=0.0,
+                late_exit_j=0.0,
+                staircase_j=0.0,
             )
         if attractor.outcome is not Outcome.CYCLE:
             return OrbitMeasures()
@@ -58,6 +66,13 @@ class Measurer:
         extrema = find_extrema(period)
         moments = find_moments(period, {kind: self._forms[kind] for kind in period.kinds}, extrema.reference)
         cycles = len(extrema.maxima)
+        leak = split_leak(
+            period.x,
+            period.drive + loop.gamma,
+            edge=0.0 if loop.sense > 0.0 else -1.0,
+            kappa=loop.kappa,
+            offset=loop.offset,
+        )
         quantum = knob.quantum_rad
         return OrbitMeasures(
             cycles=cycles,
@@ -68,4 +83,7 @@ class Measurer:
             frequency_hz=cycles / (period.samples * knob.period_s),
             wall_work_j=wall_work(period) * knob.energy_j,
             damping_loss_j=damping_loss(period, moments) * knob.energy_j,
+            late_entry_j=leak.entry * knob.energy_j,
+            late_exit_j=leak.exit * knob.energy_j,
+            staircase_j=leak.staircase * knob.energy_j,
         )

@@ -51,7 +51,13 @@ ORBITS = (
     Column("closure_rad", _REAL, "rad", "distance between the orbit's start and its end, one period later"),
     Column("wall_work_j", _REAL, "J", "work of the wall torque over one period"),
     Column("damping_loss_j", _REAL, "J", "energy the damping dissipates over one period"),
+    Column("late_entry_j", _REAL, "J", "work of the wall by acting late: the knob is inside, no torque yet"),
+    Column("late_exit_j", _REAL, "J", "work of the wall by letting go late: the knob is outside, torque still acts"),
+    Column("staircase_j", _REAL, "J", "work of the wall inside it, by the torque of an earlier angle"),
 )
+
+# Columns that only some scenes have.
+FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipates over one period"),)
 
 _AXES = {
     RATE: Column(RATE, _REAL, "Hz", "sample rate of the controller"),

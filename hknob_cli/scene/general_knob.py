@@ -65,21 +65,6 @@ class GeneralKnob(NamedTuple):
         return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
 
 
-def is_plain(scene: Scene) -> bool:
-    """Whether the plain loop has all that the scene lists."""
-    actuator = scene.actuator or Actuator()
-    return (
-        scene.sampled
-        and scene.encoder is not None
-        and scene.knob.coulomb_torque == 0.0
-        and scene.wall.damping == 0.0
-        and (scene.hand is None or scene.hand.finger is None)
-        and actuator.time_constant == 0.0
-        and actuator.torque_limit is None
-        and actuator.torque_step == 0.0
-    )
-
-
 def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> GeneralKnob:
     """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
     actuator = scene.actuator or Actuator()
@@ -105,7 +90,7 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
         split=split,
     )
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
-    numbers = [*wall[:-2], body.friction, body.push, *body.rates, *body.constant]
+    numbers = [*wall[:-2], body.friction, body.push, *body.matrices, *body.vectors]
     if not all(isfinite(value * value) for value in numbers):
         place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
         raise ComputationError(f"{place} the scene's numbers overflow")
@@ -135,8 +120,8 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     if hand.finger and hand.fingerpad:
         pad = hand.fingerpad.damping * period / inertia, hand.fingerpad.stiffness * square
         tip = inertia / hand.finger.inertia
-        own = hand.finger.inertia
-        finger = hand.finger.damping * period / own, hand.finger.stiffness * period * period / own
+        per = period / hand.finger.inertia
+        finger = hand.finger.damping * per, hand.finger.stiffness * period * per
     order = 2 + (2 if tip else 0) + (1 if lag else 0)
     a, c, entry = np.zeros((order, order)), np.zeros(order), np.zeros(order)
     entry[1] = 1.0
@@ -187,15 +172,9 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         s2=ones[1][0],
         g2=ones[1][1],
         f2=ones[1][2],
-        rates=a.ravel().tolist(),
-        held=held.ravel().tolist(),
-        constant=c.tolist(),
-        constant_held=held_constant.tolist(),
-        entry=entry.tolist(),
-        first=_increment(a, split, alpha, beta).ravel().tolist(),
-        second=_increment(a, 1.0 - split, alpha, beta).ravel().tolist(),
-        halves=[] if second_order else _halves(a),
-        halves_held=[] if second_order else _halves(held),
+        drive=float(c[1]),
+        matrices=np.concatenate([a.ravel(), held.ravel(), *_increments(a, held, split, alpha, beta)]).tolist(),
+        vectors=np.concatenate([c, held_constant, entry]).tolist(),
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
 
@@ -231,6 +210,9 @@ def _increment(a: Array, t: float, alpha: float, beta: float) -> Array:
     return d
 
 
-def _halves(a: Array) -> list[float]:
-    """D(1), D(1/2), D(1/4), ..., flat."""
-    return [value for k in range(HALVINGS) for value in _increment(a, 0.5**k, 0.0, 0.0).ravel().tolist()]
+def _increments(a: Array, held: Array, split: float, alpha: float, beta: float) -> list[Array]:
+    """D over both parts of an interval, and, but for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
+    parts = [_increment(a, split, alpha, beta), _increment(a, 1.0 - split, alpha, beta)]
+    if len(a) > 2:
+        parts += [_increment(matrix, 0.5**k, 0.0, 0.0) for matrix in (a, held) for k in range(HALVINGS)]
+    return [part.ravel() for part in parts]

@@ -5,10 +5,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
-from hknob_cli.engine.general.interval import Space
+from hknob_cli.engine.general.search import as_arrays
 from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
@@ -26,39 +25,6 @@ class Trial(NamedTuple):
     torque_nm: Array
 
 
-def make_space(order: int, delay: int, *, compiled: bool) -> Space:
-    """Work space of the general loop, of arrays where it is compiled."""
-    width = order + delay + 1
-
-    def zeros(count: int) -> Any:
-        return np.zeros(count) if compiled else [0.0] * count
-
-    return Space(
-        width=width,
-        rate=zeros(order),
-        work=zeros(order),
-        columns=zeros(width * width),
-        du=zeros(width),
-        matrix=zeros(2 * width * width),
-        power=zeros(width * width),
-        total=zeros(width * width),
-        spare=zeros(width * width),
-        residual=zeros(width),
-        away=zeros(max(width, delay)),
-        state=zeros(order),
-        orbit=zeros(order),
-        line=zeros(delay),
-        orbit_line=zeros(delay),
-        marks=zeros(2),
-        none=zeros(0),
-    )
-
-
-def as_arrays(body: Body) -> Body:
-    """The body with arrays in place of lists, as compiled code wants it."""
-    return Body(*(np.array(value) if isinstance(value, list) else value for value in body))
-
-
 def simulate(
     scene: Scene,
     *,
@@ -73,25 +39,28 @@ def simulate(
 ) -> Trial:
     """Run one trial exactly, for ``samples`` intervals from its first sample, ``phase`` of a period after the start.
 
-    ``compiled``: by the compiled engine, to the same last bit. ``knob``: the scene reduced before, to save time. Raises `ComputationError` if the scene's numbers overflow.
+    ``compiled``: by the compiled engine, to the same last bit. ``knob``: the scene reduced before, to save time.
+    Raises `ComputationError` if the scene's numbers overflow.
     """
     knob = knob or sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line
     body = as_arrays(knob.body) if compiled else knob.body
-    space = make_space(order, delay, compiled=compiled)
-    state: Any = np.zeros(order) if compiled else [0.0] * order
+
+    def zeros(count: int) -> Any:
+        return np.zeros(count) if compiled else [0.0] * count
+
+    pad = zeros(2 * order)
+    state, ring = zeros(order), zeros(delay)
+    states, torques = zeros((samples + 1) * order), zeros(samples + 1)
     start: Any = knob.start(angle_rad, velocity_rad_s)
-    ring: Any = np.zeros(delay) if compiled else [0.0] * delay
-    states: Any = np.empty((samples + 1) * order) if compiled else [0.0] * ((samples + 1) * order)
-    torques: Any = np.empty(samples + 1) if compiled else [0.0] * (samples + 1)
     first = functions["general.begin"] if functions else begin
     through = functions["general.run"] if functions else run
-    first(state, np.array(start) if compiled else start, phase, body, space)
-    through(state, read(state[0], knob.wall), ring, 0, samples, body, knob.wall, space, states, torques)
+    first(state, np.array(start) if compiled else start, phase, body, pad)
+    through(state, read(state[0], knob.wall), ring, 0, samples, body, knob.wall, pad, states, torques)
     table = np.asarray(states).reshape(samples + 1, order)
     return Trial(
-        time_s=(phase + np.arange(samples + 1)) * knob.period_s,
+        time_s=(phase + np.arange(samples + 1, dtype=np.float64)) * knob.period_s,
         angle_rad=(table[:, 0] + knob.shift) * knob.quantum_rad,
         velocity_rad_s=table[:, 1] * (knob.quantum_rad / knob.period_s),
         torque_nm=np.asarray(torques) * knob.torque_nm,

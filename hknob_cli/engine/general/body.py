@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 
 class Body(NamedTuple):
-    """Numbers of a body; matrices are flat, row by row, and lists or arrays."""
+    """Numbers of a body; ``matrices`` and ``vectors`` are flat, and lists or arrays."""
 
     order: int
     friction: float  # Coulomb level, Tc T^2 / (J quantum)
@@ -32,6 +32,7 @@ class Body(NamedTuple):
     lag: float  # sample periods over time constant; 0 without lag
     shift: float  # neutral angle of the hand is at x = -shift
     push: float  # bias, into the wall
+    drive: float  # constant acceleration of the knob by bias and neutral angle
     reach: float  # position for unit root of energy: distance <= reach * norm; inf where nothing holds the knob
     damped: bool
     s1: float  # of second order: the plant over the part of an interval under the older command
@@ -40,18 +41,15 @@ class Body(NamedTuple):
     s2: float  # and over the rest
     g2: float
     f2: float
-    rates: Any  # A, sliding
-    held: Any  # A, held by friction
-    constant: Any  # c, sliding
-    constant_held: Any
-    entry: Any  # p
-    first: Any  # D over the part of an interval under the older command
-    second: Any  # D over the rest
-    halves: Any  # D(1), D(1/2), D(1/4), ..., sliding; empty for second order
-    halves_held: Any
+    matrices: Any  # RATES, HELD, FIRST, SECOND, HALVES..., HALVES_HELD..., (order * order) each
+    vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each
 
 
 HALVINGS = 53  # D down to the last bit of a sample period
+RATES, HELD = 0, 1  # A, sliding and held by friction
+FIRST, SECOND = 2, 3  # D over the part of an interval under the older command, and over the rest
+HALVES, HALVES_HELD = 4, 4 + HALVINGS  # D(1), D(1/2), D(1/4), ...; not of second order
+CONSTANT, CONSTANT_HELD, ENTRY = 0, 1, 2  # c, sliding and held; p
 
 
 def rate_of(z, u, mode, body, out):
@@ -62,10 +60,14 @@ def rate_of(z, u, mode, body, out):
         extra = -mode * body.friction
     if body.lag == 0.0:
         extra += u
+    matrix = (HELD if mode == 0 else RATES) * n * n
     for i in range(n):
-        total = body.constant_held[i] if mode == 0 else body.constant[i] + body.entry[i] * extra
+        if mode == 0:
+            total = body.vectors[CONSTANT_HELD * n + i]
+        else:
+            total = body.vectors[CONSTANT * n + i] + body.vectors[ENTRY * n + i] * extra
         for j in range(n):
-            total += (body.held[i * n + j] if mode == 0 else body.rates[i * n + j]) * z[j]
+            total += body.matrices[matrix + i * n + j] * z[j]
         out[i] = total
     if body.lag > 0.0:
         out[n - 1] += body.lag * u
@@ -74,9 +76,9 @@ def rate_of(z, u, mode, body, out):
 def acceleration(z, u, body):
     """Acceleration of the knob without friction."""
     n = body.order
-    total = body.constant[1]
+    total = body.drive
     for j in range(n):
-        total += body.rates[n + j] * z[j]
+        total += body.matrices[n + j] * z[j]
     return total if body.lag > 0.0 else total + u
 
 

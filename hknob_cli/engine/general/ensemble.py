@@ -4,13 +4,12 @@ from hknob_cli.engine.certificate import DIFFERENT
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, REST_EDGE, REST_PROVEN, same_line
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, pursue
-from hknob_cli.engine.general.glide import rub
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, pursue
+from hknob_cli.engine.general.glide import rub_many
+from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.general.slide_two import rub_two
 from hknob_cli.engine.propagator import hold_coefficients
-
-FIELDS = 10  # fate, period, margin, edge, closure, bound, trials, least and largest position, reading before
 
 
 def is_cycle(fate):
@@ -24,27 +23,33 @@ def is_cycle(fate):
     )
 
 
-def begin(z, start, part, body, space):
+def begin(z, start, part, body, pad):
     """State ``part`` of a sample period after ``start``, no torque commanded yet."""
     for j in range(body.order):
         z[j] = start[j]
     s, g, f = hold_coefficients(body.alpha, body.beta, part)
-    rub(z, 0.0, part, s, g, f, body, space.rate, space.work, space.none, space.none, 0, 1, space.none)
+    if body.order > 2:
+        rub_many(z, 0.0, part, body, pad)
+    elif body.friction > 0.0:
+        z[0], z[1] = rub_two(z[0], z[1], 0.0, part, s, g, f, body)
+    else:
+        y = body.drive - body.beta * z[0]
+        z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
 
 
-def deepest(z, before, ring, head, period, body, wall, space, best, bestring):
+def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, bestring):
     """Turn an orbit to its deepest sample and its shortest period: ``(before, head, period)``."""
     n, delay = body.order, len(ring)
     for j in range(n):
-        space.orbit[j], best[j] = z[j], z[j]
+        orbit[j], best[j] = z[j], z[j]
     for j in range(delay):
-        space.orbit_line[j], bestring[j] = ring[j], ring[j]
+        line[j], bestring[j] = ring[j], ring[j]
     first, best_before, best_head = head, before, head
     for i in range(period):
-        if i > 0 and period % i == 0 and same_line(ring, head, space.orbit_line, first):
+        if i > 0 and period % i == 0 and same_line(ring, head, line, first):
             again = True
             for j in range(n):
-                again = again and near(z[j], space.orbit[j])
+                again = again and near(z[j], orbit[j])
             if again:
                 period = i
                 break
@@ -54,7 +59,7 @@ def deepest(z, before, ring, head, period, body, wall, space, best, bestring):
                 best[j] = z[j]
             for j in range(delay):
                 bestring[j] = ring[j]
-        before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+        before, head = advance(z, before, ring, head, body, wall, pad)
     for j in range(n):
         z[j] = best[j]
     for j in range(delay):
@@ -113,26 +118,42 @@ def crowd(
     n, delay = body.order, len(ring)
     overflow, samples = 0, 0
     for trial in range(first, stop):
-        begin(z, start, (trial + 0.5) / phases, body, space)
+        begin(z, start, (trial + 0.5) / phases, body, space.pad)
         for j in range(delay):
             ring[j] = 0.0
-        head = 0
+        head = 0 * delay
         before = read(z[0], wall)
-        grown = False
-        for i in range(skip):
-            before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
-            if not -limit < z[0] < limit:
-                grown = True
-                break
+        before, head = pass_over(z, before, ring, head, skip, limit, body, wall, space.pad)
         fate, period, before, head, used = pursue(
-            z, before, ring, head, budget - skip, limit, body, wall, space, check, checkring, keep, keepring
+            z,
+            before,
+            ring,
+            head,
+            budget - skip,
+            limit,
+            body,
+            wall,
+            space,
+            check,
+            checkring,
+            keep,
+            keepring,
+            rows,
+            table,
+            states,
+            lines,
         )
         samples += used + skip
+        if fate == KNOWN:
+            table[period * FIELDS + 6] += 1.0
+            continue
         cycle = is_cycle(fate)
         turns = period
         margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
         if cycle:
-            before, head, period = deepest(z, before, ring, head, period, body, wall, space, check, checkring)
+            before, head, period = deepest(
+                z, before, ring, head, period, body, wall, space.pad, space.orbit, space.orbit_line, check, checkring
+            )
         rest = fate == REST_PROVEN or fate == REST_EDGE
         shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
         if rest and body.friction > 0.0 and wall.analog > 0.0:

@@ -24,13 +24,80 @@ from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 CYCLE_AT_EVENT = 9
 CYCLE_EXPANDS = 10
+KNOWN = 11  # reaches an orbit that another trial has proven
+WAIT = -1  # a candidate left for later
+FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
 
-def pursue(z, before, ring, head, budget, limit, body, wall, space, check, checkring, keep, keepring):
+def captured(z, before, ring, head, body, wall, away, rows, table, states, lines):
+    """Row of the proven orbit, at its deepest sample, so close to ``z`` that it is followed for ever; -1 if none."""
+    n, delay = body.order, len(ring)
+    for row in range(rows):
+        base = row * FIELDS
+        margin = table[base + 2] - table[base + 5]
+        if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
+            continue
+        if wall.damping > 0.0 and before != table[base + 9]:
+            continue
+        same = True
+        for j in range(delay):
+            same = same and ring[(head + j) % delay] == lines[row * delay + j]
+        for j in range(n):
+            away[j] = z[j] - states[row * n + j]
+        if same and distance(away, body) < margin:
+            return row
+    return -1
+
+
+def has_period(period, rows, table):
+    """Whether a proven orbit has a period that divides ``period``."""
+    for row in range(rows):
+        if table[row * FIELDS] == CYCLE_PROVEN and period % int(table[row * FIELDS + 1]) == 0:
+            return True
+    return False
+
+
+def closes_in(z, before, ring, head, period, gap, body, wall, space):
+    """Whether a trial that came back to within ``gap`` comes no less close after ``period`` samples more.
+
+    Motions with the same readings never part, so a candidate period that fails is none; this is cheaper than a proof.
+    """
+    n = body.order
+    for j in range(n):
+        space.state[j] = z[j]
+    for j in range(len(ring)):
+        space.line[j] = ring[j]
+    for _ in range(period):
+        before, head = advance(space.state, before, space.line, head, body, wall, space.pad)
+    for j in range(n):
+        space.away[j] = space.state[j] - z[j]
+    return distance(space.away, body) <= gap
+
+
+def pursue(
+    z,
+    before,
+    ring,
+    head,
+    budget,
+    limit,
+    body,
+    wall,
+    space,
+    check,
+    checkring,
+    keep,
+    keepring,
+    rows,
+    table,
+    states,
+    lines,
+):
     """Follow a trial for at most ``budget`` samples: ``(fate, period, before, head, samples)``.
 
     ``z`` and ``ring`` are left at the orbit's state. ``check`` and ``keep`` (order), ``checkring`` and ``keepring``
-    (delay) are work space.
+    (delay) are work space. The ``rows`` of ``table``, ``states`` and ``lines`` are the attractors known already; where
+    the trial reaches one of them, the fate is `KNOWN` and the period its row.
     """
     n, delay = body.order, len(ring)
     have, events, next_checkpoint, since = False, 0, 1, 0
@@ -39,10 +106,15 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
     resting_on_edge = False
     shown = read(z[0], wall)
     run, next_test = 0, FIRST_REST_TEST
+    wait = 0
     for i in range(budget):
         x = z[0]
         if not -limit < x < limit:
             return GREW, 0, before, head, i
+        if rows > 0 and wall.analog == 0.0:
+            row = captured(z, before, ring, head, body, wall, space.away, rows, table, states, lines)
+            if row >= 0:
+                return KNOWN, row, before, head, i
         last = shown
         shown = read(x, wall)
         same = inside(shown) == inside(last) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
@@ -50,7 +122,7 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
             run += 1
             if run >= next_test:
                 next_test = 2 * run
-                fate, _ = settles(z, shown, before, ring, body, wall, space)
+                fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
                 if fate == AT_REST:
                     for j in range(n):
                         z[j] = space.orbit[j]
@@ -61,7 +133,7 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
                     return UNDAMPED, 0, before, head, i
                 resting_on_edge = fate == REST_ON_EDGE
                 if fate == MOVING and wall.analog > 0.0 and shown < 0.0:
-                    status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
+                    status, _, _, _, _ = certify(z, before, ring, head, min(run, 1), body, wall, space)
                     if status == PROVEN:
                         for j in range(n):
                             z[j] = space.orbit[j]
@@ -78,7 +150,14 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
                     space.away[j] = z[j] - check[j]
                 gap = distance(space.away, body)
                 if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, checkring, chead)):
-                    status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
+                    status, margin = DIFFERENT, 0.0
+                    if i < wait:
+                        status = WAIT
+                    elif wait == 0 and has_period(since, rows, table):
+                        # Probably an orbit known already, whose deepest sample will show it.
+                        status, wait = WAIT, i + 2 * since
+                    elif wall.analog > 0.0 or closes_in(z, before, ring, head, since, gap, body, wall, space):
+                        status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
                     if status == PROVEN or status == NEUTRAL:
                         for j in range(n):
                             z[j] = space.orbit[j]
@@ -94,7 +173,8 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
                             keep[j] = space.orbit[j]
                         for j in range(delay):
                             keepring[j] = space.orbit_line[j]
-                    tolerance = 0.5 * gap
+                    if status != WAIT:
+                        tolerance = 0.5 * gap
                     if status == NOT_CAPTURED:
                         for j in range(n):
                             space.away[j] = z[j] - space.orbit[j]
@@ -112,7 +192,7 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
                 for j in range(delay):
                     checkring[j] = ring[j]
         since += 1
-        before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+        before, head = advance(z, before, ring, head, body, wall, space.pad)
     if kept > 0:
         for j in range(n):
             z[j] = keep[j]
@@ -120,7 +200,7 @@ def pursue(z, before, ring, head, budget, limit, body, wall, space, check, check
             ring[j] = keepring[j]
         return kept_fate, kept, kept_before, kept_head, budget
     if resting_on_edge:
-        fate, _ = settles(z, shown, before, ring, body, wall, space)
+        fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
         if fate == REST_ON_EDGE:
             for j in range(n):
                 z[j] = space.orbit[j]

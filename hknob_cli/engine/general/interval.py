@@ -1,114 +1,87 @@
 """One sample interval of the general loop: sense, command, and move under what is commanded."""
 
-from typing import Any, NamedTuple
-
-from hknob_cli.engine.general.controller import command, read, slopes
-from hknob_cli.engine.general.glide import glide, rub
-
-
-class Space(NamedTuple):
-    """Work space, as lists or arrays; ``width`` entries a column of derivatives: state, delay line, last reading."""
-
-    width: int
-    rate: Any  # (order)
-    work: Any  # (order)
-    columns: Any  # (width * width)
-    du: Any  # (width)
-    matrix: Any  # (width * 2 width)
-    power: Any  # (width * width)
-    total: Any  # (width * width)
-    spare: Any  # (width * width)
-    residual: Any  # (width)
-    away: Any  # (width)
-    state: Any  # (order), a motion beside the trial
-    orbit: Any  # (order), the periodic one
-    line: Any  # (delay)
-    orbit_line: Any  # (delay)
-    marks: Any  # (2)
-    none: Any  # empty
+from hknob_cli.engine.general.body import FIRST, SECOND
+from hknob_cli.engine.general.columns import feed
+from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.glide import glide, rub_columns, rub_many
+from hknob_cli.engine.general.slide_two import rub_two
 
 
-def move(z, older, newer, body, wall, space, count, marks):
-    """Move ``z``, and ``count`` columns of derivatives, over an interval under two commands."""
-    width = space.width
-    if body.friction == 0.0 and count == 0 and len(marks) == 0:
-        if wall.split > 0.0:
-            glide(z, older, wall.split, 0, body, space.rate, space.work)
-        glide(z, newer, 1.0 - wall.split, 1, body, space.rate, space.work)
-        return
-    delay = width - body.order - 1
-    if wall.split > 0.0:
-        rub(
-            z,
-            older,
-            wall.split,
-            body.s1,
-            body.g1,
-            body.f1,
-            body,
-            space.rate,
-            space.work,
-            space.columns,
-            space.du,
-            count,
-            width,
-            marks,
-        )
-        if delay > 0:
-            for c in range(count):
-                space.du[c] = space.away[c]
-    rub(
-        z,
-        newer,
-        1.0 - wall.split,
-        body.s2,
-        body.g2,
-        body.f2,
-        body,
-        space.rate,
-        space.work,
-        space.columns,
-        space.du,
-        count,
-        width,
-        marks,
-    )
-
-
-def feed(shown, before, head, body, wall, space, count):
-    """Derivatives of the commands of this interval, column by column, by a continuous sensor; through the delay line."""
-    now, last = slopes(shown, before, wall)
-    n, width = body.order, space.width
-    delay = width - n - 1
-    for c in range(count):
-        at = c * width
-        space.du[c] = 0.0
-        if delay < 0:
-            continue
-        slope = now * space.columns[at] + last * space.columns[at + width - 1]
-        space.columns[at + width - 1] = space.columns[at]
-        if delay == 0:
-            space.du[c] = slope
-        else:
-            space.du[c] = space.columns[at + n + head]
-            space.columns[at + n + head] = slope
-            space.away[c] = space.columns[at + n + (head + 1) % delay]
-            if wall.split == 0.0:
-                space.du[c] = space.away[c]
-
-
-def advance(z, before, ring, head, body, wall, space, count, marks):
+def advance(z, before, ring, head, body, wall, pad):
     """One interval from a sample to the next: ``(reading, head)``; ``ring`` holds the commands under way."""
     shown = read(z[0], wall)
     u = command(shown, before, wall)
     older = u
     delay = len(ring)
-    if count > 0:
-        feed(shown, before, head, body, wall, space, count)
     if delay > 0:
         older = ring[head]
         ring[head] = u
         head = (head + 1) % delay
         u = ring[head]
-    move(z, older, u, body, wall, space, count, marks)
+    if body.order == 2:
+        x, v = z[0], z[1]
+        if body.friction > 0.0:
+            if wall.split > 0.0:
+                x, v = rub_two(x, v, older, wall.split, body.s1, body.g1, body.f1, body)
+            x, v = rub_two(x, v, u, 1.0 - wall.split, body.s2, body.g2, body.f2, body)
+        else:
+            if wall.split > 0.0:
+                y = older + body.drive - body.beta * x
+                x, v = x + (body.s1 * v + body.g1 * y), body.f1 * v + body.s1 * y
+            y = u + body.drive - body.beta * x
+            x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
+        z[0], z[1] = x, v
+    elif body.friction > 0.0:
+        if wall.split > 0.0:
+            rub_many(z, older, wall.split, body, pad)
+        rub_many(z, u, 1.0 - wall.split, body, pad)
+    else:
+        if wall.split > 0.0:
+            glide(z, older, FIRST, body, pad)
+        glide(z, u, SECOND, body, pad)
+    return shown, head
+
+
+def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
+    """Many intervals at once, as long as ``z`` stays within ``limit``: ``(reading, head)``."""
+    delay = len(ring)
+    if body.order > 2 or body.friction == 0.0 or delay > 0:
+        for _ in range(samples):
+            before, head = advance(z, before, ring, head, body, wall, pad)
+            if not -limit < z[0] < limit:
+                break
+        return before, head
+    x, v = z[0], z[1]
+    for _ in range(samples):
+        shown = read(x, wall)
+        x, v = rub_two(x, v, command(shown, before, wall), 1.0, body.s2, body.g2, body.f2, body)
+        before = shown
+        if not -limit < x < limit:
+            break
+    z[0], z[1] = x, v
+    return before, head
+
+
+def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
+    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `glide.rub_columns`'s ``marks``."""
+    shown = read(z[0], wall)
+    u = command(shown, before, wall)
+    delay = len(ring)
+    feed(shown, before, delay, head, wall, cols, count, width)
+    older = u
+    if delay > 0:
+        older = ring[head]
+        ring[head] = u
+        head = (head + 1) % delay
+        u = ring[head]
+    parts = 2 if wall.split > 0.0 else 1
+    for part in range(parts):
+        # The part under the older command, if there is one, and the rest.
+        first = part < parts - 1
+        span = wall.split if first else 1.0 - wall.split
+        s = body.s1 if first else body.s2
+        g = body.g1 if first else body.g2
+        f = body.f1 if first else body.f2
+        at = width * width if first else width * width + width
+        rub_columns(z, older if first else u, span, s, g, f, body, pad, cols, at, count, width, marks)
     return shown, head

@@ -7,10 +7,12 @@ than any sample of it is to an edge has the same readings for ever; the derivati
 continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
 """
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.interval import advance_columns
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
@@ -18,17 +20,35 @@ NEWTON_STEPS = 8
 POWERS = 4096  # of the derivative, until a difference is gone
 
 
-def invert(space, m):
-    """Inverse of identity minus the columns' matrix, by Gauss-Jordan with pivoting; False if singular.
+class Space(NamedTuple):
+    """Work space of the general loop, lists or arrays; ``width`` of a column: state, delay line, last reading."""
 
-    Column c of the derivative is at ``columns[c * width]``; the inverse is left in the right half of ``matrix``, row by
-    row, (m, 2 m).
+    width: int
+    pad: Any  # (2 * order), rates and new states
+    cols: Any  # (width * (width + 2)), columns of derivatives, and those of the commands
+    marks: Any  # (2)
+    matrix: Any  # (2 * width * width)
+    power: Any  # (width * width)
+    total: Any  # (width * width)
+    spare: Any  # (width * width)
+    residual: Any  # (width)
+    away: Any  # (width)
+    state: Any  # (order), a motion beside the trial
+    orbit: Any  # (order), the periodic one
+    line: Any  # (delay)
+    orbit_line: Any  # (delay)
+
+
+def invert(a, cols, m, stride):
+    """Inverse of identity minus the matrix of columns, by Gauss-Jordan with pivoting; False if singular.
+
+    Column c of the derivative is at ``cols[c * stride]``; the inverse is left in the right half of ``a`` (m, 2 m).
     """
-    a, width = space.matrix, 2 * m
+    width = 2 * m
     for i in range(m):
         for j in range(m):
             one = 1.0 if i == j else 0.0
-            a[i * width + j] = one - space.columns[j * space.width + i]
+            a[i * width + j] = one - cols[j * stride + i]
             a[i * width + m + j] = one
     for k in range(m):
         best = k
@@ -51,6 +71,19 @@ def invert(space, m):
     return True
 
 
+def turn_lines(line, cols, away, m, delay, first, head):
+    """Turn the delay lines, and their derivatives, back to where they began: oldest at ``first``."""
+    n = m - delay - 1
+    for c in range(-1, m):
+        for j in range(delay):
+            away[j] = line[(head + j) % delay] if c < 0 else cols[c * m + n + (head + j) % delay]
+        for j in range(delay):
+            if c < 0:
+                line[(first + j) % delay] = away[j]
+            else:
+                cols[c * m + n + (first + j) % delay] = away[j]
+
+
 def turn(before, ring, head, period, body, wall, space, m):
     """Run the orbit in ``space`` over one period with its derivative: ``(margin, edge, reach, pace, before, head)``.
 
@@ -59,7 +92,7 @@ def turn(before, ring, head, period, body, wall, space, m):
     n, width = body.order, space.width
     for c in range(m):
         for i in range(width):
-            space.columns[c * width + i] = 1.0 if i == c else 0.0
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
     for i in range(n):
         space.state[i] = space.orbit[i]
     for j in range(len(ring)):
@@ -75,42 +108,29 @@ def turn(before, ring, head, period, body, wall, space, m):
         edge = min(edge, count_gap(x, wall))
         reach = max(reach, abs(x))
         pace = max(pace, abs(space.state[1]))
-        before, head = advance(space.state, before, space.line, head, body, wall, space, m, space.marks)
+        before, head = advance_columns(
+            space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
+        )
         pace = max(pace, abs(space.state[0] - x))
     if m > n:
-        turn_lines(space, m, len(ring), first, head)
+        turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)
     return margin, edge, reach, pace, before, head
 
 
-def turn_lines(space, m, delay, first, head):
-    """Turn the delay lines, and their derivatives, back to where they began: oldest at ``first``."""
-    n = m - delay - 1
-    for c in range(-1, m):
-        for j in range(delay):
-            old = space.line[(head + j) % delay] if c < 0 else space.columns[c * space.width + n + (head + j) % delay]
-            space.away[j] = old
-        for j in range(delay):
-            if c < 0:
-                space.line[(first + j) % delay] = space.away[j]
-            else:
-                space.columns[c * space.width + n + (first + j) % delay] = space.away[j]
-
-
-def dissipates(space, m, scale):
+def dissipates(cols, width, power, spare, m, scale):
     """Whether a power of the derivative shrinks every difference to less than half; ``scale``: unit of speed.
 
     Positions count one, speeds (odd entries of the state) ``1 / scale``.
     """
-    width = space.width
     for i in range(m):
         for j in range(m):
-            space.power[i * m + j] = space.columns[j * width + i]
+            power[i * m + j] = cols[j * width + i]
     for _ in range(60):
         worst = 0.0
         for i in range(m):
             row = 0.0
             for j in range(m):
-                row += abs(space.power[i * m + j]) * (scale if j % 2 == 1 else 1.0)
+                row += abs(power[i * m + j]) * (scale if j % 2 == 1 else 1.0)
             worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
         if worst < 0.5:
             return True
@@ -118,42 +138,66 @@ def dissipates(space, m, scale):
             return False
         for i in range(m):
             for j in range(m):
-                total = 0.0
+                entry = 0.0
                 for k in range(m):
-                    total += space.power[i * m + k] * space.power[k * m + j]
-                space.spare[i * m + j] = total
+                    entry += power[i * m + k] * power[k * m + j]
+                spare[i * m + j] = entry
         for i in range(m * m):
-            space.power[i] = space.spare[i]
+            power[i] = spare[i]
     return False
 
 
-def growth_bound(space, m, scale):
+def growth_bound(cols, width, power, spare, total, m, scale):
     """Sum of the absolute powers of the derivative, in ``total`` (m, m): what a difference can ever grow to."""
-    width = space.width
     for i in range(m):
         for j in range(m):
-            space.power[i * m + j] = 1.0 if i == j else 0.0
-            space.total[i * m + j] = 0.0
+            power[i * m + j] = 1.0 if i == j else 0.0
+            total[i * m + j] = 0.0
     for _ in range(POWERS):
         worst = 0.0
         for i in range(m):
             row = 0.0
             for j in range(m):
-                part = abs(space.power[i * m + j])
-                space.total[i * m + j] += part
+                part = abs(power[i * m + j])
+                total[i * m + j] += part
                 row += part * (scale if j % 2 == 1 else 1.0)
             worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
         if worst < 1e-3:
             return True
         for i in range(m):
             for j in range(m):
-                total = 0.0
+                entry = 0.0
                 for k in range(m):
-                    total += space.power[i * m + k] * space.columns[j * width + k]
-                space.spare[i * m + j] = total
+                    entry += power[i * m + k] * cols[j * width + k]
+                spare[i * m + j] = entry
         for i in range(m * m):
-            space.power[i] = space.spare[i]
+            power[i] = spare[i]
     return False
+
+
+def within(before, ring, head, period, body, wall, space, m, bound):
+    """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge."""
+    n, width = body.order, space.width
+    for c in range(m):
+        for i in range(width):
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
+    for i in range(n):
+        space.state[i] = space.orbit[i]
+    for j in range(len(ring)):
+        space.line[j] = space.orbit_line[j]
+    for i in range(m):
+        space.residual[i] = space.away[i]
+    for _ in range(period):
+        x = space.state[0]
+        reach = bound
+        for c in range(m):
+            reach += abs(space.cols[c * width]) * space.residual[c]
+        if not reach < edge_gap(x, read(x, wall), wall):
+            return False
+        before, head = advance_columns(
+            space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
+        )
+    return True
 
 
 def certify(z, before, ring, head, period, body, wall, space):
@@ -190,7 +234,7 @@ def certify(z, before, ring, head, period, body, wall, space):
             closure += space.residual[i] * space.residual[i]
         closure = closure**0.5
         size = 4.0 * EPSILON * (reach + pace)
-        solved = invert(space, m)
+        solved = invert(space.matrix, space.cols, m, width)
         if not solved or closure <= size or (attempt > 2 and closure >= 0.5 * best):
             break
         best = min(best, closure)
@@ -227,7 +271,7 @@ def certify(z, before, ring, head, period, body, wall, space):
             return AT_EVENT, margin, edge, closure, bound
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
-    if not dissipates(space, m, scale):
+    if not dissipates(space.cols, width, space.power, space.spare, m, scale):
         return EXPANDS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
@@ -235,7 +279,7 @@ def certify(z, before, ring, head, period, body, wall, space):
         if not distance(space.residual, body) + bound < margin:
             return NOT_CAPTURED, margin, edge, closure, bound
         return PROVEN, margin, edge, closure, bound
-    if body.friction > 0.0 or not growth_bound(space, m, scale):
+    if body.friction > 0.0 or not growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
         return EXPANDS, margin, edge, closure, bound
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
@@ -248,26 +292,3 @@ def certify(z, before, ring, head, period, body, wall, space):
     if not within(start, ring, head, period, body, wall, space, m, bound):
         return NOT_CAPTURED, margin, edge, closure, bound
     return PROVEN, margin, edge, closure, bound
-
-
-def within(before, ring, head, period, body, wall, space, m, bound):
-    """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge."""
-    n, width = body.order, space.width
-    for c in range(m):
-        for i in range(width):
-            space.columns[c * width + i] = 1.0 if i == c else 0.0
-    for i in range(n):
-        space.state[i] = space.orbit[i]
-    for j in range(len(ring)):
-        space.line[j] = space.orbit_line[j]
-    for i in range(m):
-        space.residual[i] = space.away[i]
-    for _ in range(period):
-        x = space.state[0]
-        reach = bound
-        for c in range(m):
-            reach += abs(space.columns[c * width]) * space.residual[c]
-        if not reach < edge_gap(x, read(x, wall), wall):
-            return False
-        before, head = advance(space.state, before, space.line, head, body, wall, space, m, space.marks)
-    return True

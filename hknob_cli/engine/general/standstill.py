@@ -26,28 +26,28 @@ def stays_held(z, u, body):
         return abs(acceleration(z, u, body)) <= body.friction
     late = abs(z[body.order - 1] - u) if body.lag > 0.0 else 0.0
     if body.ratio == 0.0:
-        now = body.constant[1] + u - body.beta * z[0]
+        now = body.drive + u - body.beta * z[0]
         return abs(now) + late <= body.friction
     if body.finger_damping + body.pad_damping == 0.0:
         return False
     stiff = body.ratio * body.pad_stiffness + body.finger_stiffness
     if stiff == 0.0:
         return False
-    d = (body.finger_stiffness * z[0] + body.constant_held[3]) / stiff
+    d = (body.finger_stiffness * z[0] + body.finger_stiffness * body.shift) / stiff
     energy = sqrt(z[3] * z[3] / body.ratio + stiff / body.ratio * (z[2] - d) * (z[2] - d))
     swing = (body.pad_damping * sqrt(body.ratio) + body.pad_stiffness * sqrt(body.ratio / stiff)) * energy
     return abs(u - body.push - body.pad_stiffness * d) + swing + late <= body.friction
 
 
-def settles(z, shown, before, ring, body, wall, space):
-    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``space.orbit``."""
+def settles(z, shown, before, ring, body, wall, orbit, away):
+    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``."""
     u = command(shown, shown, wall)
     if not steady(ring, u) or (wall.damping > 0.0 and shown != before):
         return MOVING, 0.0
     n = body.order
     for i in range(n):
-        space.orbit[i] = 0.0
-    space.orbit[0] = z[0]
+        orbit[i] = 0.0
+    orbit[0] = z[0]
     gap = edge_gap(z[0], shown, wall)
     if body.friction > 0.0:
         if not stays_held(z, u, body):
@@ -61,10 +61,10 @@ def settles(z, shown, before, ring, body, wall, space):
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
             return MOVING, gap
-        space.orbit[2] = drive / body.pad_stiffness
-        space.orbit[0] = space.orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
+        orbit[2] = drive / body.pad_stiffness
+        orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
     elif body.beta > 0.0:
-        space.orbit[0] = (u + body.constant[1]) / body.beta
+        orbit[0] = (u + body.drive) / body.beta
     else:
         if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
             return MOVING, gap
@@ -72,15 +72,15 @@ def settles(z, shown, before, ring, body, wall, space):
             if z[1] == 0.0:
                 return AT_REST, gap
             return (LEAVES if z[1] > 0.0 and not shown < 0.0 else MOVING), gap
-        space.orbit[0] = z[0] + z[1] / body.alpha
+        orbit[0] = z[0] + z[1] / body.alpha
     if body.lag > 0.0:
-        space.orbit[n - 1] = u
+        orbit[n - 1] = u
     for i in range(n):
-        space.away[i] = z[i] - space.orbit[i]
-    rest = space.orbit[0]
+        away[i] = z[i] - orbit[i]
+    rest = orbit[0]
     gap = edge_gap(rest, shown, wall)
     bound = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
-    reach = distance(space.away, body)
+    reach = distance(away, body)
     if gap > bound and reach + bound < gap:
         return (AT_REST if body.damped else RINGS), gap
     if abs(gap) <= bound and reach < 1e-6:

@@ -2,11 +2,12 @@
 
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import direction, slide_many, slide_two
+from hknob_cli.engine.general.glide import next_mode, slide
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.slide_two import way
 
 
-def run(z, before, ring, head, samples, body, wall, space, states, torques):
+def run(z, before, ring, head, samples, body, wall, pad, states, torques):
     """Run ``samples`` intervals: ``(reading before, head)``.
 
     ``states`` takes the state at every sample, (samples + 1) times the order; ``torques`` what acts just after it.
@@ -20,42 +21,35 @@ def run(z, before, ring, head, samples, body, wall, space, states, torques):
             acting = ring[head] if wall.split > 0.0 else ring[(head + 1) % delay]
         torques[i] = z[n - 1] if body.lag > 0.0 else acting
         if i < samples:
-            before, head = advance(z, before, ring, head, body, wall, space, 0, space.none)
+            before, head = advance(z, before, ring, head, body, wall, pad)
     return before, head
 
 
-def chart(z, u, span, body, space, capacity, rows, spans, modes, commands, states):
+def chart(z, u, span, body, pad, capacity, rows, spans, modes, commands, states):
     """Write down the pieces of one hold, turning points included; the number of rows filled in all.
 
     ``states`` takes the state at the start of each piece and, after the last, at its end. Full rows end the chart.
     """
     n = body.order
     left = span
-    mode = direction(z, u, body)
+    mode = way(z[1], acceleration(z, u, body), body.friction)
     while left > 0.0 and rows < capacity:
         for j in range(n):
             states[rows * n + j] = z[j]
-        if n == 2:
-            t, hit = slide_two(z, u, mode, left, 0.0, 0.0, 0.0, 0.0, body, space.none, space.none, 0, 1)
-        else:
-            t, hit = slide_many(z, u, mode, left, body, space.rate, space.work, space.none, space.none, 0, 1)
+        t, hit, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, left < 0.0, body, pad)
         left -= t
         if t > 0.0:
             spans[rows], modes[rows], commands[rows] = t, mode, u
             rows += 1
         if not hit:
             break
-        a = acceleration(z, u, body)
-        if mode != 0 and abs(a) <= body.friction:
-            mode = 0
-        else:
-            mode = 1 if a > 0.0 else -1
+        mode = next_mode(mode, z, u, body)
     for j in range(n):
         states[rows * n + j] = z[j]
     return rows
 
 
-def chart_period(z, before, ring, head, period, body, wall, space, capacity, spans, modes, commands, states):
+def chart_period(z, before, ring, head, period, body, wall, pad, capacity, spans, modes, commands, states):
     """Write down one period of an orbit, piece by piece; the number of pieces, ``capacity`` if there are more."""
     rows, delay = 0, len(ring)
     for _ in range(period):
@@ -68,6 +62,6 @@ def chart_period(z, before, ring, head, period, body, wall, space, capacity, spa
             head = (head + 1) % delay
             u = ring[head]
             if wall.split > 0.0:
-                rows = chart(z, older, wall.split, body, space, capacity, rows, spans, modes, commands, states)
-        rows = chart(z, u, 1.0 - wall.split, body, space, capacity, rows, spans, modes, commands, states)
+                rows = chart(z, older, wall.split, body, pad, capacity, rows, spans, modes, commands, states)
+        rows = chart(z, u, 1.0 - wall.split, body, pad, capacity, rows, spans, modes, commands, states)
     return rows

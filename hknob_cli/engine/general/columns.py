@@ -1,0 +1,77 @@
+"""Columns of derivatives: how the state, the delay line and the last reading depend on where a motion began.
+
+A column has ``width`` entries: state, delay line, last reading. After ``width`` columns, ``cols`` holds the derivatives
+of the older command of an interval in each column, and then those of the newer.
+"""
+
+from hknob_cli.engine.general.body import ENTRY, HALVES, HALVES_HELD, HELD, RATES
+from hknob_cli.engine.general.controller import slopes
+
+
+def feed(shown, before, delay, head, wall, cols, count, width):
+    """Derivatives of the commands of this interval, by a continuous sensor and through the delay, in every column."""
+    now, last = slopes(shown, before, wall)
+    older, newer = width * width, width * width + width
+    line = width - 1 - delay
+    for c in range(count):
+        at = c * width
+        slope = 0.0
+        if count == width:
+            slope = now * cols[at] + last * cols[at + width - 1]
+            cols[at + width - 1] = cols[at]
+        cols[older + c] = slope
+        cols[newer + c] = slope
+        if delay > 0:
+            cols[older + c] = cols[at + line + head] if count == width else 0.0
+            if count == width:
+                cols[at + line + head] = slope
+                cols[newer + c] = cols[at + line + (head + 1) % delay]
+
+
+def spread_two(cols, command, count, width, s, g, f, body):
+    """Move the columns by coefficients (s, g, f) of second order; ``command``: where those of the command begin."""
+    for c in range(count):
+        at = c * width
+        y = cols[command + c] - body.beta * cols[at]
+        x = cols[at] + (s * cols[at + 1] + g * y)
+        cols[at + 1] = f * cols[at + 1] + s * y
+        cols[at] = x
+
+
+def spread_many(cols, command, count, width, span, mode, body, pad):
+    """Move the columns over ``span`` in one mode, by its binary digits; overwrites ``pad``."""
+    n = body.order
+    rates = (HELD if mode == 0 else RATES) * n * n
+    h = 1.0
+    half = 0
+    while span > 0.0:
+        if span >= h:
+            span -= h
+            base = ((HALVES_HELD if mode == 0 else HALVES) + half) * n * n
+            for c in range(count):
+                at = c * width
+                for i in range(n):
+                    total = 0.0
+                    if mode != 0 and body.lag == 0.0:
+                        total = body.vectors[ENTRY * n + i] * cols[command + c]
+                    for j in range(n):
+                        total += body.matrices[rates + i * n + j] * cols[at + j]
+                    pad[i] = total
+                if body.lag > 0.0:
+                    pad[n - 1] += body.lag * cols[command + c]
+                for i in range(n):
+                    total = 0.0
+                    for j in range(n):
+                        total += body.matrices[base + i * n + j] * pad[j]
+                    cols[at + i] += total
+        h *= 0.5
+        half += 1
+
+
+def turn_round(cols, count, width, jump, body):
+    """The columns at a zero of the velocity: its rate there changes by ``jump``, relatively (saltation matrix)."""
+    n = body.order
+    for c in range(count):
+        speed = cols[c * width + 1] * jump
+        for i in range(n):
+            cols[c * width + i] += body.vectors[ENTRY * n + i] * speed

@@ -1,0 +1,227 @@
+"""What the trials of a cell settle to in the general loop; the counterpart of `engine.attractors.Engine`."""
+
+from collections.abc import Callable
+from math import inf, sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine import follow
+from hknob_cli.engine.attractors import (
+    FATES,
+    FINEST,
+    PATIENCE,
+    Attractor,
+    NeedsCompilerError,
+    Search,
+    ranked,
+    sample_limit,
+    settling_samples,
+    whole,
+    why_unrepeated,
+)
+from hknob_cli.engine.general import ensemble, trace
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS
+from hknob_cli.engine.general.period_map import Space
+from hknob_cli.engine.outcome import Outcome, Reason
+
+GENERAL_FATES = {
+    **FATES,
+    CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
+    CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
+}
+SLICE = 1024  # trials between two chances to be interrupted
+ROWS = 256  # distinct orbits a cell keeps
+FREELY = 10.0  # times that a sample of the general loop takes longer in the interpreter
+MOST_PIECES = 200_000  # of a period that is measured
+
+Array = NDArray[np.float64]
+
+
+class Chart:
+    """One period, piece by piece between events; ``m`` pieces, order ``n``.
+
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; ``commands`` (m): command acting; ``states``
+    (m + 1, n): state at the start of each piece and at the end.
+    """
+
+    def __init__(self, spans: Array, modes: Array, commands: Array, states: Array) -> None:
+        self.spans, self.modes, self.commands, self.states = spans, modes, commands, states
+
+
+def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
+    """Work space of the general loop, of what ``zeros`` makes."""
+    width = order + delay + 1
+    return Space(
+        width=width,
+        pad=zeros(2 * order),
+        cols=zeros(width * (width + 2)),
+        marks=zeros(2),
+        matrix=zeros(2 * width * width),
+        power=zeros(width * width),
+        total=zeros(width * width),
+        spare=zeros(width * width),
+        residual=zeros(width),
+        away=zeros(width),
+        state=zeros(order),
+        orbit=zeros(order),
+        line=zeros(delay),
+        orbit_line=zeros(delay),
+    )
+
+
+def as_arrays(body: Body) -> Body:
+    """The body with arrays in place of lists, as compiled code wants it."""
+    return Body._make(np.array(value) if isinstance(value, list) else value for value in body)
+
+
+class GeneralEngine:
+    """The general loop, plain or compiled; one per thread."""
+
+    def __init__(self, functions: dict[str, Callable[..., Any]] | None = None) -> None:
+        self.compiled = functions is not None
+        self._crowd: Callable[..., Any] = functions["general.crowd"] if functions else ensemble.crowd
+        self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
+
+    def zeros(self, count: int) -> Any:
+        """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
+        return np.zeros(count) if self.compiled else [0.0] * count
+
+    def _filled(self, values: list[float] | tuple[float, ...]) -> Any:
+        return np.array(values, dtype=np.float64) if self.compiled else list(values)
+
+    def search(
+        self,
+        body: Body,
+        wall: Controller,
+        start: list[float],
+        *,
+        rate: float,
+        phases: int,
+        delay_line: int,
+        max_samples: int | None,
+    ) -> Search:
+        """Run ``phases`` trials from the state ``start`` and name what they settle to.
+
+        ``rate``: decay of the slowest mode, per sample. Raises `NeedsCompilerError` in the interpreter, where the same
+        search compiled would succeed.
+        """
+        budget = max_samples or sample_limit(rate, damped=body.damped)
+        spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
+        static = body.push / (wall.kappa + spring) if wall.kappa + spring > 0.0 else 0.0
+        coast = abs(start[1]) * min(1000.0, 1.0 / sqrt(spring) if spring > 0.0 else inf)
+        scale = max(1.0, abs(start[0]), abs(static), coast)
+        if not scale < FINEST:
+            return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
+        loose = wall.kappa == 0.0 and spring == 0.0 and body.ratio == 0.0
+        if loose and body.push > body.friction:
+            return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
+        skip = settling_samples(rate, budget)
+        patience = int(PATIENCE / FREELY)
+        cut = not self.compiled and budget > patience
+        if cut and skip > patience:
+            raise NeedsCompilerError
+        n = body.order
+        ready = as_arrays(body) if self.compiled else body
+        space = make_space(n, delay_line, self.zeros)
+        table = self.zeros(FIELDS * ROWS)
+        states, lines = self.zeros(n * ROWS), self.zeros(max(1, delay_line * ROWS))
+        work = [self.zeros(count) for count in (n, delay_line, n, delay_line, n, delay_line)]
+        rows = overflow = samples = 0
+        for first in range(0, phases, SLICE):  # compiled code does not hear an interruption
+            rows, full, taken = self._crowd(
+                self._filled(start),
+                phases,
+                first,
+                min(first + SLICE, phases),
+                skip,
+                min(budget, patience + skip) if cut else budget,
+                1e6 * scale,
+                ROWS,
+                rows,
+                table,
+                states,
+                lines,
+                ready,
+                wall,
+                space,
+                *work,
+            )
+            overflow += full
+            samples += int(taken)
+        fates = [int(table[FIELDS * row]) for row in range(rows)]
+        if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
+            raise NeedsCompilerError
+        why = why_unrepeated(rate, budget, held=spring > 0.0)
+        found = [
+            _attractor(
+                table[FIELDS * row : FIELDS * (row + 1)],
+                [float(value) for value in states[row * n : (row + 1) * n]],
+                [float(value) for value in lines[row * delay_line : (row + 1) * delay_line]],
+                why,
+            )
+            for row in range(rows)
+        ]
+        if overflow:
+            found.append(whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
+        return Search(attractors=ranked(found), samples=samples)
+
+    def chart(self, body: Body, wall: Controller, orbit: Attractor) -> Chart | None:
+        """One period of an orbit from event to event; None if it has too many pieces."""
+        n = body.order
+        ready = as_arrays(body) if self.compiled else body
+        capacity = 16 * orbit.period + 64
+        while capacity <= 4 * MOST_PIECES:
+            state = self._filled([orbit.x, orbit.v, *orbit.state])
+            out = [self.zeros(capacity + 1) for _ in range(3)]
+            states = self.zeros((capacity + 1) * n)
+            rows = self._chart(
+                state,
+                orbit.before,
+                self._filled(orbit.line),
+                0,
+                orbit.period,
+                ready,
+                wall,
+                self.zeros(2 * n),
+                capacity,
+                *out,
+                states,
+            )
+            if rows < capacity:
+                spans, modes, commands = (np.array(values[:rows], dtype=np.float64) for values in out)
+                table = np.array(states[: (rows + 1) * n], dtype=np.float64).reshape(rows + 1, n)
+                return Chart(spans, modes, commands, table)
+            capacity *= 16
+        return None
+
+
+def _attractor(row: Any, state: list[float], line: list[float], unrepeated: Reason) -> Attractor:
+    """Attractor from a row of the kernel's tables; ``unrepeated``: why one's levels never repeated."""
+    fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
+    outcome, reason = GENERAL_FATES[int(fate)]
+    if reason is Reason.NO_REPEAT:
+        reason = unrepeated
+    if int(n) == 0:
+        return whole(outcome, reason, int(trials))
+    rest = outcome is Outcome.REST
+    x = state[0]
+    return Attractor(
+        outcome=outcome,
+        reason=reason,
+        trials=int(trials),
+        period=int(n),
+        x=x,
+        v=state[1],
+        line=tuple(line),
+        margin=margin,
+        edge=min(x % 1.0, 1.0 - x % 1.0) if rest else edge,
+        closure=closure,
+        bound=bound,
+        state=tuple(state[2:]),
+        before=before,
+        span=(least, most) if rest else None,
+    )

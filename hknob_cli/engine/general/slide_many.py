@@ -1,0 +1,126 @@
+"""Sliding, or being held, with more than two states: the end of a mode is bracketed, never stepped over.
+
+The step is halved until the velocity, or the torque on a held knob, can be shown to keep its sign in it or to be
+monotone: its second derivative is bounded by the energy of the rates, which never grows. A monotone change of sign is
+then bracketed by halving down to the last bit of a sample period.
+"""
+
+from math import floor, sqrt
+
+from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, acceleration, rate_of
+
+SHORTEST = 20  # a slide that begins with next to no acceleration takes at least 2^-20 of a sample
+FINEST = 2.0 ** (HALVINGS - 1)
+
+
+def stretch(z, pad, matrix, body):
+    """State after the time of ``matrix``, in the second half of ``pad``; its first half has the rate."""
+    n = body.order
+    base = matrix * n * n
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += body.matrices[base + i * n + j] * pad[j]
+        pad[n + i] = z[i] + total
+
+
+def sliding_bound(rate, body):
+    """Bound on the second derivative of the velocity from here on, by the energy of the rates."""
+    n = body.order
+    late = abs(rate[n - 1]) if body.lag > 0.0 else 0.0
+    grown = late / body.lag if body.lag > 0.0 else 0.0
+    if body.ratio > 0.0:
+        finger, tip = rate[1] - rate[3], rate[0] - rate[2]
+        square = rate[1] * rate[1] + body.pad_stiffness * rate[2] * rate[2]
+        square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
+        stiff = body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
+    else:
+        square = rate[1] * rate[1] + body.beta * rate[0] * rate[0]
+        stiff = body.alpha + sqrt(body.beta)
+    return (sqrt(square) + grown) * stiff + late
+
+
+def held_bound(rate, body):
+    """Bound on the second derivative of the torque on a held knob."""
+    n = body.order
+    bound = body.lag * abs(rate[n - 1]) if body.lag > 0.0 else 0.0
+    if body.ratio > 0.0:
+        r, p = body.ratio, body.pad_stiffness
+        energy = sqrt(rate[3] * rate[3] / r + (p + body.finger_stiffness / r) * rate[2] * rate[2])
+        jerk = sqrt(r) * (r * body.pad_damping + body.finger_damping) + r * sqrt(p) + sqrt(body.finger_stiffness * r)
+        bound += energy * (body.pad_damping * jerk + p * sqrt(r))
+    return bound
+
+
+def crossed(pad, u, mode, body):
+    """Whether the state in the second half of ``pad`` is past the end of ``mode``: turned round, or no longer held."""
+    n = body.order
+    if mode != 0:
+        return pad[n + 1] * mode < 0.0
+    total = body.drive
+    for j in range(n):
+        total += body.matrices[n + j] * pad[n + j]
+    if body.lag == 0.0:
+        total += u
+    return abs(total) > body.friction
+
+
+def accept(z, pad, n):
+    """Take the state in the second half of ``pad``."""
+    for i in range(n):
+        z[i] = pad[n + i]
+
+
+def slide_many(z, u, mode, left, body, pad):
+    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended)``."""
+    n = body.order
+    total = 0.0
+    half = 0
+    left = floor(left * FINEST) / FINEST
+    table = HALVES_HELD if mode == 0 else HALVES
+    while left > 0.0:
+        h = 0.5**half
+        while h > left:
+            half += 1
+            h *= 0.5
+        rate_of(z, u, mode, body, pad)
+        if mode == 0:
+            value = body.friction - abs(acceleration(z, u, body))
+            slope = pad[n - 1] if body.lag > 0.0 else 0.0
+            if body.ratio > 0.0:
+                slope -= body.pad_damping * pad[3] + body.pad_stiffness * pad[2]
+            bound = held_bound(pad, body)
+            fall = -abs(slope)
+        else:
+            value = z[1] * mode
+            slope = pad[1] * mode
+            bound = sliding_bound(pad, body)
+            fall = min(slope, 0.0)
+        starting = mode != 0 and value == 0.0
+        deepest = SHORTEST if starting else HALVINGS - 1
+        safe = value + fall * h - 0.5 * bound * h * h > 0.0
+        while not safe and abs(slope) <= bound * h and half < deepest:
+            half += 1
+            h *= 0.5
+            safe = value + fall * h - 0.5 * bound * h * h > 0.0
+        stretch(z, pad, table + half, body)
+        if not safe and crossed(pad, u, mode, body):
+            if starting:
+                accept(z, pad, n)
+                z[1] = 0.0
+                return total + h, True
+            for deeper in range(half + 1, HALVINGS):
+                rate_of(z, u, mode, body, pad)
+                stretch(z, pad, table + deeper, body)
+                if not crossed(pad, u, mode, body):
+                    accept(z, pad, n)
+                    total += 0.5**deeper
+            if mode != 0:
+                z[1] = 0.0
+            return total, True
+        accept(z, pad, n)
+        total += h
+        left -= h
+        if half > 0:
+            half -= 1
+    return total, False

@@ -1,0 +1,92 @@
+"""Integrals of quadratic forms along a linear motion with any number of states, exact for any stiffness.
+
+As in `measure.moments`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the forms
+act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction.
+"""
+
+from math import ceil, log2
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body
+from hknob_cli.measure.moments import RULE
+from hknob_cli.measure.period import Array
+
+
+class Integrals(NamedTuple):
+    """Over one piece: ``mean`` (n + 3,) of x; ``square``, ``loss``, ``power`` (n + 3, n + 3) of their forms."""
+
+    mean: Array
+    square: Array
+    loss: Array
+    power: Array
+
+
+def generator(body: Body, *, held: bool) -> Array:
+    """Matrix of d/dt (z, 1, u, f), shape (n + 3, n + 3)."""
+    n = body.order
+    g = np.zeros((n + 3, n + 3))
+    first, vectors = (HELD if held else RATES) * n * n, np.reshape(body.vectors, (3, n))
+    g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
+    g[:n, n] = vectors[CONSTANT_HELD if held else CONSTANT]
+    if body.lag > 0.0:
+        g[n - 1, n + 1] = body.lag
+    elif not held:
+        g[:n, n + 1] = vectors[ENTRY]
+    if not held:
+        g[:n, n + 2] = vectors[ENTRY]
+    return g
+
+
+def exponential(g: Array, t: float) -> Array:
+    """exp(g t) by its series; for a short time."""
+    total = term = np.eye(len(g))
+    for k in range(1, 30):
+        term = term @ g * (t / k)
+        total = total + term
+        if np.abs(term).max() <= 1e-20 * np.abs(total).max():
+            break
+    return total
+
+
+def loss_form(body: Body) -> Array:
+    """Form of the power that the dampers take, per inertia of the knob."""
+    n = body.order
+    form = np.zeros((n + 3, n + 3))
+    form[1, 1] = body.alpha
+    if body.ratio > 0.0:
+        finger = np.zeros(n + 3)
+        finger[1], finger[3] = 1.0, -1.0
+        form[3, 3] += body.pad_damping
+        form += body.finger_damping / body.ratio * np.outer(finger, finger)
+    return form
+
+
+def integrate(body: Body, duration: float, *, held: bool) -> Integrals:
+    """Integrals over a piece of length ``duration``."""
+    n = body.order
+    g = generator(body, held=held)
+    size = float(np.abs(g).sum(axis=1).max()) * duration
+    doublings = max(0, ceil(log2(size)) + 1) if size > 0.0 else 0
+    h = duration / 2.0**doublings
+    loss, power = loss_form(body), np.zeros((n + 3, n + 3))
+    if body.lag > 0.0:
+        power[n - 1, 1] = 1.0
+    width = n + 3
+    mean, square, lost, done = np.zeros(width), *(np.zeros((width, width)) for _ in range(3))
+    for node, weight in RULE:
+        phi = exponential(g, 0.5 * h * (node + 1.0))
+        part = 0.5 * h * weight
+        mean += part * phi[0]
+        square += part * np.outer(phi[0], phi[0])
+        lost += part * (phi.T @ loss @ phi)
+        done += part * (phi.T @ power @ phi)
+    phi = exponential(g, h)
+    for _ in range(doublings):
+        mean = mean + mean @ phi
+        square = square + phi.T @ square @ phi
+        lost = lost + phi.T @ lost @ phi
+        done = done + phi.T @ done @ phi
+        phi = phi @ phi
+    return Integrals(mean=mean, square=square, loss=lost, power=done)

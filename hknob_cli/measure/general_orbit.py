@@ -1,0 +1,164 @@
+"""The measures of an attractor of the general loop: what a row of ``orbits.parquet`` says."""
+
+from math import nan, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.search import Chart, GeneralEngine
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.measure.forms import Integrals, integrate
+from hknob_cli.measure.leak import Leak, split_leak
+from hknob_cli.measure.moments import RULE, Forms, hold_forms
+from hknob_cli.measure.orbit import OrbitMeasures
+from hknob_cli.measure.period import Array
+from hknob_cli.scene.general_knob import GeneralKnob
+
+SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
+
+
+class Turns(NamedTuple):
+    """Positions where the motion turns round, counts."""
+
+    maxima: Array
+    minima: Array
+
+
+def find_turns(chart: Chart) -> Turns:
+    """Local maxima and minima of a period; a stretch at which the knob is held counts once."""
+    sliding = np.flatnonzero(chart.modes != 0.0)
+    modes, x = chart.modes[sliding], chart.states[sliding, 0]
+    turned = modes != np.roll(modes, 1)
+    return Turns(maxima=x[turned & (modes < 0.0)], minima=x[turned & (modes > 0.0)])
+
+
+class Totals(NamedTuple):
+    """Integrals over a period: of x and x² about a reference, power of the dampers, and of the lagging torque."""
+
+    mean: float
+    square: float
+    loss: float
+    power: float
+
+
+class GeneralMeasurer:
+    """Measures the attractors of one cell; integrals over a whole hold are computed once."""
+
+    def __init__(self, knob: GeneralKnob, engine: GeneralEngine) -> None:
+        self.knob = knob
+        self.engine = engine
+        self._forms: dict[float, Forms] = {}
+        self._integrals: dict[tuple[float, bool], Integrals] = {}
+
+    def measure(self, attractor: Attractor) -> OrbitMeasures:
+        """Measures of ``attractor``."""
+        if attractor.outcome is Outcome.REST:
+            least, most = attractor.span or (attractor.x, attractor.x)
+            return OrbitMeasures(
+                p2p_rad=0.0,
+                min_rad=self.knob.angle_rad(least),
+                max_rad=self.knob.angle_rad(most),
+                rms_rad=0.0,
+                frequency_hz=0.0,
+                wall_work_j=0.0,
+                damping_loss_j=0.0,
+                late_entry_j=0.0,
+                late_exit_j=0.0,
+                staircase_j=0.0,
+                friction_loss_j=0.0,
+            )
+        if attractor.outcome is not Outcome.CYCLE:
+            return OrbitMeasures()
+        chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)
+        return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
+
+    def _cycle(self, attractor: Attractor, chart: Chart) -> OrbitMeasures:
+        knob, body = self.knob, self.knob.body
+        turns = find_turns(chart)
+        cycles = len(turns.maxima)
+        if cycles == 0 or len(turns.minima) == 0:
+            return OrbitMeasures()
+        x = chart.states[:, 0]
+        reference = float(x[:-1].mean())
+        totals = self._few_states(chart, reference) if body.order == 2 else self._many_states(chart, reference)
+        mean = totals.mean / attractor.period
+        rms = sqrt(max(totals.square / attractor.period - mean * mean, 0.0))
+        travel = float(np.abs(np.diff(x))[chart.modes != 0.0].sum())
+        lagging = body.lag > 0.0
+        work = totals.power if lagging else float(((chart.commands - chart.commands.mean()) * np.diff(x)).sum())
+        leak = None if lagging else self._leak(x, chart.commands)
+        energy = knob.energy_j
+        return OrbitMeasures(
+            cycles=cycles,
+            p2p_rad=float(turns.maxima.mean() - turns.minima.mean()) * knob.quantum_rad,
+            min_rad=knob.angle_rad(float(turns.minima.min())),
+            max_rad=knob.angle_rad(float(turns.maxima.max())),
+            rms_rad=rms * knob.quantum_rad,
+            frequency_hz=cycles / (attractor.period * knob.period_s),
+            wall_work_j=work * energy,
+            damping_loss_j=totals.loss * energy,
+            friction_loss_j=body.friction * travel * energy if body.friction > 0.0 else nan,
+            late_entry_j=leak.entry * energy if leak else nan,
+            late_exit_j=leak.exit * energy if leak else nan,
+            staircase_j=leak.staircase * energy if leak else nan,
+        )
+
+    def _leak(self, x: Array, commands: Array) -> Leak:
+        wall = self.knob.wall
+        edge = 0.0 if wall.sense > 0.0 or wall.analog > 0.0 else -1.0
+        return split_leak(x, commands, edge=edge, kappa=wall.kappa, offset=wall.offset, analog=wall.analog > 0.0)
+
+    def _few_states(self, chart: Chart, reference: float) -> Totals:
+        """Second order: whole holds by their forms, pieces between events by quadrature."""
+        body = self.knob.body
+        pace = max(body.alpha, sqrt(body.beta))
+        y = chart.commands + body.drive - chart.modes * body.friction - body.beta * reference
+        z = np.stack([chart.states[:-1, 0] - reference, chart.states[:-1, 1], y])
+        z[2, chart.modes == 0.0] = body.beta * z[0, chart.modes == 0.0]
+        mean = square = speed = 0.0
+        spans, counts = np.unique(chart.spans, return_counts=True)
+        for span, count in zip(spans, counts, strict=True):
+            part = z[:, chart.spans == span]
+            if pace * span <= SHORT and count < 4 and span not in self._forms:
+                for column in part.T:
+                    one = _quadrature(column, float(span), body.alpha, body.beta)
+                    mean, square, speed = mean + one[0], square + one[1], speed + one[2]
+                continue
+            form = self._forms.get(span) or hold_forms(body.alpha, body.beta, float(span))
+            if count >= 4:
+                self._forms[span] = form
+            mean += float((form.mean @ part).sum())
+            square += float((part * (form.square @ part)).sum())
+            speed += float((part * (form.speed @ part)).sum())
+        return Totals(mean=mean, square=square, loss=body.alpha * speed, power=nan)
+
+    def _many_states(self, chart: Chart, reference: float) -> Totals:
+        """More states: every piece by the integrals over its length."""
+        body, n = self.knob.body, self.knob.body.order
+        total = np.zeros(4)
+        for i, (span, mode) in enumerate(zip(chart.spans, chart.modes, strict=True)):
+            key = float(span), mode == 0.0
+            found = self._integrals.get(key) or integrate(body, key[0], held=key[1])
+            if key[0] in (1.0, self.knob.wall.split, 1.0 - self.knob.wall.split):
+                self._integrals[key] = found
+            zeta = np.concatenate([chart.states[i], [1.0, chart.commands[i], -mode * body.friction]])
+            mean = float(found.mean @ zeta)
+            square = float(zeta @ found.square @ zeta) - 2.0 * reference * mean + reference * reference * key[0]
+            total += (mean - reference * key[0], square, zeta @ found.loss @ zeta, zeta @ found.power @ zeta)
+        assert n > 2
+        return Totals(*(float(value) for value in total))
+
+
+def _quadrature(start: Array, span: float, alpha: float, beta: float) -> tuple[float, float, float]:
+    """Integrals of x, x² and v² over a short piece from (x, v, drive)."""
+    x, v, drive = (float(value) for value in start)
+    y = drive - beta * x
+    mean = square = speed = 0.0
+    for node, weight in RULE:
+        s, g, f = hold_coefficients(alpha, beta, 0.5 * span * (node + 1.0))
+        at, pace = x + (s * v + g * y), f * v + s * y
+        part = 0.5 * span * weight
+        mean, square, speed = mean + part * at, square + part * at * at, speed + part * pace * pace
+    return mean, square, speed

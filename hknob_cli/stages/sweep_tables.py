@@ -1,0 +1,92 @@
+"""The tables of a sweep, with the columns that its scene has."""
+
+from collections.abc import Callable, Iterator, Sequence
+from math import nan
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.engine.outcome import WORDS, Outcome
+from hknob_cli.measure.orbit import OrbitMeasures
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import CELLS, FRICTION, ORBITS, Column, axis_column
+from hknob_cli.spec.plan import COUNTS, SweepPlan
+from hknob_cli.stages.cell import CellResult
+
+NEEDS_COUNTS = ("p2p_counts", "margin_counts")
+
+
+def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
+    """One row per cell."""
+    return _table(plan, CELLS, [{**result.cell, **_cell_row(result)} for result in results])
+
+
+def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
+    """One row per attractor."""
+    rows = [{**result.cell, **row} for result in results for row in _orbit_rows(result)]
+    return _table(plan, (*ORBITS, *(FRICTION if _has_friction(plan) else ())), rows)
+
+
+def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]]) -> pa.Table:
+    axes = [axis_column(name, plan.units[name]) for name in plan.axes]
+    counted = COUNTS in plan.axes
+    return build_table([*axes, *(one for one in columns if counted or one.name not in NEEDS_COUNTS)], rows)
+
+
+def _has_friction(plan: SweepPlan) -> bool:
+    return plan.scene.knob.coulomb_torque > 0.0 or any(plan.axes.get("knob.coulomb_torque", []))
+
+
+def _cell_row(result: CellResult) -> dict[str, Any]:
+    total = sum(one.trials for one in result.attractors)
+    share = {outcome: sum(a.trials for a in result.attractors if a.outcome is outcome) / total for outcome in Outcome}
+    bounded = [
+        (a.trials, m)
+        for a, m in zip(result.attractors, result.measures, strict=True)
+        if a.outcome in (Outcome.CYCLE, Outcome.REST)
+    ]
+    weight = sum(trials for trials, _ in bounded)
+
+    def mean(of: Callable[[OrbitMeasures], float]) -> float:
+        return sum(trials * of(m) for trials, m in bounded) / weight if weight else nan
+
+    p2p = mean(lambda m: m.p2p_rad)
+    return {
+        "p2p_rad": p2p,
+        "p2p_counts": p2p / result.quantum_rad,
+        "frequency_hz": mean(lambda m: m.frequency_hz),
+        "rms_rad": mean(lambda m: m.rms_rad),
+        "orbit_count": len(bounded),
+        "certified_fraction": sum(a.trials for a in result.attractors if a.certified) / total,
+        "at_rest_fraction": share[Outcome.REST],
+        "diverged_fraction": share[Outcome.DIVERGED],
+        "undecided_fraction": share[Outcome.UNDECIDED],
+    }
+
+
+def _orbit_rows(result: CellResult) -> Iterator[dict[str, Any]]:
+    total = sum(one.trials for one in result.attractors)
+    for number, (one, m) in enumerate(zip(result.attractors, result.measures, strict=True)):
+        orbit = one.period > 0
+        yield {
+            "orbit": number,
+            "outcome": one.outcome.name.lower(),
+            "reason": WORDS[one.reason],
+            "period_samples": one.period if orbit else None,
+            "cycles_per_period": m.cycles if orbit else None,
+            "p2p_rad": m.p2p_rad,
+            "min_rad": m.min_rad,
+            "max_rad": m.max_rad,
+            "rms_rad": m.rms_rad,
+            "frequency_hz": m.frequency_hz,
+            "basin_fraction": one.trials / total,
+            "certified": one.certified,
+            "margin_counts": one.edge if orbit else None,
+            "closure_rad": one.closure * result.quantum_rad if orbit else None,
+            "wall_work_j": m.wall_work_j,
+            "damping_loss_j": m.damping_loss_j,
+            "friction_loss_j": m.friction_loss_j,
+            "late_entry_j": m.late_entry_j,
+            "late_exit_j": m.late_exit_j,
+            "staircase_j": m.staircase_j,
+        }
