@@ -98,7 +98,7 @@ def slide_many(z, u, mode, left, body, pad):
             fall = min(slope, 0.0)
         starting = mode != 0 and value == 0.0
         deepest = SHORTEST if starting else HALVINGS - 1
-        safe = value + fall * h - 0.5 * bound * h * h > 0.0
+        safe = value + fall * h - 0.5 * bound * h * h > 0.0 or (slope == 0.0 and bound == 0.0)
         while not safe and abs(slope) <= bound * h and half < deepest:
             half += 1
             h *= 0.5

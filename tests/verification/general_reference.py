@@ -1,0 +1,579 @@
+"""A 60-digit model of the whole scene: friction with stick, finger, lag, delay, torque step, limit, virtual damping.
+
+It shares no formula with the package and imports nothing from it: both are built from the ``scene`` of a spec, a plain
+dictionary. The state is z = (theta_b, omega_b, theta_a, omega_a, tau, u, 1): knob, finger (absent from a hand of second
+order), torque on the knob, command, and the constant that carries bias and friction. Within a hold, and between the
+events of friction, dz/dt = A z; exp(A t) is one matrix exponential (kept for durations that recur) or, for a short
+time to or from an event, its Taylor series.
+
+Coulomb friction switches between three matrices: knob turning up, turning down, and stuck. The knob sticks where its
+velocity is 0 and the sum of the other torques on it is at most the friction; it is released where that sum exceeds it.
+Both events are zeros of a component f(t) of the state. *All* zeros in a hold are found, by exclusion, not by sampling:
+an interval of length h with ``|f| > h max|f'|`` at its left end has none, one with ``|f'| > h max|f''|`` at most
+one, which shows in the signs at its ends, and any other interval is halved. The maxima come from the energy of the
+derivatives' motion, which passive bodies cannot gain and which only the lag, decaying, can feed.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from math import sqrt
+from typing import Any
+
+from .reference import mp
+
+Vector = tuple[Any, ...]
+
+KNOB, SPEED, FINGER, FINGER_SPEED, TORQUE, COMMAND, ONE = range(7)
+UP, DOWN, STUCK = 1, -1, 0
+BITS = 400  # after the point of the whole numbers that a Taylor series is summed in: 120 digits of an angle in radians
+CLOCK = 1e-3  # time unit of that sum [s]: with it all of a state is of the order of its angles
+
+
+def _dot(row: list[tuple[int, Any]], z: Vector) -> Any:
+    """Product of a sparse row and a vector."""
+    return mp.fdot([(value, z[j]) for j, value in row])
+
+
+def _horner(coefficients: list[int], x: int) -> int:
+    """Value at ``x`` of a polynomial, lowest coefficient first, in fixed point."""
+    value = 0
+    for c in reversed(coefficients):
+        value = (value * x >> BITS) + c
+    return value
+
+
+@dataclass(frozen=True)
+class Bodies:
+    """Knob, hand and actuator, in SI units; ``lag`` 0: the torque is the command. Finger terms 0 without a finger."""
+
+    inertia: Any
+    damping: Any
+    stiffness: Any
+    friction: Any
+    bias: Any
+    lag: Any
+    finger: bool = False
+    finger_inertia: Any = 1
+    finger_damping: Any = 0
+    finger_stiffness: Any = 0
+    pad_damping: Any = 0
+    pad_stiffness: Any = 0
+    _kept: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def torque_sum(self) -> list[tuple[int, Any]]:
+        """Row of the sum of torques on the knob other than friction and those of its own velocity."""
+        return [
+            (KNOB, -(self.stiffness + self.pad_stiffness)),
+            (FINGER, self.pad_stiffness),
+            (FINGER_SPEED, self.pad_damping),
+            (TORQUE, mp.mpf(1)),
+            (ONE, -self.bias),
+        ]
+
+    @cached_property
+    def rows(self) -> dict[int, list[list[tuple[int, Any]]]]:
+        """A for each mode, as sparse rows."""
+        lag = [(TORQUE, -1 / self.lag), (COMMAND, 1 / self.lag)] if self.lag else []
+        finger: list[list[tuple[int, Any]]] = [[], []]
+        if self.finger:
+            j = self.finger_inertia
+            finger = [
+                [(FINGER_SPEED, mp.mpf(1))],
+                [
+                    (KNOB, self.pad_stiffness / j),
+                    (SPEED, self.pad_damping / j),
+                    (FINGER, -(self.finger_stiffness + self.pad_stiffness) / j),
+                    (FINGER_SPEED, -(self.finger_damping + self.pad_damping) / j),
+                ],
+            ]
+        made: dict[int, list[list[tuple[int, Any]]]] = {STUCK: [[], [], *finger, lag, [], []]}
+        for sign in (UP, DOWN):
+            speed = [(j, value / self.inertia) for j, value in self.torque_sum]
+            speed.append((SPEED, -(self.damping + self.pad_damping) / self.inertia))
+            speed.append((ONE, -sign * self.friction / self.inertia))
+            made[sign] = [[(SPEED, mp.mpf(1))], speed, *finger, lag, [], []]
+        return {mode: [[(j, v) for j, v in row if v != 0] for row in table] for mode, table in made.items()}
+
+    def rate(self, mode: int, z: Vector) -> Vector:
+        """A z."""
+        return tuple(_dot(row, z) if row else mp.zero for row in self.rows[mode])
+
+    @cached_property
+    def fastest(self) -> float:
+        """Bound of the growth of Taylor terms [1/s]: a norm of A with velocities in units that balance it."""
+        roots = [(self.stiffness + self.pad_stiffness) / self.inertia]
+        own = [(self.damping + self.pad_damping) / self.inertia]
+        if self.finger:
+            roots.append((self.finger_stiffness + self.pad_stiffness) / self.finger_inertia)
+            own.append((self.finger_damping + self.pad_damping) / self.finger_inertia)
+            root = self.pad_stiffness / mp.sqrt(self.inertia * self.finger_inertia)
+            roots.append(root)
+            own.append(self.pad_damping / mp.sqrt(self.inertia * self.finger_inertia))
+        if self.lag:
+            own.append(1 / self.lag)
+        return float(2 * (mp.fsum(mp.sqrt(root) for root in roots) + mp.fsum(own)))
+
+    def move(self, mode: int, z: Vector, duration: Any, *, recurs: bool) -> Vector:
+        """exp(A t) z; a matrix for a duration that ``recurs``, kept, else a Taylor series."""
+        if recurs:
+            key = (mode, duration)
+            if key not in self._kept:
+                self._kept[key] = self._exponential(mode, duration)
+            return tuple(_dot(row, z) if row else mp.zero for row in self._kept[key])
+        parts = 1 + int(self.fastest * float(duration) / 8)
+        if parts > 40:
+            return tuple(_dot(row, z) for row in self._exponential(mode, duration))
+        for _ in range(parts):
+            z = self._sum(z, self.series(mode, z, duration / parts), 1 << BITS)
+        return z
+
+    def _exponential(self, mode: int, duration: Any) -> list[list[tuple[int, Any]]]:
+        with mp.extradps(30):  # squaring loses digits when a hold is many time constants
+            a = mp.matrix(7, 7)
+            for i, row in enumerate(self.rows[mode]):
+                for j, value in row:
+                    a[i, j] += value * duration
+            e = mp.expm(a)
+        return [[(j, +e[i, j]) for j in range(7) if e[i, j] != 0] for i in range(7)]
+
+    @cached_property
+    def units(self) -> Vector:
+        """Factors that turn a state into angles, for sums in fixed point."""
+        turn = mp.mpf(CLOCK) ** 2 / self.inertia
+        return (mp.one, mp.mpf(CLOCK), mp.one, mp.mpf(CLOCK), turn, turn, mp.one)
+
+    @cached_property
+    def _whole_rows(self) -> dict[int, list[list[tuple[int, int]]]]:
+        """A per ``CLOCK``, between states as angles, in fixed point."""
+        with mp.workdps(BITS // 3):
+            return {
+                mode: [
+                    [(j, int(v * self.units[i] / self.units[j] * CLOCK * 2**BITS)) for j, v in row]
+                    for i, row in enumerate(table)
+                ]
+                for mode, table in self.rows.items()
+            }
+
+    def series(self, mode: int, z: Vector, step: Any) -> list[list[int]]:
+        """Terms A^k z step^k / k!, as angles in fixed point, until they vanish."""
+        rows, factor = self._whole_rows[mode], int(step / mp.mpf(CLOCK) * 2**BITS)
+        term = [int(x * unit * 2**BITS) for x, unit in zip(z, self.units, strict=True)]
+        terms, quiet = [term], 0
+        for k in range(1, 1000):
+            term = [((sum(v * term[j] for j, v in row) >> BITS) * factor >> BITS) // k for row in rows]
+            terms.append(term)
+            quiet = quiet + 1 if max(map(abs, term)) <= 1 << 20 else 0
+            if quiet == 3:
+                return terms
+        raise AssertionError("Taylor series too long")
+
+    def _sum(self, z: Vector, terms: list[list[int]], x: int) -> Vector:
+        """State at the part ``x`` of a series' step, with the constants of ``z``."""
+        sums = [mp.ldexp(mp.mpf(_horner([term[i] for term in terms], x)), -BITS) / self.units[i] for i in range(5)]
+        return (*sums, *z[5:])
+
+    def energy_root(self, mode: int, w: Vector) -> float:
+        """Root of twice the energy of a motion ``w`` without inputs; it does not grow while its torque is 0."""
+        inertia, pad = float(self.inertia), float(self.pad_stiffness)
+        x = [float(value) for value in w[:5]]
+        twice = float(self.stiffness) * x[0] ** 2
+        if mode != STUCK:
+            twice += inertia * x[1] ** 2
+        if self.finger:
+            twice += float(self.finger_inertia) * x[3] ** 2 + pad * (x[2] - x[0]) ** 2
+            twice += float(self.finger_stiffness) * x[2] ** 2
+        return sqrt(twice)
+
+    def speed_bound(self, mode: int, w: Vector, duration: float) -> float:
+        """Bound of |omega_b| over ``duration`` for a motion ``w`` (a derivative of the state, so without constants)."""
+        fed = abs(float(w[TORQUE])) * min(duration, float(self.lag) or duration) / sqrt(float(self.inertia))
+        return 1.0001 * (self.energy_root(mode, w) + fed) / sqrt(float(self.inertia))
+
+    def sum_bound(self, w: Vector) -> float:
+        """Bound from now on of the torque sum's rate for such a motion of a stuck knob."""
+        root = self.energy_root(STUCK, w) if self.finger else 0.0
+        by_speed = float(self.pad_damping) / sqrt(float(self.finger_inertia))
+        springs = float(self.pad_stiffness + self.finger_stiffness)
+        by_angle = float(self.pad_stiffness) / sqrt(springs) if springs > 0 else 0.0
+        return 1.0001 * (abs(float(w[TORQUE])) + (by_speed + by_angle) * root)
+
+
+@dataclass
+class Friction:
+    """The knob's motion through holds, event by event.
+
+    ``mode``: turning up, down, or stuck. ``stops`` counts reversals and sticks, ``releases`` the others; ``closest`` is
+    the least distance from the friction, relative to it, at which the knob stuck, reversed or rested: where it is not
+    far above an engine's rounding, whether it sticks is not decided by the physics. ``turns``: angles of reversals.
+    """
+
+    bodies: Bodies
+    period: Any
+    z: Vector
+    mode: int = UP
+    stops: int = 0
+    sticks: int = 0
+    releases: int = 0
+    closest: float = float("inf")
+    turns: list[Any] = field(default_factory=list)
+    find_turns: bool = False
+
+    def hold(self, command: Any, duration: Any) -> None:
+        """Move through one hold of ``command``."""
+        bodies = self.bodies
+        torque = self.z[TORQUE] if bodies.lag else command
+        self.z = (*self.z[:4], torque, command, mp.one)
+        if bodies.friction == 0 and not self.find_turns:
+            self.mode = UP
+            self.z = bodies.move(UP, self.z, duration, recurs=True)
+            return
+        passed, whole = mp.zero, True
+        if self.z[SPEED] == 0:
+            self._start()
+            if self.mode != STUCK:
+                passed = self._leave(duration, order=1)
+                whole = passed == 0
+        else:
+            self.mode = UP if self.z[SPEED] > 0 else DOWN
+        while passed < duration:
+            left = duration - passed
+            moved = self._to_event(left, whole)
+            whole = False
+            if moved is None:
+                return
+            passed += moved
+            if self.mode == STUCK:
+                self.releases += 1
+                self.mode = UP if self._sum() > 0 else DOWN
+                passed += self._leave(duration - passed, order=2)
+            else:
+                self.stops += 1
+                self.turns.append(self.z[KNOB])
+                self._start()
+                if self.mode != STUCK:
+                    passed += self._leave(duration - passed, order=1)
+                else:
+                    self.sticks += 1
+
+    def _sum(self) -> Any:
+        return _dot(self.bodies.torque_sum, self.z)
+
+    def _start(self) -> None:
+        """Set the mode of a knob at rest."""
+        torque, friction = self._sum(), self.bodies.friction
+        if friction:
+            self.closest = min(self.closest, float(abs(abs(torque) / friction - 1)))
+        self.mode = STUCK if abs(torque) <= friction else UP if torque > 0 else DOWN
+
+    def _leave(self, left: Any, order: int) -> Any:
+        """Move from rest to where the velocity is certainly not 0 again; the time that takes.
+
+        omega = c t^order/order! + ..., its next derivative bounded by m: no zero before (order + 1) c/m.
+        """
+        w = self.bodies.rate(self.mode, self.z)
+        for _ in range(order - 1):
+            w = self.bodies.rate(self.mode, w)
+        lead = w[SPEED] * self.mode
+        assert lead > 0, "released without being pushed: not generic, and not handled"
+        bound = self.bodies.speed_bound(self.mode, self.bodies.rate(self.mode, w), float(left))
+        step = min(left, (order + 1) * lead / (2 * mp.mpf(bound))) if bound else left
+        self.z = self.bodies.move(self.mode, self.z, step, recurs=False)
+        return step
+
+    def _to_event(self, left: Any, whole: bool) -> Any:
+        """Move to the next event and give the time that takes; None where there is none, having moved all ``left``."""
+        bodies, mode = self.bodies, self.mode
+        if mode == STUCK and not bodies.finger and not bodies.lag:
+            return None
+        grid = self.period / 2 ** int(mp.ceil(mp.log(self.period / left, 2))) if not whole else left
+        pieces = [(self.z, left, True)] if whole else [(self.z, min(grid, left), grid <= left)]
+        done = mp.zero
+        while True:
+            z, length, recurs = pieces.pop()
+            found, end = self._look(z, length, recurs)
+            if found == "halve":
+                assert length > left * mp.mpf(10) ** -25, "velocity and acceleration vanish together: not handled"
+                middle = bodies.move(mode, z, length / 2, recurs=recurs)
+                pieces += [(middle, length / 2, recurs), (z, length / 2, recurs)]
+                continue
+            if found == "inside":
+                offset, self.z = self._refine(z, length, recurs)
+                return done + offset
+            done += length
+            if not pieces:
+                if done >= left or left - done < left * mp.mpf(10) ** -58:
+                    self.z = end
+                    return None
+                rest = left - done
+                while grid > rest and grid > self.period / 64:
+                    grid /= 2
+                pieces = [(end, grid, True) if grid <= rest else (end, rest, False)]
+
+    def _functions(self, z: Vector) -> list[Any]:
+        """What is positive until the event."""
+        if self.mode != STUCK:
+            return [z[SPEED] * self.mode]
+        torque = _dot(self.bodies.torque_sum, z)
+        return [self.bodies.friction - torque, self.bodies.friction + torque]
+
+    def _look(self, z: Vector, length: Any, recurs: bool) -> tuple[str, Vector | None]:
+        """Whether an event lies ``inside`` the interval after ``z``, certainly not, or the interval is to ``halve``."""
+        bodies, mode = self.bodies, self.mode
+        v = bodies.rate(mode, z)
+        h = float(length)
+        values = self._functions(z)
+        least = float(min(values))
+        first = bodies.sum_bound(v) if mode == STUCK else bodies.speed_bound(mode, v, h)
+        if least > first * h:
+            return "none", bodies.move(mode, z, length, recurs=recurs)
+        w = bodies.rate(mode, v)
+        second = bodies.sum_bound(w) if mode == STUCK else bodies.speed_bound(mode, w, h)
+        slope = float(_dot(bodies.torque_sum[:-1], v)) if mode == STUCK else float(v[SPEED])
+        if not abs(slope) > second * h * 1.0001:
+            # A stuck knob's two functions have the same slope but for its sign: monotone together.
+            return "halve", None
+        end = bodies.move(mode, z, length, recurs=recurs)
+        return ("inside" if min(self._functions(end)) < 0 else "none"), end
+
+    def _refine(self, z: Vector, length: Any, recurs: bool) -> tuple[Any, Vector]:
+        """Time of the only zero after ``z`` within ``length``, where f is monotone, and the state there."""
+        bodies, mode = self.bodies, self.mode
+        offset = mp.zero
+        while bodies.fastest * float(length) > 2:
+            length /= 2
+            middle = bodies.move(mode, z, length, recurs=recurs)
+            if min(self._functions(middle)) > 0:
+                z, offset = middle, offset + length
+        terms = bodies.series(mode, z, length)
+        if mode == STUCK:
+            # Of the two functions, the one that falls.
+            sign = -1 if _dot(bodies.torque_sum[:-1], bodies.rate(mode, z)) > 0 else 1
+            row = [(j, sign * v / bodies.units[j]) for j, v in bodies.torque_sum]
+            start = bodies.friction
+        else:
+            row, start = [(SPEED, mp.mpf(mode))], mp.zero
+        whole = [(j, int(v * 2**BITS)) for j, v in row]
+        f = [sum(v * term[j] for j, v in whole) >> BITS for term in terms]
+        f[0] += int(start * 2**BITS)
+        slope = [k * c for k, c in enumerate(f)][1:]
+        low, high = 0, 1 << BITS
+        x = high // 2
+        for _ in range(400):
+            value = _horner(f, x)
+            low, high = (x, high) if value > 0 else (low, x)
+            incline = _horner(slope, x)
+            following = x - (value << BITS) // incline if incline else low
+            if not low < following < high:
+                following = (low + high) // 2
+            done, x = abs(following - x) < 1 << (BITS - 230), following  # 2^-230 of the bracket: 69 digits
+            if done:
+                break
+        else:
+            raise AssertionError("no zero found in the bracket")
+        state = list(bodies._sum(z, terms, x))
+        if mode != STUCK:
+            state[SPEED] = mp.zero
+        return offset + mp.ldexp(mp.mpf(x), -BITS) * length, tuple(state)
+
+
+@dataclass(frozen=True)
+class Control:
+    """Encoder, wall and what the actuator does to a command; ``quantum`` None: a continuous sensor."""
+
+    stiffness: Any
+    damping: Any
+    period: Any
+    quantum: Any
+    rounding: str
+    offset: Any
+    step: Any
+    limit: Any
+    delay: Any
+
+    def counts(self, theta: Any) -> Any:
+        """Angle in counts from an encoder edge, shifted such that a level changes at whole numbers."""
+        return theta / self.quantum - self.offset + (mp.mpf(1) / 2 if self.rounding == "nearest" else 0)
+
+    def measured(self, theta: Any) -> Any:
+        """Angle that the sensor reports [rad]."""
+        if self.quantum is None:
+            return theta
+        counts = self.counts(theta)
+        if self.rounding == "ceil" or (self.rounding == "truncate" and counts < 0):
+            level = mp.ceil(counts)
+        else:
+            level = mp.floor(counts)
+        return (level + self.offset) * self.quantum
+
+    def edge_distance(self, theta: Any) -> float:
+        """Distance to where the command jumps [rad]; a continuous sensor's wall edge counts where there is damping."""
+        if self.quantum is None:
+            return float(abs(theta)) if self.damping else float("inf")
+        counts = self.counts(theta)
+        return float(abs(counts - mp.nint(counts)) * self.quantum)
+
+    def wanted(self, measured: Any, before: Any) -> Any:
+        """Wall's command before the torque step [N m]."""
+        if not measured < 0:
+            return mp.zero
+        return -self.stiffness * measured - self.damping * (measured - before) / self.period
+
+    def command(self, wanted: Any) -> Any:
+        """Command that the actuator takes [N m]."""
+        u = self.step * mp.floor(wanted / self.step + mp.mpf(1) / 2) if self.step else wanted
+        return u if self.limit is None else max(-self.limit, min(self.limit, u))
+
+    def step_distance(self, wanted: Any) -> float:
+        """Distance of a command to where its rounding jumps [N m]."""
+        if not self.step or wanted == 0:
+            return float("inf")
+        part = wanted / self.step + mp.mpf(1) / 2
+        return float(abs(part - mp.nint(part)) * self.step)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Knob and torque at one sample instant: ``torque`` [N m] acts just after it. ``mode`` of the hold before it."""
+
+    time: Any
+    angle: Any
+    velocity: Any
+    torque: Any
+    mode: int
+
+
+@dataclass
+class Trial:
+    """A run: its samples, and how far it stayed from every jump that rounding could flip.
+
+    ``edge``: least distance of a sample to an encoder edge [rad]; ``step``: of a command to a jump of its rounding
+    [N m]; ``largest_angle`` [rad], ``largest_speed`` [rad/s] at samples and ``largest_torque`` [N m] set the scale.
+    """
+
+    friction: Friction
+    control: Control
+    samples: list[Sample] = field(default_factory=list)
+    edge: float = float("inf")
+    step: float = float("inf")
+    largest_command: float = 0.0
+    levels: set[float] = field(default_factory=set)
+
+    @property
+    def largest_angle(self) -> float:
+        """Of the samples [rad]."""
+        return max(float(abs(s.angle)) for s in self.samples)
+
+    @property
+    def largest_speed(self) -> float:
+        """Of the samples [rad/s]."""
+        return max(float(abs(s.velocity)) for s in self.samples)
+
+
+def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int | None) -> tuple[Bodies, Control]:
+    """The model of a spec's ``scene``; each number enters as exactly the double that the spec holds."""
+
+    def number(part: dict[str, Any], name: str) -> Any:
+        return mp.mpf(part.get(name) or 0.0)
+
+    knob, hand, wall = scene["knob"], scene.get("hand") or {}, scene["wall"]
+    finger, pad = hand.get("finger"), hand.get("fingerpad")
+    actuator, bias, encoder = scene.get("actuator") or {}, scene.get("bias") or {}, scene.get("encoder", {})
+    quantum = None if encoder == "none" or counts_per_rev is None else 2 * mp.pi / counts_per_rev
+    shape = encoder if isinstance(encoder, dict) else {}
+    limit = actuator.get("torque_limit")
+    parts = {}
+    if finger is not None:
+        parts = {
+            "finger": True,
+            "finger_inertia": number(finger, "inertia"),
+            "finger_damping": number(finger, "damping"),
+            "finger_stiffness": number(finger, "stiffness"),
+            "pad_damping": number(pad, "damping"),
+            "pad_stiffness": number(pad, "stiffness"),
+        }
+    bodies = Bodies(
+        inertia=number(knob, "inertia") + number(hand, "inertia"),
+        damping=number(knob, "damping") + number(hand, "damping"),
+        stiffness=number(hand, "stiffness"),
+        friction=number(knob, "coulomb_torque"),
+        bias=mp.mpf(wall["stiffness"]) * quantum / 2 if bias.get("half_quantum") else number(bias, "torque"),
+        lag=number(actuator, "time_constant"),
+        **parts,
+    )
+    control = Control(
+        stiffness=number(wall, "stiffness"),
+        damping=number(wall, "damping"),
+        period=1 / mp.mpf(sample_rate_hz),
+        quantum=quantum,
+        rounding=shape.get("rounding", "floor"),
+        offset=number(shape, "offset_counts"),
+        step=number(actuator, "torque_step"),
+        limit=None if limit is None else mp.mpf(limit),
+        delay=number(actuator, "delay_samples"),
+    )
+    return bodies, control
+
+
+def simulate(
+    scene: dict[str, Any],
+    *,
+    sample_rate_hz: float,
+    counts_per_rev: int | None,
+    angle_rad: Any,
+    velocity_rad_s: Any,
+    phase: Any = 0.5,
+    samples: int,
+    find_turns: bool = False,
+    nudge: Any = 0,
+) -> Trial:
+    """Run a trial: the state is given at time 0, the first of ``samples`` + 1 samples is taken ``phase`` periods later.
+
+    ``nudge``: relative change made to angle and velocity at every sample, to see how a run amplifies small errors.
+    """
+    bodies, control = build(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    angle, velocity = mp.mpf(angle_rad), mp.mpf(velocity_rad_s)
+    zero = mp.zero
+    start = (angle, velocity, angle, velocity, zero, zero, mp.one) if bodies.finger else None
+    state = start or (angle, velocity, zero, zero, zero, zero, mp.one)
+    friction = Friction(bodies, control.period, state, find_turns=find_turns)
+    trial = Trial(friction, control)
+    friction.hold(zero, mp.mpf(phase) * control.period)
+    commands: list[Any] = []
+    before = None
+    largest = 0.0
+    for i, (row, durations) in enumerate(_schedule(control, samples + 1)):
+        z = friction.z
+        if nudge:
+            z = friction.z = (z[0] * (1 + nudge), z[1] * (1 + nudge), *z[2:])
+        measured = control.measured(z[KNOB])
+        wanted = control.wanted(measured, measured if before is None else before)
+        before = measured
+        commands.append(control.command(wanted))
+        acting = [commands[j] if j >= 0 else zero for j in row]
+        torque = z[TORQUE] if bodies.lag else acting[0]
+        trial.samples.append(Sample((i + mp.mpf(phase)) * control.period, z[KNOB], z[SPEED], torque, friction.mode))
+        trial.edge = min(trial.edge, control.edge_distance(z[KNOB]))
+        trial.step = min(trial.step, control.step_distance(wanted))
+        trial.levels.add(float(measured) if control.quantum is not None else float(measured < 0))
+        largest = max(largest, float(abs(wanted)), float(abs(control.damping * measured / control.period)))
+        if i < samples:
+            for command, duration in zip(acting, durations, strict=True):
+                friction.hold(command, duration)
+    trial.largest_command = largest
+    return trial
+
+
+def _schedule(control: Control, samples: int) -> Iterator[tuple[list[int], list[Any]]]:
+    """For each sample interval the indices of the commands that act in it, in order, and for how long each does.
+
+    Command j arrives at sample j + delay: what of an interval lies before a command arrives runs under the last.
+    """
+    whole = int(mp.floor(control.delay))
+    part = control.delay - whole
+    for i in range(samples):
+        if part == 0:
+            yield [i - whole], [control.period]
+        else:
+            yield [i - whole - 1, i - whole], [part * control.period, (1 - part) * control.period]
