@@ -7,9 +7,10 @@ then bracketed by halving down to the last bit of a sample period.
 
 from math import floor, sqrt
 
-from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, acceleration, rate_of
+from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, RATES, acceleration, rate_of
 
 SHORTEST = 20  # a slide that begins with next to no acceleration takes at least 2^-20 of a sample
+NIL = 1e-13  # acceleration, by the friction level, that rounding can make of none
 FINEST = 2.0 ** (HALVINGS - 1)
 
 
@@ -24,18 +25,20 @@ def stretch(z, pad, matrix, body):
         pad[n + i] = z[i] + total
 
 
-def sliding_bound(rate, body):
-    """Bound on the second derivative of the velocity from here on, by the energy of the rates."""
-    n = body.order
-    late = abs(rate[n - 1]) if body.lag > 0.0 else 0.0
+def sliding_bound(rate, at, body):
+    """Bound on the second derivative of the velocity from here on, by the energy of the rates; these begin at ``at``.
+
+    From the rates of the rates, it is a bound on the third.
+    """
+    late = abs(rate[at + body.order - 1]) if body.lag > 0.0 else 0.0
     grown = late / body.lag if body.lag > 0.0 else 0.0
     if body.ratio > 0.0:
-        finger, tip = rate[1] - rate[3], rate[0] - rate[2]
-        square = rate[1] * rate[1] + body.pad_stiffness * rate[2] * rate[2]
+        finger, tip = rate[at + 1] - rate[at + 3], rate[at] - rate[at + 2]
+        square = rate[at + 1] * rate[at + 1] + body.pad_stiffness * rate[at + 2] * rate[at + 2]
         square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
         stiff = body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
     else:
-        square = rate[1] * rate[1] + body.beta * rate[0] * rate[0]
+        square = rate[at + 1] * rate[at + 1] + body.beta * rate[at] * rate[at]
         stiff = body.alpha + sqrt(body.beta)
     return (sqrt(square) + grown) * stiff + late
 
@@ -71,6 +74,38 @@ def accept(z, pad, n):
         z[i] = pad[n + i]
 
 
+def creep(z, mode, left, body, pad):
+    """Begin a slide whose acceleration is nil but grows, as after a slow release: its length, as halvings; -1 if none.
+
+    The velocity is then half of its second derivative times the square of the time, up to a third of it. ``pad`` has
+    the rates in its first half; the velocity is set where rounding would lose it.
+    """
+    n = body.order
+    base = RATES * n * n
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            total += body.matrices[base + i * n + j] * pad[j]
+        pad[n + i] = total
+    bend = pad[n + 1] * mode
+    bound = sliding_bound(pad, n, body)
+    if not bend > 0.0:
+        return -1
+    half = 0
+    h = 1.0
+    while (h > left or bound * h > bend) and half < SHORTEST:
+        half += 1
+        h *= 0.5
+    if h > left:
+        return -1
+    stretch(z, pad, HALVES + half, body)
+    accept(z, pad, n)
+    least = 0.3 * bend * h * h
+    if not z[1] * mode > least:
+        z[1] = mode * least
+    return half
+
+
 def slide_many(z, u, mode, left, body, pad):
     """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended)``."""
     n = body.order
@@ -94,9 +129,16 @@ def slide_many(z, u, mode, left, body, pad):
         else:
             value = z[1] * mode
             slope = pad[1] * mode
-            bound = sliding_bound(pad, body)
+            bound = sliding_bound(pad, 0, body)
             fall = min(slope, 0.0)
         starting = mode != 0 and value == 0.0
+        if starting and slope <= NIL * body.friction:
+            taken = creep(z, mode, left, body, pad)
+            if taken >= 0:
+                total += 0.5**taken
+                left -= 0.5**taken
+                half = taken
+                continue
         deepest = SHORTEST if starting else HALVINGS - 1
         safe = value + fall * h - 0.5 * bound * h * h > 0.0 or (slope == 0.0 and bound == 0.0)
         while not safe and abs(slope) <= bound * h and half < deepest:
