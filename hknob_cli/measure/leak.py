@@ -31,10 +31,12 @@ def potential(depth: Array, *, kappa: float, offset: float, analog: bool) -> Arr
     """Work to push the knob ``depth`` counts (m,) into a wall that answers at once; 0 outside."""
     deep = np.maximum(depth, 0.0)
     if analog:
-        return np.asarray(0.5 * kappa * deep * deep, dtype=np.float64)
+        square: Array = 0.5 * kappa * deep * deep
+        return square
     whole = np.floor(deep)
     full = whole * (0.5 * (whole + 1.0) - offset)
-    return np.asarray(kappa * (full + (deep - whole) * (whole + 1.0 - offset)), dtype=np.float64)
+    found: Array = kappa * (full + (deep - whole) * (whole + 1.0 - offset))
+    return found
 
 
 def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: float, analog: bool = False) -> Leak:
@@ -49,12 +51,13 @@ def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: fl
         analog: Whether the sensor has no counts.
     """
     depth = edge - x
-    stored = np.diff(potential(depth, kappa=kappa, offset=offset, analog=analog))
-    outside = np.diff(np.maximum(-depth, 0.0))
-    inside = -np.diff(np.maximum(depth, 0.0))
-    off = torque == 0.0
+    stored = potential(depth, kappa=kappa, offset=offset, analog=analog)
+    gained = stored[1:] - stored[:-1]
+    deep = np.maximum(depth, 0.0)
+    inside = deep[:-1] - deep[1:]
+    entry = float(gained @ (torque == 0.0))
     return Leak(
-        entry=float(stored[off].sum()),
-        exit=float((torque * outside).sum()),
-        staircase=float((torque * inside)[~off].sum() + stored[~off].sum()),
+        entry=entry,
+        exit=float(torque @ (x[1:] - x[:-1] - inside)),
+        staircase=float(torque @ inside) + (float(gained.sum()) - entry),
     )

@@ -150,6 +150,7 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         soft = pad[1] == 0.0 or finger[1] == 0.0
         reach = inf if soft else sqrt(1.0 / pad[1] + tip / finger[1])
     ones = hold_coefficients(alpha, beta, split), hold_coefficients(alpha, beta, 1.0 - split)
+    series = _series(alpha, beta) if second_order else np.zeros(0)
     body = Body(
         order=order,
         friction=scene.knob.coulomb_torque * square / quantum,
@@ -174,9 +175,29 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         f2=ones[1][2],
         drive=float(c[1]),
         matrices=np.concatenate([a.ravel(), held.ravel(), *_increments(a, held, split, alpha, beta)]).tolist(),
-        vectors=np.concatenate([c, held_constant, entry]).tolist(),
+        terms=len(series) // 2,
+        vectors=np.concatenate([c, held_constant, entry, series]).tolist(),
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
+
+
+def _series(alpha: float, beta: float) -> Array:
+    """Power series of S(t) / t and of G(t) / t^2, t up to 1, half of the result each; empty where they are long.
+
+    The impulse response s of x'' + alpha x' + beta x has the derivatives s_(k+1) = -alpha s_k - beta s_(k-1) at 0.
+    """
+    if alpha > 1.0 or beta > 1.0:
+        return np.zeros(0)
+    speed, pull = [], []
+    before, now, factorial = 0.0, 1.0, 1.0
+    for k in range(40):
+        factorial *= k + 1
+        speed.append(now / factorial)
+        pull.append(now / factorial / (k + 2))
+        before, now = now, -alpha * now - beta * before
+        if k > 1 and abs(now) + abs(before) <= 1e-19 * factorial:
+            break
+    return np.array(speed + pull)
 
 
 def _slowest(a: Array) -> float:

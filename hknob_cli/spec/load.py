@@ -10,7 +10,6 @@ from pydantic import BaseModel, ValidationError
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.analysis import Case, CaseFile, DfaSpec, PredictSpec
-from hknob_cli.spec.bench import BenchSpec, validate_bench
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.grid import (
     MAX_CELLS,
@@ -29,7 +28,7 @@ from hknob_cli.spec.sweep import SweepSpec
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS: dict[str, type[BaseModel]] = {**GRIDS, "bench": BenchSpec}
+KINDS = (*GRIDS, "bench")
 
 
 def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Plan:
@@ -55,6 +54,8 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         allowed = [kind] if kind else list(KINDS)
         raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
     if given == "bench":
+        from hknob_cli.spec.bench import validate_bench
+
         return validate_bench(source)
     model = GRIDS[given]
     faults: list[Fault] = []
@@ -201,4 +202,8 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind not in KINDS:
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join(KINDS)}")
-    return KINDS[kind]
+    if kind == "bench":
+        from hknob_cli.spec.bench import BenchSpec
+
+        return BenchSpec
+    return GRIDS[kind]

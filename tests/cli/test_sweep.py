@@ -83,7 +83,7 @@ def test_picture(hknob, spec_file, tmp_path: Path) -> None:
     three = text.replace("counts_per_rev:", "hand.stiffness: [0.04, 0.08]\n  counts_per_rev:")
     done = hknob("sweep", spec_file(three), "-o", "out3", "--plot")
     assert done.returncode == 0
-    assert "no picture: more than two axes" in done.stderr
+    assert "no grid.png: more than two axes" in done.stderr
 
 
 def test_outcomes_are_named_in_the_table(hknob, spec_file) -> None:

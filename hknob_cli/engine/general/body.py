@@ -41,8 +41,9 @@ class Body(NamedTuple):
     s2: float  # and over the rest
     g2: float
     f2: float
+    terms: int  # of second order: of the power series of S / t and G / t^2; 0 where they converge slowly
     matrices: Any  # RATES, HELD, FIRST, SECOND, HALVES..., HALVES_HELD..., (order * order) each
-    vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each
+    vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each; then both series, (terms) each
 
 
 HALVINGS = 53  # D down to the last bit of a sample period

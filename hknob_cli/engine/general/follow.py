@@ -16,9 +16,10 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import inside, read
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.controller import command, inside, read
+from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
+from hknob_cli.engine.general.slide_two import rub_two
 from hknob_cli.engine.general.standstill import settles
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
@@ -67,8 +68,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         space.state[j] = z[j]
     for j in range(len(ring)):
         space.line[j] = ring[j]
-    for _ in range(period):
-        before, head = advance(space.state, before, space.line, head, body, wall, space.pad)
+    pass_over(space.state, before, space.line, head, period, float("inf"), body, wall, space.pad)
     for j in range(n):
         space.away[j] = space.state[j] - z[j]
     return distance(space.away, body) <= gap
@@ -111,7 +111,11 @@ def pursue(
         x = z[0]
         if not -limit < x < limit:
             return GREW, 0, before, head, i
-        if rows > 0 and wall.analog == 0.0:
+        close = False
+        for row in range(rows):
+            if abs(x - states[row * n]) < table[row * FIELDS + 2] and table[row * FIELDS] == CYCLE_PROVEN:
+                close = True
+        if close and wall.analog == 0.0:
             row = captured(z, before, ring, head, body, wall, space.away, rows, table, states, lines)
             if row >= 0:
                 return KNOWN, row, before, head, i
@@ -192,7 +196,12 @@ def pursue(
                 for j in range(delay):
                     checkring[j] = ring[j]
         since += 1
-        before, head = advance(z, before, ring, head, body, wall, space.pad)
+        if body.order == 2 and delay == 0 and body.friction > 0.0:
+            u = command(shown, before, wall)
+            z[0], z[1] = rub_two(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
+            before = shown
+        else:
+            before, head = advance(z, before, ring, head, body, wall, space.pad)
     if kept > 0:
         for j in range(n):
             z[j] = keep[j]

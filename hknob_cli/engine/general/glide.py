@@ -7,8 +7,7 @@ round or is held, until the other torques exceed the friction level.
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
 from hknob_cli.engine.general.slide_many import slide_many, stretch
-from hknob_cli.engine.general.slide_two import rub_two, until_zero, way
-from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.general.slide_two import coefficients, rub_two, until_zero, way
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -47,7 +46,7 @@ def coast(z, u, span, body, pad):
     if body.order > 2:
         rub_many(z, u, span, body, pad)
         return
-    s, g, f = hold_coefficients(body.alpha, body.beta, span)
+    s, g, f = coefficients(span, body)
     if body.friction > 0.0:
         z[0], z[1] = rub_two(z[0], z[1], u, span, s, g, f, body)
     else:

@@ -5,7 +5,21 @@ from math import expm1, floor, log
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero
 
+SERIES = 6  # where the series begin in `Body.vectors`
 MANY_TURNS = 8.0  # half cycles of ringing left in a hold beyond which they are taken in one
+
+
+def coefficients(t, body):
+    """Coefficients (S, G, F) over a time ``t`` up to a sample period, as `propagator.hold_coefficients`."""
+    n = body.terms
+    if n == 0:
+        return hold_coefficients(body.alpha, body.beta, t)
+    s, g = 0.0, 0.0
+    for k in range(n - 1, -1, -1):
+        s = s * t + body.vectors[SERIES + k]
+        g = g * t + body.vectors[SERIES + n + k]
+    s, g = s * t, g * t * t
+    return s, g, 1.0 - body.beta * g - body.alpha * s
 
 
 def skip_turns(x, drive, left, body):
@@ -61,9 +75,9 @@ def until_zero(x, v, drive, mode, left, s, g, f, known, body):
     t = first_zero(v, y, body.alpha, body.beta)
     if t >= left:
         if not known:
-            s, g, f = hold_coefficients(body.alpha, body.beta, left)
+            s, g, f = coefficients(left, body)
         return s, g, f, left, False
-    s, g, f = hold_coefficients(body.alpha, body.beta, t)
+    s, g, f = coefficients(t, body)
     return s, g, f, t, True
 
 
