@@ -200,8 +200,9 @@ def test_growth_over_the_grid() -> None:
 def test_within_one_count_energy_grows_evenly(count: int) -> None:
     """Why a parabola finds no growth at 10 kHz and coarse counts: contacts stay within a count.
 
-    There the torque is u = K dtheta. A contact adds u v T on average, and lasts, with the flight after it, 2 v J (1/g + 1/(u - g)): energy rises by
-    g (u - g) T / (2 J) a second, whatever it is; second order in v T, and 64 trials of chance, leave 5 %.
+    There the torque is u = K dtheta. A contact adds u v T on average, and lasts, with the flight after it,
+    2 v J (1/g + 1/(u - g)): energy rises by g (u - g) T / (2 J) a second, whatever it is; second order in v T, and 64
+    trials of chance, leave 5 %.
     """
     (trials,) = bounce(10_000.0, [count], 64, 0.5)
     slopes = [np.polyfit(t, e, 1)[0] for t, e in trials]

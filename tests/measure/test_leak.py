@@ -12,15 +12,18 @@ K = 0.27
 
 
 def test_parts_add_up_to_the_work_of_the_wall(main_grid) -> None:
-    """Over every orbit of the four readings of the grid; the wall that answers at once gives back all it takes."""
+    """Over every orbit of the four readings of the grid; the wall that answers at once gives back all it takes.
+
+    Without delay none is negative: over a hold from x0 to x1 the work is tau(x0) (x1 - x0) + U(x1) - U(x0), and U, of
+    slope -tau, is convex.
+    """
     for name, rows in main_grid.items():
         for row in rows if name.endswith(":orbits") else []:
             if row["outcome"] != "cycle":
                 continue
             parts = [row["late_entry_j"], row["late_exit_j"], row["staircase_j"]]
             assert sum(parts) == pytest.approx(row["wall_work_j"], rel=0, abs=1e-12 * max(map(abs, parts)))
-            assert row["late_entry_j"] >= 0.0
-            assert row["late_exit_j"] >= 0.0
+            assert min(parts) >= -1e-12 * max(parts)
 
 
 @pytest.mark.parametrize(("rate", "counts"), [(464.0, 4096), (1000.0, 1024), (215.0, 8192)])
