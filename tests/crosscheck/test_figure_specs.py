@@ -211,3 +211,17 @@ def test_within_one_count_energy_grows_evenly(count: int) -> None:
     assert np.mean(slopes) == pytest.approx(G * (step - G) * 1e-4 / (2.0 * J), rel=0.05, abs=chance)
     assert chance < 0.2 * np.mean(slopes)
     assert max(e[-1] for _, e in trials) < step * 2.0 * np.pi / count
+
+
+def test_a_ball_without_counts_ends_undecided() -> None:
+    """Neither damping nor stiffness nor counts: nothing bounds how far two motions part, and no proof is tried."""
+    cells = swept(EXPERIMENTS / "short_contact_analog.yaml").cells.to_pylist()
+    assert cells[0]["undecided_fraction"] == 1.0
+
+
+def test_several_starts_are_recorded_one_after_another() -> None:
+    rows = recorded("stiff_wall")
+    starts = [row["start_rad"] for row in rows if row["time_s"] == 0.0]
+    assert starts == [0.02, 0.01, 0.005]
+    assert [row["angle_rad"] for row in rows if row["time_s"] == 0.0] == pytest.approx(starts, rel=1e-14)
+    assert "start_rad" not in recorded("encoder_wall")[0]
