@@ -49,6 +49,9 @@ def draw_growth(figure: "Figure", rows: list[dict[str, Any]], wide: list[str], n
         )
     panel.set_xscale("log")
     panel.set_yscale("log")
+    sizes = [abs(row[GROWTH]) for row in rows if row[GROWTH]]
+    if sizes:  # an error as large as the mean reaches down to 0
+        panel.set_ylim(bottom=0.3 * min(sizes))
     panel.set_xlabel(name(along))
     panel.set_ylabel(LABEL)
     panel.grid(alpha=0.3, which="both")

@@ -81,6 +81,7 @@ TRAJECTORY = (
     Column("torque_nm", _REAL, "N*m", "torque of the actuator just after this instant"),
     Column("energy_j", _REAL, "J", "energy of the masses, of the hand's springs and of the push; the wall has none"),
 )
+START = (Column("start_rad", _REAL, "rad", "angle at which the recording starts"),)
 FINGER = (
     Column("finger_angle_rad", _REAL, "rad", "angle of the finger"),
     Column("finger_velocity_rad_s", _REAL, "rad/s", "velocity of the finger"),

@@ -107,12 +107,16 @@ class Pulse(NamedTuple):
 
 
 class Record(NamedTuple):
-    """Trajectories to keep: their duration and the time between rows (s), trials, and a pulse at their start."""
+    """Trajectories to keep: their duration and the time between rows (s), trials, and a pulse at their start.
+
+    ``angles``: where they start (rad); empty: where all trials do.
+    """
 
     duration: float
     interval: float
     trials: int
     pulse: Pulse | None = None
+    angles: tuple[float, ...] = ()
 
 
 class DfaPlan(NamedTuple):

@@ -76,6 +76,10 @@ class RecordSpec(Part):
         Field(description="time between rows, beside those where the torque changes; null: a thousandth of duration"),
     ] = None
     trials: Annotated[int, Field(strict=True, ge=1, le=1000, description="trials to record, by phase")] = 1
+    angles: Annotated[
+        list[Angle] | None,
+        Field(min_length=1, max_length=100, description="angles to start recordings at, each; null: that of starts"),
+    ] = None
     pulse: PulseSpec | None = None
 
     def plain(self) -> Record:
@@ -85,6 +89,7 @@ class RecordSpec(Part):
             interval=self.interval or self.duration / 1000.0,
             trials=self.trials,
             pulse=Pulse(**dict(self.pulse)) if self.pulse else None,
+            angles=tuple(self.angles or ()),
         )
 
 

@@ -1,6 +1,7 @@
 """Recordings of a sweep: the exact motion of the first trials of every cell, row by row."""
 
 from collections.abc import Iterator
+from itertools import product
 from math import ceil, nan
 from typing import Any, NamedTuple
 
@@ -13,7 +14,7 @@ from hknob_cli.engine.general.glide import coast
 from hknob_cli.errors import ComputationError
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import FINGER, TRAJECTORY, axis_column
+from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, cells, scene_at
@@ -44,26 +45,27 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
         scene = scene_at(plan.scene, cell)
         push = _push(scene, cell)
         trials = min(plan.record.trials, plan.starts.phases) if scene.sampled else 1
-        for trial in range(trials):
-            for one in _instants(plan, scene, cell, trial):
-                rows.append({**cell, "trial": trial, **_row(one, scene, push)})
+        for start, trial in product(plan.record.angles or (plan.starts.angle,), range(trials)):
+            for one in _instants(plan, scene, cell, trial, start):
+                rows.append({**cell, "start_rad": start, "trial": trial, **_row(one, scene, push)})
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
-    return build_table([*axes, *TRAJECTORY, *(FINGER if finger else ())], rows)
+    starts = START if plan.record.angles else ()
+    return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ())], rows)
 
 
 def _expected_rows(record: Record, cell: Cell) -> float:
-    return record.trials * record.duration * (1.0 / record.interval + cell.get(RATE, 0.0))
+    return max(1, len(record.angles)) * record.trials * record.duration * (1.0 / record.interval + cell.get(RATE, 0.0))
 
 
-def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int) -> Iterator[Instant]:
+def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: float) -> Iterator[Instant]:
     assert plan.record
     counts = int(cell[COUNTS]) if COUNTS in cell else None
     if not scene.sampled:
-        return _unsampled(plan, scene, counts)
+        return _unsampled(plan, scene, counts, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
-    return record_trial(knob, plan.record, angle=plan.starts.angle, velocity=plan.starts.velocity, phase=phase)
+    return record_trial(knob, plan.record, angle=angle, velocity=plan.starts.velocity, phase=phase)
 
 
 def _row(one: Instant, scene: Scene, push: float) -> dict[str, Any]:
@@ -158,13 +160,13 @@ def record_trial(
         yield found
 
 
-def _unsampled(plan: SweepPlan, scene: Scene, counts: int | None) -> Iterator[Instant]:
+def _unsampled(plan: SweepPlan, scene: Scene, counts: int | None, angle_rad: float) -> Iterator[Instant]:
     """Motion without a sample clock: every event, and between them at the interval asked."""
     assert plan.record
     record = plan.record
     motion = events(
         reduce_unsampled(scene, counts_per_rev=counts),
-        angle_rad=plan.starts.angle,
+        angle_rad=angle_rad,
         velocity_rad_s=plan.starts.velocity,
         duration_s=record.duration,
     )

@@ -12,7 +12,7 @@ The energy of the difference of two motions never grows while they get the same 
 dampers take it, and friction, a monotone function of speed, takes it, too (Brezis 1973, ch. 3).
 """
 
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, NamedTuple
 
 
@@ -98,5 +98,7 @@ def norm(dz, body):
 def distance(dz, body):
     """Bound on how far apart in position two motions get under the same commands, from their difference now."""
     if body.order == 2 and body.beta == 0.0 and body.friction == 0.0:
+        if body.alpha == 0.0:
+            return inf
         return abs(dz[0]) + abs(dz[1]) / body.alpha
     return body.reach * norm(dz, body)

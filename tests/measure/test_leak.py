@@ -1,0 +1,74 @@
+"""The split of the wall's work: late entry, late exit, staircase."""
+
+import numpy as np
+import pytest
+
+from hknob_cli.measure.leak import split_leak
+from hknob_cli.spec.load import load
+from hknob_cli.stages.record import record_sweep
+from tests.conftest import EXPERIMENTS, swept
+
+K = 0.27
+
+
+def test_parts_add_up_to_the_work_of_the_wall(main_grid) -> None:
+    """Over every orbit of the four readings of the grid; the wall that answers at once gives back all it takes.
+
+    Without delay none is negative: over a hold from x0 to x1 the work is tau(x0) (x1 - x0) + U(x1) - U(x0), and U, of
+    slope -tau, is convex.
+    """
+    for name, rows in main_grid.items():
+        for row in rows if name.endswith(":orbits") else []:
+            if row["outcome"] != "cycle":
+                continue
+            parts = [row["late_entry_j"], row["late_exit_j"], row["staircase_j"]]
+            assert sum(parts) == pytest.approx(row["wall_work_j"], rel=0, abs=1e-12 * max(map(abs, parts)))
+            assert min(parts) >= -1e-12 * max(parts)
+
+
+@pytest.mark.parametrize(("rate", "counts"), [(464.0, 4096), (1000.0, 1024), (215.0, 8192)])
+def test_split_is_that_of_the_motion_in_time(rate: float, counts: int) -> None:
+    """Sums of torque times distance over a recorded period, each piece told by where the knob is and what acts.
+
+    A piece that straddles an edge is told wrongly by at most itself: K dtheta times its length, once for each crossing.
+    """
+    setting = (f"grid.sample_rate_hz={rate}", f"grid.counts_per_rev={counts}", "starts.phases=1")
+    path = EXPERIMENTS / "hand_on_knob.yaml"
+    orbit = swept(path, *setting).orbits.to_pylist()[0]
+    period = orbit["period_samples"] / rate
+    end = 0.5 / rate + round(0.25 * rate) / rate  # a sample
+    interval = 5e-6
+    record = f"record={{duration: {end + period}, interval: {interval}}}"
+    rows = record_sweep(load(path, (*setting, record))).to_pylist()
+    time, angle, torque = (np.array([row[n] for row in rows]) for n in ("time_s", "angle_rad", "torque_nm"))
+    last = time >= end - 1e-12
+    angle, torque = angle[last], torque[last][:-1]
+    quantum = 2.0 * np.pi / counts
+    moved, middle = np.diff(angle), 0.5 * (angle[1:] + angle[:-1])
+    ideal = -K * quantum * np.minimum(0.0, np.floor(middle / quantum))
+    inside, off = middle < 0.0, torque == 0.0
+    late = (torque - ideal) * moved
+    crossings = np.count_nonzero(np.diff(np.floor(angle / quantum)))
+    bound = K * quantum * np.abs(moved).max() * (crossings + 2)
+    assert late[inside & off].sum() == pytest.approx(orbit["late_entry_j"], rel=0, abs=bound)
+    assert late[~inside].sum() == pytest.approx(orbit["late_exit_j"], rel=0, abs=bound)
+    assert late[inside & ~off].sum() == pytest.approx(orbit["staircase_j"], rel=0, abs=bound)
+    assert bound < 0.05 * orbit["wall_work_j"]
+
+
+def test_a_hold_on_a_continuous_sensor() -> None:
+    """In and out of a wall of stiffness 2 by whole steps: x = 1, -1, -3, -1, 1 with torques of the sample before.
+
+    Entry: potential of the first step inside, 2 * 1/2. Exit: torque 2 over one unit. Inside: 2 * (-2), 6 * 2, 2 * 1,
+    against a potential of 9 at the lowest: (-4 + 8) + (12 - 8) + (2 - 1).
+    """
+    found = split_leak(
+        np.array([1.0, -1.0, -3.0, -1.0, 1.0]),
+        np.array([0.0, 2.0, 6.0, 2.0]),
+        edge=0.0,
+        kappa=2.0,
+        offset=0.0,
+        analog=True,
+    )
+    assert found == pytest.approx((1.0, 2.0, 9.0))
+    assert sum(found) == pytest.approx(2.0 * -2.0 + 6.0 * 2.0 + 2.0 * 2.0)
