@@ -163,9 +163,10 @@ def pursue(
                             z[j] = space.orbit[j]
                         for j in range(delay):
                             ring[j] = space.orbit_line[j]
-                        return (CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM), since, before, head, i
+                        fate = CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM
+                        return fate, since, space.reading[0], head, i
                     if status == ON_EDGE or status == AT_EVENT or status == EXPANDS:
-                        kept, kept_head, kept_before = since, head, before
+                        kept, kept_head, kept_before = since, head, space.reading[0]
                         kept_fate = CYCLE_ON_EDGE
                         if status != ON_EDGE:
                             kept_fate = CYCLE_AT_EVENT if status == AT_EVENT else CYCLE_EXPANDS
