@@ -288,7 +288,8 @@ def certify(z, before, ring, head, period, body, wall, space):
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale):
-        return EXPANDS, margin, edge, closure, bound
+        # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
+        return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:
