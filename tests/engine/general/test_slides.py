@@ -110,3 +110,11 @@ def test_more_states_agree_with_two(x: float, v: float, u: float) -> None:
         assert abs(taken - t) <= 200.0 * EPS * (1.0 + size / max(slope, EPS))
     else:
         assert min(1.0 - taken, 1.0 - t) <= 1e-9 or abs(f * v + s * y) <= 200.0 * EPS * size
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(0.1, 1.0), (3.0, 1.0), (2.0, 1.0), (0.5, 0.0)])
+def test_speed_too_small_for_the_formulas_ends_at_once(alpha: float, beta: float) -> None:
+    """-v / rate underflows to 0, which must not be read as a standstill that leaves, half a ringing period long."""
+    body = ringing(alpha, beta, 0.2)
+    *_, t, ended = until_zero(0.0, 5e-324, -0.2, 1, 1.0, 0.0, 0.0, 1.0, False, body)
+    assert (t, ended) == (0.0, True)
