@@ -95,6 +95,13 @@ def norm(dz, body):
     return sqrt(square) + late
 
 
+def stiffness(body):
+    """Bound on the acceleration of the knob by springs and dampers, by `norm`."""
+    if body.ratio > 0.0:
+        return body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
+    return body.alpha + sqrt(body.beta)
+
+
 def distance(dz, body):
     """Bound on how far apart in position two motions get under the same commands, from their difference now."""
     if body.order == 2 and body.beta == 0.0 and body.friction == 0.0:

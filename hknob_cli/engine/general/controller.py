@@ -59,15 +59,17 @@ def inside(shown):
     return shown if shown < 0.0 else 0.0
 
 
-def edge_gap(x, shown, wall):
-    """Distance from ``x`` to the nearest position at which the command would change, in counts."""
+def edge_gap(x, shown, before, wall):
+    """How far ``x``, and ``before``, may move until the command, or its slope, changes, in counts."""
     if wall.analog > 0.0:
         gap = abs(x)
-        if shown < 0.0 and wall.kappa > 0.0 and wall.limit < float("inf"):
-            gap = min(gap, abs(x + wall.limit / wall.kappa))
-        if wall.step > 0.0 and shown < 0.0 and wall.kappa > 0.0:
-            part = (wall.kappa * -x / wall.step + 0.5) % 1.0
-            gap = min(gap, min(part, 1.0 - part) * wall.step / wall.kappa)
+        slope = wall.kappa + 2.0 * wall.damping
+        if shown < 0.0 and slope > 0.0:
+            u = -wall.kappa * shown - wall.damping * (shown - before)
+            gap = min(gap, abs(abs(u) - wall.limit) / slope)
+            if wall.step > 0.0:
+                part = (u / wall.step + 0.5) % 1.0
+                gap = min(gap, min(part, 1.0 - part) * wall.step / slope)
         return gap
     if not shown < 0.0 and wall.damping == 0.0:
         return x if wall.sense > 0.0 else x + 1.0

@@ -1,13 +1,20 @@
 """The ensemble of one cell in the general loop: trials by phase, followed one after another, counted by their orbit."""
 
-from hknob_cli.engine.certificate import DIFFERENT
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
-from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, REST_EDGE, REST_PROVEN, same_line
+from hknob_cli.engine.follow import (
+    CYCLE_CONTINUUM,
+    CYCLE_ON_EDGE,
+    CYCLE_PROVEN,
+    REST_EDGE,
+    REST_PROVEN,
+    UNSETTLED,
+)
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, pursue
 from hknob_cli.engine.general.glide import coast
 from hknob_cli.engine.general.interval import advance, pass_over
-from hknob_cli.engine.general.period_map import certify
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
 
 
 def is_cycle(fate):
@@ -19,6 +26,15 @@ def is_cycle(fate):
         or fate == CYCLE_AT_EVENT
         or fate == CYCLE_EXPANDS
     )
+
+
+def recant(status):
+    """Fate of an orbit whose proof, taken again at its deepest sample, came to ``status``."""
+    if status == ON_EDGE:
+        return CYCLE_ON_EDGE
+    if status == AT_EVENT:
+        return CYCLE_AT_EVENT
+    return CYCLE_EXPANDS if status == EXPANDS else UNSETTLED
 
 
 def begin(z, start, part, body, pad):
@@ -37,10 +53,12 @@ def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, b
         line[j], bestring[j] = ring[j], ring[j]
     first, best_before, best_head = head, before, head
     for i in range(period):
-        if i > 0 and period % i == 0 and same_line(ring, head, line, first):
+        if i > 0 and period % i == 0:
             again = True
             for j in range(n):
                 again = again and near(z[j], orbit[j])
+            for j in range(delay):
+                again = again and near(ring[(head + j) % delay], line[(first + j) % delay])
             if again:
                 period = i
                 break
@@ -156,11 +174,21 @@ def crowd(
                 period = turns
                 row = find(fate, period, z, shown, rows, table, states, n)
                 status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
-            if fate == CYCLE_PROVEN and status != DIFFERENT:
+            if fate != CYCLE_PROVEN and status == DIFFERENT:
+                fate = UNSETTLED
+            if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
+                fate = recant(status)
+            elif fate == CYCLE_PROVEN:
                 for j in range(n):
                     z[j] = space.orbit[j]
                 for j in range(delay):
                     ring[j] = space.orbit_line[j]
+                before = space.reading[0]
+        if cycle and not is_cycle(fate):
+            # Nothing is left of the cycle but that the trial has not settled.
+            cycle, period, turns = False, 0, 0
+            margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+            row = find(fate, period, z, shown, rows, table, states, n)
         if row == capacity:
             overflow += 1
             continue

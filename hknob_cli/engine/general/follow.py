@@ -27,6 +27,7 @@ CYCLE_AT_EVENT = 9
 CYCLE_EXPANDS = 10
 KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
+PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
 
@@ -162,14 +163,19 @@ def pursue(
                         status, wait = WAIT, i + 2 * since
                     elif wall.analog > 0.0 or closes_in(z, before, ring, head, since, gap, body, wall, space):
                         status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
+                        if wall.analog > 0.0 and status != PROVEN:
+                            wait = i + PROOF_COST * since
+                        if status == NEUTRAL and body.friction > 0.0:
+                            status = DIFFERENT  # held by friction: no cycle
                     if status == PROVEN or status == NEUTRAL:
                         for j in range(n):
                             z[j] = space.orbit[j]
                         for j in range(delay):
                             ring[j] = space.orbit_line[j]
-                        return (CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM), since, before, head, i
+                        fate = CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM
+                        return fate, since, space.reading[0], head, i
                     if status == ON_EDGE or status == AT_EVENT or status == EXPANDS:
-                        kept, kept_head, kept_before = since, head, before
+                        kept, kept_head, kept_before = since, head, space.reading[0]
                         kept_fate = CYCLE_ON_EDGE
                         if status != ON_EDGE:
                             kept_fate = CYCLE_AT_EVENT if status == AT_EVENT else CYCLE_EXPANDS

@@ -10,7 +10,7 @@ continuous sensor the command follows the motion, and the growth of a difference
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.body import distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read
 from hknob_cli.engine.general.interval import advance_columns
 
@@ -18,6 +18,8 @@ AT_EVENT = 5  # a standstill of the motion could, within rounding, go another wa
 EXPANDS = 6  # the period map does not contract
 NEWTON_STEPS = 8
 POWERS = 4096  # of the derivative, until a difference is gone
+GONE = 1e-3
+LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
 
 class Space(NamedTuple):
@@ -37,6 +39,7 @@ class Space(NamedTuple):
     orbit: Any  # (order), the periodic one
     line: Any  # (delay)
     orbit_line: Any  # (delay)
+    reading: Any  # (1), the orbit's reading one sample before
 
 
 def invert(a, cols, m, stride):
@@ -104,7 +107,7 @@ def turn(before, ring, head, period, body, wall, space, m):
     for _ in range(period):
         x = space.state[0]
         shown = read(x, wall)
-        margin = min(margin, edge_gap(x, shown, wall))
+        margin = min(margin, edge_gap(x, shown, before, wall))
         edge = min(edge, count_gap(x, wall))
         reach = max(reach, abs(x))
         pace = max(pace, abs(space.state[1]))
@@ -162,7 +165,7 @@ def growth_bound(cols, width, power, spare, total, m, scale):
                 total[i * m + j] += part
                 row += part * (scale if j % 2 == 1 else 1.0)
             worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
-        if worst < 1e-3:
+        if worst < GONE:
             return True
         for i in range(m):
             for j in range(m):
@@ -175,8 +178,12 @@ def growth_bound(cols, width, power, spare, total, m, scale):
     return False
 
 
-def within(before, ring, head, period, body, wall, space, m, bound):
-    """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge."""
+def within(before, ring, head, period, body, wall, space, m):
+    """Whether differences up to ``away`` at the start of every period leave each sample on its side of every edge.
+
+    Returns ``(whether, bound)``: the latter on the error of every sample that an error up to ``power`` at the start
+    means.
+    """
     n, width = body.order, space.width
     for c in range(m):
         for i in range(width):
@@ -187,29 +194,34 @@ def within(before, ring, head, period, body, wall, space, m, bound):
         space.line[j] = space.orbit_line[j]
     for i in range(m):
         space.residual[i] = space.away[i]
+    last, bound = space.residual[width - 1], 0.0
     for _ in range(period):
         x = space.state[0]
-        reach = bound
+        reach, error = 0.0, 0.0
         for c in range(m):
             reach += abs(space.cols[c * width]) * space.residual[c]
-        if not reach < edge_gap(x, read(x, wall), wall):
-            return False
+            error += abs(space.cols[c * width]) * space.power[c]
+        bound = max(bound, error)
+        if not max(reach, last) < edge_gap(x, read(x, wall), before, wall):
+            return False, bound
+        last = reach
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
-    return True
+    return True, bound
 
 
 def certify(z, before, ring, head, period, body, wall, space):
     """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
 
     Returns ``(status, margin, edge, closure, bound)`` as `engine.certificate.certify` does; the orbit's state at this
-    sample is left in ``space.orbit``, its delay line in ``space.orbit_line``.
+    sample is left in ``space.orbit``, its delay line in ``space.orbit_line``, its last reading in ``space.reading``.
     """
     n, width = body.order, space.width
     delay = len(ring)
     m = width if wall.analog > 0.0 else n
     start, last = before, before
+    space.reading[0] = before
     for i in range(n):
         space.orbit[i] = z[i]
     for j in range(delay):
@@ -248,6 +260,7 @@ def certify(z, before, ring, head, period, body, wall, space):
                 space.orbit_line[i - n] += change
             else:
                 start += change
+                space.reading[0] = start
     if not closure < 1e-6 * (reach + pace):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     if not solved:
@@ -263,16 +276,20 @@ def certify(z, before, ring, head, period, body, wall, space):
         space.away[i] = total
         if i == 0:
             bound = total
-    scale = pace / (reach + pace) if pace > 0.0 else 1.0
-    # A difference of speeds, and of torques, that the error bound allows.
+    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
+    if wall.analog == 0.0 and body.reach < float("inf"):
+        bound = max(bound, distance(space.away, body))  # at every sample of the period, not only at the first
     if body.friction > 0.0:
-        speed = space.away[1]
-        if not (space.marks[0] > 4.0 * (body.beta + body.pad_stiffness) * bound and space.marks[1] > speed):
+        # A difference of speeds, and of torques, that the error allows at any time: its energy does not grow.
+        speed = norm(space.away, body)
+        late = space.away[n - 1] if body.lag > 0.0 else 0.0
+        if not (space.marks[0] > 2.0 * (stiffness(body) * speed + late) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale):
-        return EXPANDS, margin, edge, closure, bound
+        # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
+        return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:
@@ -284,11 +301,18 @@ def certify(z, before, ring, head, period, body, wall, space):
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
     space.residual[width - 1] = before - start
+    largest = 0.0
     for i in range(m):
-        total = 0.0
+        space.power[i] = space.away[i]
+        space.residual[i] = abs(space.residual[i]) + space.away[i]
+        largest = max(largest, space.residual[i] / (scale if i % 2 == 1 else 1.0))
+    for i in range(m):
+        # What is left of the difference when the powers end counts, too.
+        space.residual[i] = max(space.residual[i], GONE * largest * (scale if i % 2 == 1 else 1.0))
+    for i in range(m):
+        total = space.power[i]
         for j in range(m):
-            total += space.total[i * m + j] * abs(space.residual[j])
+            total += space.total[i * m + j] * space.residual[j]
         space.away[i] = total
-    if not within(start, ring, head, period, body, wall, space, m, bound):
-        return NOT_CAPTURED, margin, edge, closure, bound
-    return PROVEN, margin, edge, closure, bound
+    near, bound = within(start, ring, head, period, body, wall, space, m)
+    return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound

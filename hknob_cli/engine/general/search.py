@@ -70,6 +70,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         orbit=zeros(order),
         line=zeros(delay),
         orbit_line=zeros(delay),
+        reading=zeros(1),
     )
 
 

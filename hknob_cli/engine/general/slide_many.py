@@ -7,7 +7,7 @@ then bracketed by halving down to the last bit of a sample period.
 
 from math import floor, sqrt
 
-from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, RATES, acceleration, rate_of
+from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, RATES, acceleration, rate_of, stiffness
 
 SHORTEST = 20  # a slide that begins with next to no acceleration takes at least 2^-20 of a sample
 NIL = 1e-13  # acceleration, by the friction level, that rounding can make of none
@@ -36,11 +36,9 @@ def sliding_bound(rate, at, body):
         finger, tip = rate[at + 1] - rate[at + 3], rate[at] - rate[at + 2]
         square = rate[at + 1] * rate[at + 1] + body.pad_stiffness * rate[at + 2] * rate[at + 2]
         square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
-        stiff = body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
     else:
         square = rate[at + 1] * rate[at + 1] + body.beta * rate[at] * rate[at]
-        stiff = body.alpha + sqrt(body.beta)
-    return (sqrt(square) + grown) * stiff + late
+    return (sqrt(square) + grown) * stiffness(body) + late
 
 
 def held_bound(rate, body):

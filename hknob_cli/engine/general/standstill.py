@@ -48,7 +48,7 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     for i in range(n):
         orbit[i] = 0.0
     orbit[0] = z[0]
-    gap = edge_gap(z[0], shown, wall)
+    gap = edge_gap(z[0], shown, before, wall)
     if body.friction > 0.0:
         if not stays_held(z, u, body):
             return MOVING, gap
@@ -78,7 +78,7 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     for i in range(n):
         away[i] = z[i] - orbit[i]
     rest = orbit[0]
-    gap = edge_gap(rest, shown, wall)
+    gap = edge_gap(rest, shown, shown, wall)
     bound = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
     reach = distance(away, body)
     if gap > bound and reach + bound < gap:

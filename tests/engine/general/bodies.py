@@ -1,0 +1,19 @@
+"""Bodies for the unit tests, from scenes in the units of a person."""
+
+from typing import Any
+
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.spec.scene import SceneSpec
+
+
+def knob(rate_hz: float = 1000.0, counts: int | None = 1024, **parts: Any) -> GeneralKnob:
+    """The knob under a hand, with ``parts`` of the scene replaced."""
+    scene: dict[str, Any] = {
+        "knob": {"inertia": 1.9e-6, "coulomb_torque": 2.0e-4},
+        "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
+        "wall": {"stiffness": 0.27},
+        "bias": {"torque": 0.001},
+        **parts,
+    }
+    plain = SceneSpec.model_validate(scene).plain()
+    return sample_general(plain, sample_rate_hz=rate_hz, counts_per_rev=counts)

@@ -1,0 +1,93 @@
+"""The command law, against values worked out by hand; K = 2, levels are counts."""
+
+from math import inf
+
+import pytest
+
+from hknob_cli.engine.general.controller import Controller, command, edge_gap, read, slopes
+
+
+def wall(**changes: float) -> Controller:
+    """A wall of stiffness 2 on floor counts, with ``changes``."""
+    plain = Controller(
+        kappa=2.0, damping=0.0, sense=1.0, truncate=0.0, offset=0.0, analog=0.0, step=0.0, limit=inf, split=0.0
+    )
+    return plain._replace(**changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "x", "shown"),
+    [
+        ({}, -0.25, -1.0),
+        ({}, 0.75, 0.0),
+        ({}, -2.0, -2.0),
+        ({"sense": -1.0}, -0.25, 0.0),
+        ({"sense": -1.0}, -1.25, -1.0),
+        ({"sense": -1.0}, 1.25, 2.0),
+        ({"sense": -1.0, "truncate": 1.0}, 1.25, 1.0),
+        ({"sense": -1.0, "truncate": 1.0}, -1.25, -1.0),
+        ({"analog": 1.0}, -0.25, -0.25),
+    ],
+)
+def test_reading(changes: dict[str, float], x: float, shown: float) -> None:
+    assert read(x, wall(**changes)) == shown
+
+
+@pytest.mark.parametrize(
+    ("changes", "shown", "before", "u"),
+    [
+        ({}, -3.0, -1.0, 6.0),
+        ({}, 0.0, -1.0, 0.0),
+        ({}, 4.0, -1.0, 0.0),
+        ({"offset": 0.25}, -3.0, -3.0, 5.5),
+        ({"damping": 0.5}, -3.0, -1.0, 7.0),  # 6 - 0.5 (-3 + 1): pushes out while it goes in
+        ({"damping": 0.5}, -3.0, -5.0, 5.0),
+        ({"damping": 4.0}, -1.0, -3.0, -6.0),  # pulls in: the wall is not one-sided
+        ({"step": 4.0}, -3.0, -3.0, 8.0),  # 6/4 = 1.5 rounds up
+        ({"step": 4.0}, -1.0, -1.0, 4.0),  # 0.5 rounds up
+        ({"step": 5.0}, -1.0, -1.0, 0.0),
+        ({"limit": 5.0}, -3.0, -3.0, 5.0),
+        ({"limit": 5.0, "damping": 4.0}, -1.0, -3.0, -5.0),
+        ({"limit": 5.0, "step": 4.0}, -3.0, -3.0, 5.0),  # the amplifier comes after the converter
+        ({"analog": 1.0}, -0.75, -0.5, 1.5),
+    ],
+)
+def test_command(changes: dict[str, float], shown: float, before: float, u: float) -> None:
+    assert command(shown, before, wall(**changes)) == u
+
+
+@pytest.mark.parametrize(
+    ("changes", "x", "before", "gap"),
+    [
+        ({}, -1.25, -1.0, 0.25),
+        ({}, 7.5, 0.0, 7.5),  # outside, only the wall's edge matters
+        ({"sense": -1.0}, 7.5, 0.0, 8.5),
+        ({"damping": 1.0}, 7.25, 7.0, 0.25),  # the reading there still counts at the next sample
+        ({"damping": 1.0, "sense": -1.0, "truncate": 1.0}, 0.25, 0.0, 0.75),
+        ({"damping": 1.0, "sense": -1.0, "truncate": 1.0}, -0.25, 0.0, 0.75),
+        ({"analog": 1.0}, -1.25, -1.0, 1.25),
+        ({"analog": 1.0, "limit": 2.0}, -1.25, -1.0, 0.25),
+        ({"analog": 1.0, "step": 1.0}, -0.625, -1.0, 0.125),  # 1.25 rounds to 1; 1.5 is the next jump
+    ],
+)
+def test_gap(changes: dict[str, float], x: float, before: float, gap: float) -> None:
+    one = wall(**changes)
+    assert edge_gap(x, read(x, one), before, one) == gap
+
+
+def test_saturation_by_virtual_damping_is_in_the_gap() -> None:
+    """u = 2 * 1 + 3 (1 - 0.5) = 3.5 of 4: while x and the reading before move by less than 0.5 / (2 + 2 * 3)."""
+    one = wall(analog=1.0, damping=3.0, limit=4.0)
+    gap = edge_gap(-1.0, -1.0, -0.5, one)
+    assert gap == 0.5 / 8.0
+    assert command(-1.0 - 0.99 * gap, -0.5 + 0.99 * gap, one) < 4.0
+    assert command(-1.0 - 1.01 * gap, -0.5 + 1.01 * gap, one) == 4.0
+
+
+@pytest.mark.parametrize(("shown", "before"), [(-1.0, -0.5), (-0.25, -0.75), (0.5, 1.0), (-9.0, -1.0)])
+def test_slopes_are_differences(shown: float, before: float) -> None:
+    """The law is piecewise linear: differences are slopes but for rounding."""
+    one, h = wall(analog=1.0, damping=0.5, limit=8.0), 2.0**-20
+    first = (command(shown + h, before, one) - command(shown - h, before, one)) / (2 * h)
+    second = (command(shown, before + h, one) - command(shown, before - h, one)) / (2 * h)
+    assert slopes(shown, before, one) == (first, second)
