@@ -26,6 +26,10 @@ class BenchWork:
         """Every run."""
         return ("bench.parquet",)
 
+    def others(self, _job: Job) -> tuple[str, ...]:
+        """None."""
+        return ()
+
     def inputs(self, _job: Job) -> dict[str, str]:
         """What else the runs depend on: the rivals' versions, and the kind of machine."""
         return {**{f"{name}_version": _version(name) for name in RIVALS}, "machine": machine()}

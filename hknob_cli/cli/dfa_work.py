@@ -22,6 +22,10 @@ class DfaWork:
         """Cycles by method, and their differences from a sweep where there is one."""
         return "dfa.parquet", *(["differences.parquet"] if job.plan.against else [])
 
+    def others(self, job: Job) -> tuple[str, ...]:
+        """Differences, where there is no sweep to compare with."""
+        return () if job.plan.against else ("differences.parquet",)
+
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""
         return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}

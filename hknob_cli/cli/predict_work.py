@@ -21,6 +21,10 @@ class PredictWork:
         """Predictions, stability limits, and differences from a sweep where there is one."""
         return "predict.parquet", "passivity.parquet", *(["differences.parquet"] if job.plan.against else [])
 
+    def others(self, job: Job) -> tuple[str, ...]:
+        """Differences, where there is no sweep to compare with."""
+        return () if job.plan.against else ("differences.parquet",)
+
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep that the laws are compared with, and the known case, if any."""
         against = {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}

@@ -22,6 +22,9 @@ class Work(Protocol):
     def files(self, job: Job) -> tuple[str, ...]:
         """Names of the result files, one a table."""
 
+    def others(self, job: Job) -> tuple[str, ...]:
+        """Names of files that this stage writes for other specs, and that would be stale beside these results."""
+
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
 
@@ -46,7 +49,8 @@ def run_stage(job: Job, work: Work) -> None:
     )
     paths = [job.out / file for file in work.files(job)]
     pictures = [job.out / file for file in work.pictures(job)]
-    ours = [*paths, *pictures]
+    others = [job.out / file for file in work.others(job)]
+    ours = [*paths, *pictures, *others]
     store.refuse_foreign(ours, stage=job.kind, name=name)
     current = None if job.force else store.read_current(paths, stamp)
     if job.dry_run:
@@ -62,8 +66,8 @@ def run_stage(job: Job, work: Work) -> None:
             tables = current or work.compute(job)
             if current is None:
                 store.write(dict(zip(paths, tables, strict=True)), stamp)
-                for picture in pictures:
-                    picture.unlink(missing_ok=True)  # it would show what the files no longer hold
+                for stale in (*pictures, *others):
+                    stale.unlink(missing_ok=True)  # it would show what the files no longer hold
             drawn = work.draw(job, tables, pictures) if job.plot else []
     files = [*paths, *drawn]
     status = "computed" if current is None else "up to date"
@@ -82,12 +86,16 @@ def run_stage(job: Job, work: Work) -> None:
 
 
 def _say_plan(job: Job, paths: list[Path], *, current: bool) -> None:
-    if current:
-        print(f"nothing would run: {job.out} is up to date")
-        return
     missing = [path.name for path in paths if not path.exists()]
     changed = "the spec or the program has changed since"
     why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
+    if job.as_json:
+        plan = {"kind": job.kind, "name": job.plan.name, "status": "up to date" if current else "would run"}
+        print(json.dumps({**plan, **({} if current else {"why": why}), "files": [str(path) for path in paths]}))
+        return
+    if current:
+        print(f"nothing would run: {job.out} is up to date")
+        return
     print(f"{job.kind} would run, because: {why}; it would write {' and '.join(str(path) for path in paths)}")
 
 

@@ -23,6 +23,10 @@ class SweepWork:
         """Cells, the orbits in them, and the recordings where they are asked for."""
         return "cells.parquet", "orbits.parquet", *(["trajectories.parquet"] if job.plan.record else [])
 
+    def others(self, job: Job) -> tuple[str, ...]:
+        """Recordings, where none are asked for."""
+        return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+
     def inputs(self, _job: Job) -> dict[str, str]:
         """A sweep depends on its spec alone."""
         return {}
@@ -52,7 +56,8 @@ class SweepWork:
         if draw_sweep(cells, orbits, list(job.plan.axes), title=job.plan.name, path=paths[0]):
             drawn.append(paths[0])
         else:
-            note(job, f"no {paths[0].name}: more than two axes have several values")
+            why = "more than two axes have several values" if job.plan.axes else "the grid has no axis"
+            note(job, f"no {paths[0].name}: {why}")
         if job.plan.record:
             from hknob_cli.report.trajectory_picture import draw_trajectories
 

@@ -31,6 +31,7 @@ class Reason(IntEnum):
     EXPANDS = 13
     CONSERVATIVE = 14
     EVENT_LIMIT = 15
+    TOO_LONG = 16
 
 
 WORDS = {
@@ -48,6 +49,7 @@ WORDS = {
     Reason.AT_EVENT: "a standstill in the cycle may, to within the error bound, slide on or stay",
     Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
+    Reason.TOO_LONG: "it repeats, but its period has too many turning points to measure",
     Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

@@ -31,13 +31,13 @@ _MOST_LABELS = 400
 
 
 def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw a sweep into ``path`` (PNG); False, drawing nothing, for more than two axes of several values.
+    """Draw a sweep into ``path`` (PNG); False, drawing nothing, without an axis, or where more than two vary.
 
     Raises `ComputationError` if the file cannot be written.
     """
     rows = cells.to_pylist()
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
-    if len(wide) > 2:
+    if len(wide) > 2 or not axes:
         return False
     fixed = ", ".join(f"{axis} = {rows[0][axis]:g}" for axis in axes if axis not in wide)
     from matplotlib.figure import Figure

@@ -51,9 +51,9 @@ ORBITS = (
     Column("closure_rad", _REAL, "rad", "distance between the orbit's start and its end, one period later"),
     Column("wall_work_j", _REAL, "J", "work of the wall torque over one period"),
     Column("damping_loss_j", _REAL, "J", "energy the damping dissipates over one period"),
-    Column("late_entry_j", _REAL, "J", "work of the wall by acting late: the knob is inside, no torque yet"),
-    Column("late_exit_j", _REAL, "J", "work of the wall by letting go late: the knob is outside, torque still acts"),
-    Column("staircase_j", _REAL, "J", "work of the wall inside it, by the torque of an earlier angle"),
+    Column("late_entry_j", _REAL, "J", "work of the wall by acting late: inside, no torque yet; null with a lag"),
+    Column("late_exit_j", _REAL, "J", "work of the wall by letting go late: outside, torque acts; null with a lag"),
+    Column("staircase_j", _REAL, "J", "work of the wall inside, by the torque of an earlier angle; null with a lag"),
 )
 
 # Columns that only some scenes have: with friction; without damping, of the cells; without a sample clock.

@@ -22,7 +22,7 @@ from hknob_cli.spec.grid import (
 )
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan, PredictPlan
-from hknob_cli.spec.scene import SceneSpec, contradictions
+from hknob_cli.spec.scene import SceneSpec, contradictions, given
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
@@ -113,21 +113,17 @@ def _missing_axes(source: Source, scene: SceneSpec | None) -> list[Fault]:
 
 def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Axes) -> list[Fault]:
     """Faults of scene values that this kind of spec cannot have."""
-    faults = []
+    faults: list[Fault] = []
     kind = source.value["kind"]
+    if scene is None:
+        return faults
     for name, what in model.ABSENT.items():
-        part, field = name.split(".")
-        message = f"must be 0: {what} is not in {kind}"
-        value = getattr(getattr(scene, part, None), field, None)
-        if isinstance(value, BaseModel):
-            message = f"must not be given: {what} is not in {kind}"
-        if value:
-            faults.append(source.fault(("scene", part, field), message))
-        if any(axes.get(name, [])):
-            faults.append(source.fault(("grid", name), message, at_key=True))
-    if model.ABSENT and scene and scene.encoder == "none":
+        for place in given(scene, axes, name):
+            at_key = place[0] == "grid"
+            faults.append(source.fault(place, f"must be absent: {what} is not in {kind}", at_key=at_key))
+    if model.ABSENT and scene.encoder == "none":
         faults.append(source.fault(("scene", "encoder"), f"must be a mapping: {kind} needs an encoder's counts"))
-    if model.ABSENT and scene and scene.sampling == "continuous":
+    if model.ABSENT and scene.sampling == "continuous":
         faults.append(source.fault(("scene", "sampling"), f"must be zero_order_hold: {kind} is about a sampled wall"))
     return faults
 

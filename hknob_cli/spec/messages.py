@@ -73,6 +73,8 @@ def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
         return f"must have {side} {context.get('min_length', context.get('max_length'))} items, got {shown(value)}"
     if kind.startswith("string_"):
         return f"{error['msg'].replace('String should', 'must')}, got {shown(value)}"
+    if isinstance(value, dict | BaseModel):
+        return str(error["msg"])
     return f"{error['msg']}, got {shown(value)}"
 
 

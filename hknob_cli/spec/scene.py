@@ -170,11 +170,30 @@ class SceneSpec(Part):
         )
 
 
+def given(scene: SceneSpec, axes: plan.Axes, path: str) -> list[tuple[str, ...]]:
+    """Places in the spec where the value at ``path``, a part and a key, is other than if it were not listed."""
+    part, key = path.split(".")
+    model = getattr(scene, part)
+    places: list[tuple[str, ...]] = []
+    if model is None or model == "none":
+        return places
+    absent = type(model).model_fields[key].default
+    if getattr(model, key) != absent:
+        places.append(("scene", part, key))
+    if any(value != absent for value in axes.get(path, [])):
+        places.append(("grid", path))
+    return places
+
+
 def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, ...], str]]:
     """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
     found: list[tuple[tuple[str, ...], str]] = []
-    if scene.bias and scene.bias.half_quantum and plan.COUNTS not in axes:
-        found.append((("scene", "bias", "half_quantum"), "must not be given without grid.counts_per_rev"))
+    if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
+        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
+    if scene.hand and scene.hand.finger:
+        for key in ("inertia", "damping", "stiffness"):
+            if f"hand.{key}" in axes:
+                found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
     if scene.sampling == "continuous":
         needs_clock = {
             ("wall", "damping"): "virtual damping needs samples to difference",
@@ -184,8 +203,8 @@ def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, .
             ("actuator", "torque_limit"): "a torque limit is not in a continuous controller",
         }
         for path, why in needs_clock.items():
-            if getattr(getattr(scene, path[0]), path[1], None) or any(axes.get(".".join(path), [])):
-                found.append((("scene", *path), f"must be absent where sampling is continuous: {why}"))
+            for place in given(scene, axes, ".".join(path)):
+                found.append((place, f"must be absent where sampling is continuous: {why}"))
         if scene.hand and scene.hand.finger:
             found.append((("scene", "hand", "finger"), "must be absent where sampling is continuous"))
     return found

@@ -1,44 +1,45 @@
 """The sweep's spec: a scene, a grid, and how trials start."""
 
+from math import prod
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
-from hknob_cli.spec.plan import Axes, Pulse, Record, Starts, SweepPlan
+from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
 from hknob_cli.spec.quantity import Angle, PositiveSeconds, SignedTorque, Velocity
-from hknob_cli.spec.scene import Part, SceneSpec
+from hknob_cli.spec.scene import Part, SceneSpec, given
+
+MOST_ROWS = 1_000_000  # of the recordings of a sweep
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
 
-# Axes that leave an undamped knob undamped.
-UNDAMPED = (
-    "knob.inertia",
-    "hand.inertia",
-    "wall.stiffness",
-    "bias.torque",
-    "actuator.delay_samples",
-    "encoder.offset_counts",
+# Values that must be absent where the growth of energy without damping is asked for.
+DAMPING = (
+    "knob.damping",
+    "knob.coulomb_torque",
+    "hand.damping",
+    "hand.stiffness",
+    "hand.finger",
+    "wall.damping",
+    "actuator.time_constant",
+    "actuator.torque_limit",
+    "actuator.torque_step",
 )
 
 
-def is_undamped(scene: SceneSpec, axes: Axes) -> bool:
-    """Whether nothing but the wall and the bias acts on the knob: the bouncing ball (Hasser, sec. 6.4.1)."""
-    hand, knob, actuator, wall = scene.hand, scene.knob, scene.actuator, scene.wall
-    absent: list[Any] = [knob.damping, knob.coulomb_torque, wall.damping]
-    absent += [hand.damping, hand.stiffness, hand.finger] if hand else []
-    absent += [actuator.time_constant, actuator.torque_limit, actuator.torque_step] if actuator else []
-    free = (
-        "knob.inertia",
-        "hand.inertia",
-        "wall.stiffness",
-        "bias.torque",
-        "actuator.delay_samples",
-        "encoder.offset_counts",
-    )
-    varied = [name for name in axes if "." in name and name not in free]
-    return scene.sampling != "continuous" and scene.encoder != "none" and not any(absent) and not varied
+def growth_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene is not the bouncing ball: a sampled knob that nothing damps or holds (Hasser, sec. 6.4.1)."""
+    why = "must be absent where 'growth' is given: it is of a knob that nothing damps or holds"
+    found = [(place, why) for path in DAMPING for place in given(scene, axes, path)]
+    if scene.sampling == "continuous":
+        found.append((("growth",), "must be absent where sampling is continuous: energy does not grow"))
+    if scene.encoder == "none":
+        found.append((("growth",), "must be absent where encoder is none"))
+    if not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0:
+        found.append((("growth",), "must be absent without a bias into the wall: nothing brings the knob back to it"))
+    return found
 
 
 class StartsSpec(Part):
@@ -116,13 +117,25 @@ class SweepSpec(Part):
     def contradictions(self, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
         """What excludes something else: places in the spec, and what is wrong there."""
         found: list[tuple[tuple[str, ...], str]] = []
-        if self.growth and not is_undamped(self.scene, axes):
-            found.append(
-                (("growth",), "must be absent, but for a sampled knob without damping, friction and stiffness")
-            )
+        if self.growth:
+            found += growth_faults(self.scene, axes)
         if self.record and self.record.pulse and self.scene.sampling == "continuous":
             found.append((("record", "pulse"), "must be absent where sampling is continuous"))
+        if self.record:
+            rows = self._recorded_rows(axes)
+            if rows > MOST_ROWS:
+                text = f"must be shorter, or interval longer: {rows:.2g} rows would be recorded, at most {MOST_ROWS}"
+                found.append((("record", "duration"), text))
         return found
+
+    def _recorded_rows(self, axes: Axes) -> float:
+        """Rows of all recordings, roughly."""
+        assert self.record
+        record = self.record.plain()
+        rates = axes.get(RATE, [0.0]) if self.scene.sampling != "continuous" else [0.0]
+        trials = min(record.trials, self.starts.phases) if self.scene.sampling != "continuous" else 1
+        others = prod(len(values) for name, values in axes.items() if name != RATE) * max(1, len(record.angles))
+        return others * trials * sum(record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates)
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
         """The spec as plain values, its axes resolved."""

@@ -180,11 +180,16 @@ class CellFinder:
 def _result(
     cell: Cell, quantum_rad: float, search: Search, measure: Callable[[Attractor], OrbitMeasures], group: str
 ) -> CellResult:
+    measures = tuple(measure(one) for one in search.attractors)
+    attractors = tuple(
+        whole(Outcome.UNDECIDED, Reason.TOO_LONG, one.trials) if one.outcome is Outcome.CYCLE and not m.cycles else one
+        for one, m in zip(search.attractors, measures, strict=True)
+    )
     return CellResult(
         cell=cell,
         quantum_rad=quantum_rad,
-        attractors=search.attractors,
-        measures=tuple(measure(one) for one in search.attractors),
+        attractors=attractors,
+        measures=measures,
         samples=search.samples,
         group=group,
     )

@@ -35,7 +35,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]]) -> pa.Table:
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
-    counted = COUNTS in plan.axes
+    counted = COUNTS in plan.axes and plan.scene.encoder is not None
     return build_table([*axes, *(one for one in columns if counted or one.name not in NEEDS_COUNTS)], rows)
 
 

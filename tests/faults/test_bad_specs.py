@@ -68,8 +68,17 @@ BROKEN = {
     "two hands": ("stiffness: 0.04", "finger: {inertia: 1}, fingerpad: {}", "scene.hand: must have 'finger' and"),
     "no weight": ("stiffness: 0.04", "finger: {inertia: 0}, fingerpad: {}", "scene.hand.finger.inertia: must be > 0"),
     "axis of no finger": ("[1024]", "[1024]\n  hand.finger.inertia: [1]", "which has no 'finger'"),
-    "damped growth": ("starts:", "growth: {duration: 1}\nstarts:", "11:1: growth: must be absent, but for"),
+    "damped growth": ("starts:", "growth: {duration: 1}\nstarts:", "5:27: scene.hand.damping: must be absent where"),
     "recording of no time": ("starts:", "record: {duration: 0}\nstarts:", "11:20: record.duration: must be > 0, got 0"),
+    "no torque without clock": (
+        KNOB, f"{KNOB}\n  sampling: continuous\n  actuator: {{torque_limit: 0}}", "6:28: scene.actuator.torque_limit",
+    ),
+    "half of no count": (
+        "{torque: 0.001}", "{half_quantum: true}\n  encoder: none", "7:24: scene.bias.half_quantum: must be absent",
+    ),
+    "recording of an age": (
+        "starts:", "record: {duration: 1e6 s, interval: 1 ms}\nstarts:", "11:10: record.duration: must be shorter",
+    ),
     "not YAML": ("[1000]", "[1000", ": not YAML"),
     "a tab": ("  wall", "\twall", ": not YAML"),
 }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from math import inf, sqrt
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -33,7 +34,8 @@ GENERAL_FATES = {
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
 }
-SLICE = 1024  # trials between two chances to be interrupted
+FIRST_SLICE, PAUSE_S = 8, 0.1  # trials, then time, between two chances to be interrupted
+MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
 ROWS = 256  # distinct orbits a cell keeps
 FREELY = 10.0  # times that a sample of the general loop takes longer in the interpreter
 MOST_PIECES = 200_000  # of a period that is measured
@@ -110,7 +112,7 @@ class GeneralEngine:
         ``rate``: decay of the slowest mode, per sample. Raises `NeedsCompilerError` in the interpreter, where the same
         search compiled would succeed.
         """
-        budget = max_samples or sample_limit(rate, damped=body.damped)
+        budget = max_samples or min(sample_limit(rate, damped=body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
         static = body.push / (wall.kappa + spring) if wall.kappa + spring > 0.0 else 0.0
         coast = abs(start[1]) * min(1000.0, 1.0 / sqrt(spring) if spring > 0.0 else inf)
@@ -132,12 +134,15 @@ class GeneralEngine:
         states, lines = self.zeros(n * ROWS), self.zeros(max(1, delay_line * ROWS))
         work = [self.zeros(count) for count in (n, delay_line, n, delay_line, n, delay_line)]
         rows = overflow = samples = 0
-        for first in range(0, phases, SLICE):  # compiled code does not hear an interruption
+        first, slice_size = 0, FIRST_SLICE
+        while first < phases:
+            stop = min(first + slice_size, phases)
+            begin = perf_counter()
             rows, full, taken = self._crowd(
                 self._filled(start),
                 phases,
                 first,
-                min(first + SLICE, phases),
+                stop,
                 skip,
                 min(budget, patience + skip) if cut else budget,
                 1e6 * scale,
@@ -153,6 +158,9 @@ class GeneralEngine:
             )
             overflow += full
             samples += int(taken)
+            # Compiled code does not hear an interruption. The result does not depend on the slices.
+            spent, first = perf_counter() - begin, stop
+            slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))
         fates = [int(table[FIELDS * row]) for row in range(rows)]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError

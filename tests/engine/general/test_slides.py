@@ -17,7 +17,9 @@ EPS = 2.0**-52
 
 def ringing(alpha: float, beta: float, friction: float) -> Body:
     """A second-order body of given numbers."""
-    return knob().body._replace(alpha=alpha, beta=beta, friction=friction, spacing=zero_spacing(alpha, beta), drive=0.0)
+    return knob().body._replace(
+        alpha=alpha, beta=beta, friction=friction, spacing=zero_spacing(alpha, beta), drive=0.0, terms=0
+    )
 
 
 def turn_by_turn(x: float, free: float, turns: int, body: Body) -> tuple[float, float]:
