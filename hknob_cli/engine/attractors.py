@@ -68,6 +68,10 @@ class Attractor(NamedTuple):
         return self.reason is Reason.NONE
 
 
+class StoppedError(Exception):
+    """The search was told to stop."""
+
+
 class Search(NamedTuple):
     """Attractors of one cell, the most frequent first, and the trial-samples it took to find them."""
 
@@ -100,7 +104,11 @@ class NeedsCompilerError(Exception):
 class Engine:
     """The ensemble kernel and its work space, plain or compiled; one per thread."""
 
-    def __init__(self, functions: dict[str, Callable[..., Any]] | None = None) -> None:
+    def __init__(
+        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Make ready; ``functions``: compiled, by name; ``stopped``: asked between slices whether to give up."""
+        self.stopped = stopped
         self.compiled = functions is not None
         self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
         self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
@@ -114,7 +122,8 @@ class Engine:
     ) -> Search:
         """Run ``phases`` trials from (``x`` counts, ``v`` counts per sample) and name what they settle to.
 
-        Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed.
+        Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed, and `StoppedError`
+        when told to stop.
         """
         rate = slowest_rate(loop.alpha, loop.beta)
         budget = max_samples or sample_limit(rate, damped=loop.alpha > 0.0)
@@ -133,6 +142,8 @@ class Engine:
         rows, overflow, samples = 0, 0, 0
         ax, av = first_sample(x, v, phases, loop)
         for start in range(0, phases, SLICE):  # compiled code does not hear an interruption
+            if self.stopped():
+                raise StoppedError
             rows, full, taken, ax, av = self._ensemble(
                 ax,
                 av,

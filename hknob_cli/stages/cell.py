@@ -76,9 +76,12 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
 class CellFinder:
     """Finds what cells settle to; has the engines, plain or compiled, that their scenes need. One per thread."""
 
-    def __init__(self, functions: dict[str, dict[str, Callable[..., Any]]]) -> None:
-        """Make ready; ``functions``: compiled engine functions by group."""
+    def __init__(
+        self, functions: dict[str, dict[str, Callable[..., Any]]], stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Make ready; ``functions``: compiled engine functions by group; ``stopped``: asked whether to give up."""
         self.functions = functions
+        self.stopped = stopped
         self._engine: Engine | None = None
         self._general: Any = None
 
@@ -94,7 +97,7 @@ class CellFinder:
             return self._find_general(plan, cell)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         if self._engine is None:
-            self._engine = Engine(self.functions.get("plain"))
+            self._engine = Engine(self.functions.get("plain"), self.stopped)
         search = self._engine.search(
             knob.loop,
             x=knob.position(plan.starts.angle),
@@ -113,7 +116,7 @@ class CellFinder:
         counts = int(cell[COUNTS]) if COUNTS in cell else None
         knob = sample_general(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
         if self._general is None:
-            self._general = GeneralEngine(self.functions.get("general"))
+            self._general = GeneralEngine(self.functions.get("general"), self.stopped)
         try:
             search = self._general.search(
                 knob.body,

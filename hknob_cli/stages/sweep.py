@@ -51,6 +51,7 @@ class SweepStage:
         self.notify = notify
         self.jobs = jobs or usable_cores()
         self._local = threading.local()
+        self._stop = threading.Event()
         self._functions: dict[str, dict[str, Callable[..., Any]]] = {}
 
     @property
@@ -114,7 +115,7 @@ class SweepStage:
     def _finder(self) -> CellFinder:
         finder: CellFinder | None = getattr(self._local, "finder", None)
         if finder is None or finder.functions is not self._functions:
-            finder = self._local.finder = CellFinder(self._functions)
+            finder = self._local.finder = CellFinder(self._functions, self._stop.is_set)
         return finder
 
     def _results(self) -> Iterator[CellResult]:
@@ -125,8 +126,10 @@ class SweepStage:
             return
         from concurrent.futures import ThreadPoolExecutor
 
+        self._stop.clear()
         pool = ThreadPoolExecutor(max_workers=self.jobs)
         try:
             yield from pool.map(self.run_cell, cells(self.plan.axes))
         finally:
+            self._stop.set()  # after an interruption, cells that still run give up
             pool.shutdown(wait=True, cancel_futures=True)

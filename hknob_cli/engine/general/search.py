@@ -16,6 +16,7 @@ from hknob_cli.engine.attractors import (
     Attractor,
     NeedsCompilerError,
     Search,
+    StoppedError,
     ranked,
     sample_limit,
     settling_samples,
@@ -84,7 +85,11 @@ def as_arrays(body: Body) -> Body:
 class GeneralEngine:
     """The general loop, plain or compiled; one per thread."""
 
-    def __init__(self, functions: dict[str, Callable[..., Any]] | None = None) -> None:
+    def __init__(
+        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Make ready; ``functions``: compiled, by name; ``stopped``: asked between slices whether to give up."""
+        self.stopped = stopped
         self.compiled = functions is not None
         self._crowd: Callable[..., Any] = functions["general.crowd"] if functions else ensemble.crowd
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
@@ -110,7 +115,7 @@ class GeneralEngine:
         """Run ``phases`` trials from the state ``start`` and name what they settle to.
 
         ``rate``: decay of the slowest mode, per sample. Raises `NeedsCompilerError` in the interpreter, where the same
-        search compiled would succeed.
+        search compiled would succeed, and `StoppedError` when told to stop.
         """
         budget = max_samples or min(sample_limit(rate, damped=body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
@@ -136,6 +141,8 @@ class GeneralEngine:
         rows = overflow = samples = 0
         first, slice_size = 0, FIRST_SLICE
         while first < phases:
+            if self.stopped():
+                raise StoppedError
             stop = min(first + slice_size, phases)
             begin = perf_counter()
             rows, full, taken = self._crowd(
