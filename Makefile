@@ -63,7 +63,7 @@ compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme 
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench
 
 bench: $(VENV)/.dev ## throughput, start-up, and rival methods
-	@for name in throughput rivals startup; do \
+	@for name in throughput friction rivals startup; do \
 	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
 
 clean: ## remove the environment, caches and results
