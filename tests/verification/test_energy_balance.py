@@ -2,7 +2,7 @@
 
 Source: the theory, "At a limit cycle the work of the wall torque over a cycle equals the loss in b": over a closed
 motion the bias and the hand's spring return what they take. The package computes the two sides independently, the work
-from torques and displacements, the loss from the integral of the squared velocity. Issue 2 asks for 1e-10 relative.
+from torques and displacements, the loss from the integral of the squared velocity. 1e-10 relative is asked for.
 
 The bound leaves room: the work is a sum of torques times displacements, whose sizes add up to at most 200 times the
 loss (10 kHz, 8192 counts, at 60 digits), and a displacement carries the rounding of a position, at most 100 times the

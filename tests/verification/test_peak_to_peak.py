@@ -5,7 +5,7 @@ levels it was solved from, with a margin, so it is an orbit; the theory, "Limit 
 measures as the README defines them ("Definitions"). Beyond the grid: delays, other encoders, and a hand so stiff that
 the knob turns several times within one hold.
 
-Issue 2 asks for p2p within 1e-10 relative; the same is asked of every measure. Rounding alone does much better: the
+1e-10 relative is asked of p2p, and here of every measure. Rounding alone does much better: the
 orbit's positions are good to a few n * eps of its reach, and a peak adds one rounding of the hold.
 """
 
