@@ -67,10 +67,10 @@ if __name__ == "__main__":
 # 2026-11-21, two shared cores (x86-64, AVX-512), Python 3.11, numba 0.68.1, one thread; throughput without over with:
 #
 #   phases   1e-5 N m   1e-4 N m   5.6e-4 N m
-#       64       5.1        4.1        7.3
-#     1024       5.2        4.2        7.0
+#       64       4.8        3.9        6.6
+#     1024       4.8        4.0        5.8
 #
-# In time for the whole grid: x 3.9, 3.1, 6.1 and x 3.8, 3.1, 5.8, for trials with friction take fewer samples. Without,
-# 46 and 86 million trial-samples a second. The transient takes 24 ns a sample, 2 without (no vectors: one sample in six
+# In time for the whole grid: x 3.6, 2.9, 5.5 and x 3.5, 3.0, 4.9, for trials with friction take fewer samples. Without,
+# 46 and 87 million trial-samples a second. The transient takes 24 ns a sample, 2 without (no vectors: one sample in six
 # has a standstill in it); a proof takes Newton steps with derivatives. At 5.6e-4 N m a third of the time goes to one
 # cell, 10 kHz x 512 counts, whose orbit has a period of 5382 samples, and in which candidates are many.

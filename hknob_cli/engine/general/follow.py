@@ -17,7 +17,7 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
-from hknob_cli.engine.general.interval import advance, pass_over
+from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
 from hknob_cli.engine.general.slide_two import rub_two
 from hknob_cli.engine.general.standstill import settles
@@ -27,6 +27,7 @@ CYCLE_AT_EVENT = 9
 CYCLE_EXPANDS = 10
 KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
+PATIENCE = 12  # times that one is, each at a quarter of the gap
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
 
@@ -60,16 +61,28 @@ def has_period(period, rows, table):
 
 
 def closes_in(z, before, ring, head, period, gap, body, wall, space):
-    """Whether a trial that came back to within ``gap`` comes no less close after ``period`` samples more.
+    """Whether a trial that came back to within ``gap`` has the same readings again, and comes no less close.
 
     Motions with the same readings never part, so a candidate period that fails is none; this is cheaper than a proof.
+    ``space.trail`` has the readings of the period that led here, as far as it reaches.
     """
     n = body.order
     for j in range(n):
         space.state[j] = z[j]
     for j in range(len(ring)):
         space.line[j] = ring[j]
-    pass_over(space.state, before, space.line, head, period, float("inf"), body, wall, space.pad)
+    plain = n == 2 and len(ring) == 0 and body.friction > 0.0
+    for k in range(period):
+        shown = read(space.state[0], wall)
+        if k < len(space.trail) and inside(shown) != inside(space.trail[k]):
+            return False
+        if plain:
+            u = command(shown, before, wall)
+            x, v = rub_two(space.state[0], space.state[1], u, 1.0, body.s2, body.g2, body.f2, body)
+            space.state[0], space.state[1] = x, v
+            before = shown
+        else:
+            before, head = advance(space.state, before, space.line, head, body, wall, space.pad)
     for j in range(n):
         space.away[j] = space.state[j] - z[j]
     return distance(space.away, body) <= gap
@@ -107,7 +120,7 @@ def pursue(
     resting_on_edge = False
     shown = read(z[0], wall)
     run, next_test = 0, FIRST_REST_TEST
-    wait = 0
+    left_alone, wait = 0, 0
     for i in range(budget):
         x = z[0]
         if not -limit < x < limit:
@@ -156,11 +169,13 @@ def pursue(
                 gap = distance(space.away, body)
                 if gap < tolerance and (wall.analog > 0.0 or same_line(ring, head, checkring, chead)):
                     status, margin = DIFFERENT, 0.0
+                    known = wall.analog == 0.0 and has_period(since, rows, table)
                     if i < wait:
                         status = WAIT
-                    elif wait == 0 and has_period(since, rows, table):
+                    elif known and gap > 0.0 and left_alone < PATIENCE:
                         # Probably an orbit known already, whose deepest sample will show it.
-                        status, wait = WAIT, i + 2 * since
+                        status, left_alone = WAIT, left_alone + 1
+                        tolerance = 0.25 * gap
                     elif wall.analog > 0.0 or closes_in(z, before, ring, head, since, gap, body, wall, space):
                         status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
                         if wall.analog > 0.0 and status != PROVEN:
@@ -201,6 +216,8 @@ def pursue(
                     check[j] = z[j]
                 for j in range(delay):
                     checkring[j] = ring[j]
+        if since < len(space.trail):
+            space.trail[since] = shown
         since += 1
         if body.order == 2 and delay == 0 and body.friction > 0.0:
             u = command(shown, before, wall)

@@ -39,6 +39,7 @@ class Space(NamedTuple):
     orbit: Any  # (order), the periodic one
     line: Any  # (delay)
     orbit_line: Any  # (delay)
+    trail: Any  # readings since the checkpoint, the first of them
     reading: Any  # (1), the orbit's reading one sample before
 
 

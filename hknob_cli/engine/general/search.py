@@ -37,6 +37,7 @@ GENERAL_FATES = {
 }
 FIRST_SLICE, PAUSE_S = 8, 0.1  # trials, then time, between two chances to be interrupted
 MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
+TRAIL = 8192  # readings of a candidate period that are kept to compare it with the next
 ROWS = 256  # distinct orbits a cell keeps
 FREELY = 10.0  # times that a sample of the general loop takes longer in the interpreter
 MOST_PIECES = 200_000  # of a period that is measured
@@ -73,6 +74,7 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         orbit=zeros(order),
         line=zeros(delay),
         orbit_line=zeros(delay),
+        trail=zeros(TRAIL),
         reading=zeros(1),
     )
 
