@@ -93,6 +93,16 @@ def settling_samples(rate: float, limit: int) -> int:
     return int(min(SETTLE / rate, limit // 8))
 
 
+def trial_scale(x: float, v: float, push: float, wall: float, spring: float) -> float:
+    """Counts that a trial from (``x``, ``v``) spans at most, roughly: its start, its static depth, how far it coasts.
+
+    ``push``, ``wall`` and ``spring`` are the bias and the stiffness of wall and hand, per inertia.
+    """
+    static = push / (wall + spring) if wall + spring > 0.0 else 0.0
+    coast = abs(v) * min(1000.0, 1.0 / sqrt(spring) if spring > 0.0 else inf)
+    return max(1.0, abs(x), abs(static), coast)
+
+
 class NeedsCompilerError(Exception):
     """A trial is too long for the interpreter; ``group``: the functions to compile."""
 
@@ -127,9 +137,7 @@ class Engine:
         """
         rate = slowest_rate(loop.alpha, loop.beta)
         budget = max_samples or sample_limit(rate, damped=loop.alpha > 0.0)
-        static = loop.gamma / (loop.kappa + loop.beta) if loop.kappa + loop.beta > 0.0 else 0.0
-        coast = abs(v) * min(1000.0, 1.0 / sqrt(loop.beta) if loop.beta > 0.0 else inf)
-        scale = max(1.0, abs(x), abs(static), coast)
+        scale = trial_scale(x, v, loop.gamma, loop.kappa, loop.beta)
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
         if loop.kappa == 0.0 and loop.beta == 0.0 and loop.gamma > 0.0:

@@ -12,7 +12,7 @@ from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.forms import Integrals, integrate
 from hknob_cli.measure.leak import Leak, split_leak
 from hknob_cli.measure.moments import RULE, Forms, hold_forms
-from hknob_cli.measure.orbit import OrbitMeasures
+from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.measure.period import Array
 from hknob_cli.scene.general_knob import GeneralKnob
 
@@ -56,19 +56,7 @@ class GeneralMeasurer:
         """Measures of ``attractor``."""
         if attractor.outcome is Outcome.REST:
             least, most = attractor.span or (attractor.x, attractor.x)
-            return OrbitMeasures(
-                p2p_rad=0.0,
-                min_rad=self.knob.angle_rad(least),
-                max_rad=self.knob.angle_rad(most),
-                rms_rad=0.0,
-                frequency_hz=0.0,
-                wall_work_j=0.0,
-                damping_loss_j=0.0,
-                late_entry_j=0.0,
-                late_exit_j=0.0,
-                staircase_j=0.0,
-                friction_loss_j=0.0,
-            )
+            return at_rest(self.knob.angle_rad(least), self.knob.angle_rad(most))
         if attractor.outcome is not Outcome.CYCLE:
             return OrbitMeasures()
         chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)

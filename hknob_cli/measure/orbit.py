@@ -32,6 +32,23 @@ class OrbitMeasures(NamedTuple):
     staircase_j: float = nan
 
 
+def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:
+    """Measures of a rest point, or of the range in which friction holds trials."""
+    return OrbitMeasures(
+        p2p_rad=0.0,
+        min_rad=least_rad,
+        max_rad=most_rad,
+        rms_rad=0.0,
+        frequency_hz=0.0,
+        wall_work_j=0.0,
+        damping_loss_j=0.0,
+        friction_loss_j=0.0,
+        late_entry_j=0.0,
+        late_exit_j=0.0,
+        staircase_j=0.0,
+    )
+
+
 class Measurer:
     """Measures the attractors of one cell; integrals over a hold are computed once, and only if there is a cycle."""
 
@@ -44,18 +61,7 @@ class Measurer:
         """Measures of ``attractor``."""
         if attractor.outcome is Outcome.REST:
             theta = self.knob.angle_rad(attractor.x)
-            return OrbitMeasures(
-                p2p_rad=0.0,
-                min_rad=theta,
-                max_rad=theta,
-                rms_rad=0.0,
-                frequency_hz=0.0,
-                wall_work_j=0.0,
-                damping_loss_j=0.0,
-                late_entry_j=0.0,
-                late_exit_j=0.0,
-                staircase_j=0.0,
-            )
+            return at_rest(theta, theta)
         if attractor.outcome is not Outcome.CYCLE:
             return OrbitMeasures()
         knob, loop = self.knob, self.knob.loop

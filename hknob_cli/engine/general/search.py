@@ -1,7 +1,7 @@
 """What the trials of a cell settle to in the general loop; the counterpart of `engine.attractors.Engine`."""
 
 from collections.abc import Callable
-from math import inf, sqrt
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -20,6 +20,7 @@ from hknob_cli.engine.attractors import (
     ranked,
     sample_limit,
     settling_samples,
+    trial_scale,
     whole,
     why_unrepeated,
 )
@@ -121,9 +122,7 @@ class GeneralEngine:
         """
         budget = max_samples or min(sample_limit(rate, damped=body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
-        static = body.push / (wall.kappa + spring) if wall.kappa + spring > 0.0 else 0.0
-        coast = abs(start[1]) * min(1000.0, 1.0 / sqrt(spring) if spring > 0.0 else inf)
-        scale = max(1.0, abs(start[0]), abs(static), coast)
+        scale = trial_scale(start[0], start[1], body.push, wall.kappa, spring)
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
         loose = wall.kappa == 0.0 and spring == 0.0 and body.ratio == 0.0
