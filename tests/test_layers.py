@@ -12,7 +12,23 @@ from tests.conftest import HKNOB, ROOT
 
 PACKAGE = ROOT / "hknob_cli"
 # Each layer may use the ones before it.
-ORDER = ["errors", "spec", "engine", "scene", "theory", "rivals", "measure", "results", "report", "stages", "cli"]
+ORDER = [
+    "errors",
+    "printed",
+    "spec",
+    "engine",
+    "scene",
+    "theory",
+    "rivals",
+    "measure",
+    "results",
+    "report",
+    "stages",
+    "claims",
+    "page",
+    "pipeline",
+    "cli",
+]
 
 
 def imports(path: Path) -> set[str]:

@@ -22,8 +22,8 @@ def source_digest() -> str:
     root = Path(__file__).parent.parent
     digest = hashlib.sha256()
     for folder in _COMPUTING:
-        for path in sorted((root / folder).glob("*.py")):
-            digest.update(path.name.encode())
+        for path in sorted((root / folder).rglob("*.py")):
+            digest.update(path.relative_to(root).as_posix().encode())
             digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -1,0 +1,1 @@
+"""The page: figures, claims and provenance as one self-contained HTML file."""

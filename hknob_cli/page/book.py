@@ -1,0 +1,54 @@
+"""What a page says, as plain values, before it is laid out."""
+
+from typing import Any, NamedTuple
+
+
+class Drawn(NamedTuple):
+    """A figure: its id (the anchor), title, what to see in it, its SVG, and a description of it in words.
+
+    ``results`` are the names of the results it is drawn from, and ``missing`` says why there is no picture.
+    """
+
+    id: str
+    title: str
+    caption: str
+    svg: str
+    alt: str
+    results: tuple[str, ...] = ()
+    missing: str = ""
+
+
+class Chapter(NamedTuple):
+    """A part of the page: its id, title, text in paragraphs, and figures."""
+
+    id: str
+    title: str
+    text: tuple[str, ...]
+    figures: tuple[Drawn, ...]
+
+
+class Source(NamedTuple):
+    """Where a result is from: its name, stage, files, digest of its spec, and how to run it again."""
+
+    name: str
+    stage: str
+    files: tuple[str, ...]
+    spec_sha256: str
+    overrides: tuple[str, ...]
+    spec: dict[str, Any]
+
+
+class Page(NamedTuple):
+    """The whole page. ``claims`` are rows of claims.parquet; ``lead`` the ids of the figures in the summary."""
+
+    name: str
+    title: str
+    sentences: tuple[str, ...]
+    lead: tuple[str, ...]
+    claims: tuple[dict[str, Any], ...]
+    claims_of: str  # the text that the claims are about; empty without claims
+    chapters: tuple[Chapter, ...]
+    sources: tuple[Source, ...]
+    rerun: tuple[str, ...]  # command lines
+    versions: dict[str, str]
+    mark: str  # comment that says whose page it is, for the results folder

@@ -1,0 +1,29 @@
+"""Figures by name: each draws one kind of picture from finished results.
+
+A drawing takes the `Evidence`, the name ``of`` the result (or a list of names), and options of its own as keywords; it
+returns a matplotlib Figure, made by `ink.figure`, without a title: the page has titles and captions. It raises
+`MissingError` where a result lacks what it needs.
+"""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.results.evidence import Evidence
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Drawing = Callable[..., "Figure"]
+
+DRAWINGS: dict[str, Drawing] = {}
+
+
+def drawing(function: Drawing) -> Drawing:
+    """Register a drawing under its name."""
+    DRAWINGS[function.__name__] = function
+    return function
+
+
+def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
+    """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+    return DRAWINGS[name](evidence, of, **options)

@@ -1,0 +1,104 @@
+"""Finished results by name: what figures are drawn from and claims are checked against."""
+
+import json
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hknob_cli.errors import UsageError
+from hknob_cli.results.provenance import KEY
+from hknob_cli.spec.plan import Scene
+
+Rows = list[dict[str, Any]]
+
+
+class MissingError(UsageError):
+    """There is no such result, or not that part of it: what depends on it is left out, and says so."""
+
+
+class Result:
+    """One results folder: its tables, read once, and how they were made."""
+
+    def __init__(self, name: str, folder: Path) -> None:
+        """``name`` is what figures and claims call it."""
+        self.name = name
+        self.folder = folder
+        self._tables: dict[str, pa.Table] = {}
+
+    def table(self, file: str) -> pa.Table:
+        """A table, by file name with or without ``.parquet``. Raises `MissingError`."""
+        file = f"{file.removesuffix('.parquet')}.parquet"
+        if file not in self._tables:
+            try:
+                with pq.ParquetFile(self.folder / file) as parquet:
+                    self._tables[file] = parquet.read()
+            except (OSError, pa.ArrowException):
+                raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
+        return self._tables[file]
+
+    def rows(self, file: str) -> Rows:
+        """The same as a list of rows. Raises `MissingError`."""
+        rows: Rows = self.table(file).to_pylist()
+        return rows
+
+    @cached_property
+    def files(self) -> tuple[str, ...]:
+        """Names of the tables in the folder."""
+        return tuple(sorted(path.name for path in self.folder.glob("*.parquet")))
+
+    @cached_property
+    def provenance(self) -> dict[str, Any]:
+        """Stage, spec as run, inputs and versions. Raises `MissingError` where the folder has no result."""
+        for file in self.files:
+            metadata = self.table(file).schema.metadata or {}
+            if KEY in metadata:
+                record: dict[str, Any] = json.loads(metadata[KEY])
+                return record
+        raise MissingError(f"no result '{self.name}' in {self.folder}")
+
+    @property
+    def stage(self) -> str:
+        """Kind of the stage that made it. Raises `MissingError`."""
+        return str(self.provenance["stage"])
+
+    @property
+    def axes(self) -> list[str]:
+        """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
+        grid = self.provenance["spec"].get("grid") or {}
+        return list(grid)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene it was computed for, in SI numbers. Raises `MissingError` where its stage has none."""
+        scene = self.provenance["spec"].get("scene")
+        if scene is None:
+            raise MissingError(f"'{self.name}' has no scene")
+        from hknob_cli.spec.scene import SceneSpec
+
+        return SceneSpec.model_validate(scene).plain()
+
+
+class Evidence:
+    """Results by name."""
+
+    def __init__(self, folders: dict[str, Path]) -> None:
+        """``folders`` by name; they need not exist."""
+        self._results = {name: Result(name, folder) for name, folder in folders.items()}
+
+    def __getitem__(self, name: str) -> Result:
+        """A result. Raises `MissingError` if none has that name, or its folder is empty."""
+        if name not in self._results or not self._results[name].files:
+            raise MissingError(f"no result '{name}'")
+        return self._results[name]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether a result is there."""
+        return name in self._results and bool(self._results[str(name)].files)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the results that are there."""
+        return tuple(name for name in self._results if name in self)
