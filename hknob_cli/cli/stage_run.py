@@ -101,7 +101,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
     with store.hold(job.out, ours):
         # Once more: another run may have been here since.
         store.refuse_foreign(ours, stage=job.kind, name=name)
-        tables = current or work.compute(job)
+        tables = work.compute(job) if current is None else current
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             store.write(dict(zip(paths, tables, strict=False)), stamp, composed)

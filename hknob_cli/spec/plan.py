@@ -230,7 +230,11 @@ class Sentence(NamedTuple):
 
 
 class ReportPlan(NamedTuple):
-    """A page. ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary."""
+    """A page.
+
+    ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary; ``rerun``: command
+    lines that make the page again.
+    """
 
     name: str
     title: str
@@ -239,6 +243,7 @@ class ReportPlan(NamedTuple):
     summary: tuple[Sentence, ...]
     lead: tuple[str, ...]
     chapters: tuple[ChapterPlan, ...]
+    rerun: tuple[str, ...]
     values: dict[str, Any]
 
 

@@ -71,6 +71,7 @@ class ReportSpec(Part):
     chapters: Annotated[
         list[ChapterSpec], Field(default_factory=list, description="default: one for each result, with its pictures")
     ]
+    rerun: Annotated[list[Text], Field(default_factory=list, description="command lines that make the page again")]
 
     @field_validator("results", mode="before")
     @classmethod
@@ -101,6 +102,7 @@ def validate_report(source: Source) -> ReportPlan:
             ChapterPlan(chapter.title, chapter.text, tuple(_figure(figure) for figure in chapter.figures))
             for chapter in spec.chapters
         ),
+        rerun=tuple(spec.rerun) or (f"hknob report {Path(source.name).name}",),
         values=source.value,
     )
 
