@@ -1,0 +1,1 @@
+"""What a text prints, as data: its tables, and what follows from their digits."""

@@ -1,0 +1,90 @@
+"""The printed tables of Hasser's dissertation: their rows as numbers, as printed, and how far the print rounds.
+
+Files are ``table_NN.csv``; ``tables.yaml`` beside them says what each column means, in which unit.
+"""
+
+import csv
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.errors import UsageError
+
+NUMBERS = tuple(range(1, 11))
+
+Value = float | str | None
+Row = dict[str, Value]
+
+_PACKAGE = Path(__file__).parent
+# In an installed package, then in the repository.
+_FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "printed")
+
+
+def folder(candidates: tuple[Path, ...] = _FOLDERS) -> Path:
+    """The folder of the tables: the first candidate that has them. Raises `UsageError` if none does."""
+    for path in candidates:
+        if (path / "tables.yaml").is_file():
+            return path
+    raise UsageError(f"no printed tables in {' or '.join(map(str, candidates))}")
+
+
+@cache
+def printed(number: int, place: Path | None = None) -> tuple[dict[str, str], ...]:
+    """Rows of a table, every cell as the characters that are printed; an empty cell is ''.
+
+    ``place`` is the folder of the tables, by default the program's own. Raises `UsageError` where there is no such
+    table, or where a row has more or fewer cells than there are columns.
+    """
+    if number not in NUMBERS:
+        raise UsageError(f"no table {number}; there are tables {NUMBERS[0]} to {NUMBERS[-1]}")
+    path = file_of(number, place)
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            names, *rows = csv.reader(stream, strict=True)
+        return tuple(dict(zip(names, row, strict=True)) for row in rows)
+    except (OSError, ValueError, csv.Error) as error:
+        raise UsageError(f"{path}: not a table of rows and columns: {error}") from None
+
+
+def table(number: int, place: Path | None = None) -> tuple[Row, ...]:
+    """Rows of a table: numbers, in the unit that a column's name says, text, and None where nothing is printed.
+
+    Raises `UsageError` where there is no such table.
+    """
+    return tuple({name: _value(text) for name, text in row.items()} for row in printed(number, place))
+
+
+def half_widths(number: int, place: Path | None = None) -> tuple[dict[str, float], ...]:
+    """Half of the last printed digit of every number of a table: what the print leaves open, in the number's unit."""
+    return tuple(
+        {name: half_width(text) for name, text in row.items() if isinstance(_value(text), float)}
+        for row in printed(number, place)
+    )
+
+
+def half_width(text: str) -> float:
+    """Half a unit of the last digit of a printed number: 0.005 for ``0.04``, 5e-10 for ``2.11E-06``."""
+    digits, _, power = text.upper().partition("E")
+    decimals = len(digits.partition(".")[2])
+    return float(f"0.5e{int(power or 0) - decimals}")
+
+
+def file_of(number: int, place: Path | None = None) -> Path:
+    """File of a table."""
+    return (place or folder()) / f"table_{number:02d}.csv"
+
+
+def catalogue(place: Path | None = None) -> dict[int, dict[str, Any]]:
+    """Title, place, columns and notes of every table by its number, from ``tables.yaml``."""
+    from ruamel.yaml import YAML
+
+    path = (place or folder()) / "tables.yaml"
+    described = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8"))
+    return {entry["number"]: entry for entry in described["tables"]}
+
+
+def _value(text: str) -> Value:
+    try:
+        return float(text)
+    except ValueError:
+        return text or None
