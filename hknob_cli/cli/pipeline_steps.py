@@ -39,15 +39,20 @@ def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
 
 
 def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Job]:
-    """A job for each stage, its results in a folder of its name in ``root``; ``options`` are those of a `Job`.
+    """A job for each stage that has a spec, its results in a folder of its name in ``root``.
 
-    Raises `SpecError` with the faults of all specs.
+    ``options`` are those of a `Job`. Raises `SpecError` with the faults of all specs.
     """
+    folders = {stage.name: stage.folder or root / stage.name for stage in stages}
     jobs: dict[str, Job] = {}
     faults: list[Fault] = []
     for stage in stages:
+        if stage.folder is not None:
+            if not any(stage.folder.glob("*.parquet")):
+                faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
+            continue
         try:
-            jobs[stage.name] = _job(stage, root, **options)
+            jobs[stage.name] = _job(stage, folders, **options)
         except SpecError as error:
             faults += error.faults
         except UsageError as error:
@@ -57,21 +62,30 @@ def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Jo
     return jobs
 
 
-def steps_of(stages: list[StagePlan], jobs: dict[str, Job], said: Said) -> list[Step]:
-    """A step for each stage, in order; ``said`` is told of a stage and what became of it."""
-    steps: dict[str, Step] = {}
+def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Said) -> list[Step]:
+    """A step for each stage that has a spec, in order; ``said`` is told of a stage and what became of it.
+
+    ``root`` is the folder of the pipeline's results.
+    """
+    steps: list[Step] = []
+    files: dict[str, tuple[Path, ...]] = {}
     for stage in stages:
-        steps[stage.name] = _step(stage, jobs[stage.name], steps, said)
-    return list(steps.values())
+        if stage.folder is not None:
+            files[stage.name] = tuple(sorted(stage.folder.glob("*.parquet")))
+            continue
+        steps.append(_step(stage, jobs[stage.name], files, root, said))
+        files[stage.name] = steps[-1].writes
+    return steps
 
 
-def _job(stage: StagePlan, root: Path, **options: Any) -> Job:
+def _job(stage: StagePlan, places: dict[str, Path], **options: Any) -> Job:
     """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
     folders: dict[str, Any] = {
-        path: str(root / found) if isinstance(found, str) else {name: str(root / name) for name in found}
+        path: str(places[found]) if isinstance(found, str) else {name: str(places[name]) for name in found}
         for path, found in stage.inputs.items()
     }
     linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
+    assert stage.spec is not None
     plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ")
     if linked:
         # Results say which stage an input is from, not where it happens to lie.
@@ -81,7 +95,11 @@ def _job(stage: StagePlan, root: Path, **options: Any) -> Job:
         plan = plan._replace(values=_replaced(plan.values, names))
         linked = tuple(f"{path}={json.dumps(name)}" for path, name in names.items())
     return Job(
-        kind=str(plan.values["kind"]), plan=plan, out=root / stage.name, overrides=(*stage.settings, *linked), **options
+        kind=str(plan.values["kind"]),
+        plan=plan,
+        out=places[stage.name],
+        overrides=(*stage.settings, *linked),
+        **options,
     )
 
 
@@ -96,7 +114,7 @@ def _replaced(values: dict[str, Any], links: dict[str, Any]) -> dict[str, Any]:
     return values
 
 
-def _step(stage: StagePlan, job: Job, before: dict[str, Step], said: Said) -> Step:
+def _step(stage: StagePlan, job: Job, files: dict[str, tuple[Path, ...]], root: Path, said: Said) -> Step:
     work: Work = import_module(WORK[job.kind]).WORK
 
     def run() -> None:
@@ -107,9 +125,10 @@ def _step(stage: StagePlan, job: Job, before: dict[str, Step], said: Said) -> St
 
     return Step(
         stage.name,
-        reads=(stage.spec, *work.reads(job)),
-        needs=tuple(path for name in stage.needs for path in before[name].writes),
+        reads=(*((stage.spec,) if stage.spec else ()), *work.reads(job)),
+        needs=tuple(path for name in stage.needs for path in files[name]),
         writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job))),
         values={"settings": json.dumps(job.overrides), "program": json.dumps(work.versions(), sort_keys=True)},
+        root=root,
         run=run,
     )

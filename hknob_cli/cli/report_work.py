@@ -41,7 +41,7 @@ class ReportWork(Work):
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Every table of every result, the ledger, and the printed tables."""
-        digests = {}
+        digests: dict[str, str] = {}
         for name, folder in job.plan.results.items():
             tables = sorted(Path(folder).glob("*.parquet"))
             if not tables:
@@ -68,9 +68,7 @@ class ReportWork(Work):
         ours = mark(job.kind, plan.name, stamp)
         count = sum(len(chapter.figures) for chapter in plan.chapters)
         with progress_bar(count, show=not job.quiet, what="figures") as progress:
-            page = compose(
-                plan, _evidence(job), judgement, versions=showing_versions(), mark=ours, progress=progress
-            )
+            page = compose(plan, _evidence(job), judgement, versions=showing_versions(), mark=ours, progress=progress)
         figures = [figure for chapter in page.chapters for figure in chapter.figures]
         drawings = {f"figures/{figure.id}.svg": figure.svg or _empty(figure.missing, ours) for figure in figures}
         return {"report.html": lay_out(page), **drawings}
@@ -112,7 +110,9 @@ def _sha256(path: Path) -> str:
 def _empty(why: str, mark_text: str) -> str:
     """An SVG in place of a figure that cannot be drawn."""
     words = why.replace("&", "&amp;").replace("<", "&lt;")
-    return f'{mark_text}<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 40"><text y="24">{words}</text></svg>\n'
+    return (
+        f'{mark_text}<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 40"><text y="24">{words}</text></svg>\n'
+    )
 
 
 WORK = ReportWork()

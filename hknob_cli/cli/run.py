@@ -74,7 +74,7 @@ def run(
         plan = load_pipeline(pipeline, tuple(sets or ()))
         stages = chosen(plan, until)
         work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose)
-        steps = steps_of(stages, work, said)
+        steps = steps_of(stages, work, root, said)
         if dry_run or explain:
             with tempfile.TemporaryDirectory() as nowhere:
                 place = root if root.is_dir() else Path(nowhere)

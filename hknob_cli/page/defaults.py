@@ -40,7 +40,9 @@ def _sweep(result: Result) -> list[FigurePlan]:
     elif len(wide) == 2 and "growth_j_per_s2" in columns:
         figures = [_figure(result, "grid_map", "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
     elif len(wide) == 1 and "p2p_rad" in columns:
-        figures = [_figure(result, "staircase", "every orbit", "A dot for each orbit, sized by its share of the trials.")]
+        figures = [
+            _figure(result, "staircase", "every orbit", "A dot for each orbit, sized by its share of the trials.")
+        ]
     if "trajectories.parquet" in result.files:
         figures.append(_figure(result, "time_response", "motion", "Angle and torque over time."))
     return figures
@@ -77,6 +79,7 @@ def _none(_result: Result) -> list[FigurePlan]:
 
 
 _MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
+_DOTS = "A dot for each orbit, sized by its share of the trials."
 _LARGEST = "Of several cycles in a cell the largest."
 
 

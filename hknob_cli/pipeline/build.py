@@ -12,6 +12,7 @@ from hknob_cli.pipeline.fresh import LOCK
 from hknob_cli.pipeline.step import FileNode, Step
 
 _CONFIG = ".pytask.toml"
+_LOCK_VERSION = "1"
 _VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
 
 
@@ -42,7 +43,7 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
     """
     import pytask
 
-    _drop_torn(root / LOCK)
+    _drop_unusable(root / LOCK)
     config = root / _CONFIG
     config.write_text("[tool.pytask.ini_options]\n")
     tasks: Any = list(steps)
@@ -64,15 +65,17 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
     return [_outcome(step, reports.get(step.name), force=force) for step in steps]
 
 
-def _drop_torn(lock: Path) -> None:
-    """Remove a record that a fault of the disk has torn; the steps then find their own results as they are."""
+def _drop_unusable(lock: Path) -> None:
+    """Remove a record that is torn or of another version; the steps then find their own results as they are."""
     import tomllib
 
     try:
-        tomllib.loads(lock.read_text())
+        usable = tomllib.loads(lock.read_text()).get("lock-version") == _LOCK_VERSION
     except FileNotFoundError:
         return
     except ValueError:
+        usable = False
+    if not usable:
         lock.unlink()
 
 
@@ -97,9 +100,11 @@ def _outcome(step: Step, report: Any, *, force: bool) -> Outcome:
 def _reasons(step: Step) -> Iterator[str]:
     """Why a step would run, in words."""
     explanation = step.attributes.get("explanation")
+    files = {node.name: node.shown for node in step.depends_on["inputs"] if isinstance(node, FileNode)}
     missing = 0
     for reason in explanation.reasons if explanation else ():
-        name = _VALUES.get(reason.node_name.removeprefix(f"{step.name}: "), reason.node_name)
+        name = reason.node_name
+        name = files.get(name) or _VALUES.get(name.removeprefix(f"{step.name}: "), name)
         if reason.reason == "cascade":
             yield f"{name} would run"
         elif reason.node_type == "product" and reason.reason in ("missing", "not_in_db"):
@@ -111,7 +116,7 @@ def _reasons(step: Step) -> Iterator[str]:
         else:
             yield f"{name} has changed"
     if missing:
-        gone = [node.path.name for node in step.produces["outputs"] if isinstance(node, FileNode) and not node.state()]
+        gone = [node.file.name for node in step.produces["outputs"] if isinstance(node, FileNode) and not node.state()]
         yield f"no {gone[0]} yet" if gone else "no record of a finished run"
 
 

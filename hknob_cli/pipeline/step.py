@@ -1,10 +1,11 @@
 """A step of a pipeline, its files and values, in the form that pytask's programmatic build takes.
 
-The classes follow pytask's protocols (``PNode``, ``PPathNode``, ``PTask``) without importing it, so that whether
+The classes follow pytask's protocols (``PNode``, ``PTask``) without importing it, so that whether
 anything has changed can be said before it is loaded.
 """
 
 import hashlib
+import os
 from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
@@ -21,25 +22,26 @@ def digest(path: Path) -> str | None:
 
 
 class FileNode:
-    """A file that a step reads or writes; its state is the digest of its content."""
+    """A file that a step reads or writes, named from the folder of the record; its state is its content's digest."""
 
-    def __init__(self, path: Path) -> None:
-        self.path = path.absolute()
-        self.name = str(path)
+    def __init__(self, path: Path, root: Path) -> None:
+        self.file = path.absolute()
+        self.shown = str(path)
+        self.name = Path(os.path.relpath(path, root)).as_posix()
         self.attributes: dict[Any, Any] = {}
 
     @property
     def signature(self) -> str:
         """What tells nodes apart."""
-        return f"file {self.path}"
+        return f"file {self.file}"
 
     def state(self) -> str | None:
         """Digest of the content; None if there is no file."""
-        return digest(self.path)
+        return digest(self.file)
 
     def load(self, is_product: bool = False) -> Path:  # noqa: ARG002
         """The path."""
-        return self.path
+        return self.file
 
     def save(self, value: Any) -> None:
         """Steps write their files themselves."""
@@ -75,7 +77,7 @@ class ValueNode:
 class Step:
     """One stage to run: what it ``reads``, what it ``writes``, the ``values`` it depends on by name, and how to run it.
 
-    ``needs`` are the files of other steps; ``run`` raises `HknobError`.
+    ``needs`` are the files of other steps; ``root`` is the folder of the record; ``run`` raises `HknobError`.
     """
 
     def __init__(
@@ -86,6 +88,7 @@ class Step:
         needs: tuple[Path, ...],
         writes: tuple[Path, ...],
         values: dict[str, str],
+        root: Path,
         run: Callable[[], None],
     ) -> None:
         self.name = name
@@ -94,6 +97,7 @@ class Step:
         self.writes = writes
         self.run = run
         self.values = values
+        self.root = root
         self.markers: list[Any] = []
         self.report_sections: list[tuple[str, str, str]] = []
         self.attributes: dict[Any, Any] = {}
@@ -102,14 +106,14 @@ class Step:
     @cached_property
     def depends_on(self) -> dict[str, Any]:
         """Nodes that it waits for."""
-        files = [FileNode(path) for path in dict.fromkeys((*self.reads, *self.needs))]
+        files = [FileNode(path, self.root) for path in dict.fromkeys((*self.reads, *self.needs))]
         values = [ValueNode(f"{self.name}: {name}", value) for name, value in self.values.items()]
         return {"inputs": [*files, *values]}
 
     @cached_property
     def produces(self) -> dict[str, Any]:
         """Nodes that it makes."""
-        return {"outputs": [FileNode(path) for path in self.writes]}
+        return {"outputs": [FileNode(path, self.root) for path in self.writes]}
 
     @property
     def signature(self) -> str:

@@ -76,8 +76,8 @@ def _only_stage(source: Source, overrides: tuple[str, ...], kind: str) -> Plan:
     from hknob_cli.spec.pipeline import validate_pipeline
 
     pipeline = validate_pipeline(source)
-    stages = [stage for stage in pipeline.stages.values() if yaml.read(stage.spec).value.get("kind") == kind]
-    if len(stages) != 1 or stages[0].inputs:
+    stages = [stage for stage in pipeline.stages.values() if stage.spec and kind_of(stage.spec) == kind]
+    if len(stages) != 1 or stages[0].inputs or not stages[0].spec:
         found = ", ".join(str(stage.spec) for stage in stages) or "none"
         text = f"is a pipeline; hknob run runs it. Specs of its {kind} stages: {found}"
         raise SpecError([source.fault(("kind",), text)])

@@ -19,9 +19,13 @@ ALL = "all"
 
 
 class StageSpec(Part):
-    """A stage: a spec file, and values set in it."""
+    """A stage: a spec file, and values set in it; or a folder of results that are taken as they are."""
 
-    spec: Annotated[str, Field(min_length=1, description="spec file of the stage, relative to this file")]
+    spec: Annotated[str | None, Field(min_length=1, description="spec file of the stage, relative to this file")] = None
+    folder: Annotated[
+        str | None,
+        Field(min_length=1, description="results that are a source: recorded or measured once, never run from here"),
+    ] = None
     set: Annotated[
         dict[str, Any],
         Field(
@@ -49,6 +53,9 @@ def validate_pipeline(source: Source) -> PipelinePlan:
     faults: list[Fault] = []
     stages: dict[str, StagePlan] = {}
     for name, stage in spec.stages.items():
+        if (stage.spec is None) == (stage.folder is None) or (stage.folder is not None and stage.set):
+            faults.append(source.fault(("stages", name), "must have either spec (and set), or folder", at_key=True))
+            continue
         inputs: dict[str, tuple[str, ...] | str] = {}
         for path, value in stage.set.items():
             if isinstance(value, dict) and FROM in value:
@@ -62,7 +69,8 @@ def validate_pipeline(source: Source) -> PipelinePlan:
         settings = {path: value for path, value in stage.set.items() if path not in inputs}
         stages[name] = StagePlan(
             name=name,
-            spec=Path(source.name).parent / stage.spec,
+            spec=Path(source.name).parent / stage.spec if stage.spec is not None else None,
+            folder=Path(source.name).parent / stage.folder if stage.folder is not None else None,
             settings=tuple(f"{path}={json.dumps(value)}" for path, value in settings.items()),
             inputs=inputs,
             where=str(source.fault(("stages", name, "spec"), "")).removesuffix(": "),

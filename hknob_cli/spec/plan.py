@@ -248,17 +248,18 @@ class ReportPlan(NamedTuple):
 
 
 class StagePlan(NamedTuple):
-    """A stage of a pipeline.
+    """A stage of a pipeline: its ``spec``, or the ``folder`` of results that are taken as they are.
 
     ``settings``: overrides of its spec; ``inputs``: by path in its spec, the stage or stages whose folders go there;
     ``where``: the place in the pipeline's file.
     """
 
     name: str
-    spec: Path
+    spec: Path | None
     settings: tuple[str, ...]
     inputs: dict[str, tuple[str, ...] | str]
     where: str
+    folder: Path | None = None
 
     @property
     def needs(self) -> tuple[str, ...]:
