@@ -1,0 +1,65 @@
+"""What panels of motion share: units, the wall and its counts, keys above the axes, steps."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hknob_cli.page.figures.recording import Recording
+from hknob_cli.report.trajectory_picture import Scale
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+MOST_EDGES = 40  # count edges that a panel shows
+
+
+def scale_of(*arrays: np.ndarray) -> Scale:
+    """A unit that suits the largest of some arrays."""
+    return Scale(max(float(np.abs(array).max()) for array in arrays))
+
+
+def torque_scale(*shown: Recording) -> Scale:
+    """A unit that suits the largest torque of the actuator; 1.3 N·m rather than 1300 mN·m."""
+    unit = scale_of(*(each.acts for each in shown))
+    if unit.factor * max(float(np.abs(each.acts).max()) for each in shown) >= 1000.0:
+        unit.prefix, unit.factor = "", 1.0
+    return unit
+
+
+def key(panel: "Axes", columns: int = 4, **options: Any) -> None:
+    """Legend above the axes, where nothing is drawn."""
+    panel.legend(
+        loc="lower left",
+        bbox_to_anchor=(0.0, 1.0),
+        ncols=columns,
+        borderaxespad=0.2,
+        handlelength=2.6,
+        columnspacing=1.4,
+        **options,
+    )
+
+
+def draw_wall(panel: "Axes", one: Recording, unit: Scale, *, counts: bool = True) -> None:
+    """Shade the wall below angle 0, and rule its edge and the count edges that are in view."""
+    low, high = panel.get_ylim()
+    if one.scene.wall.stiffness == 0.0:
+        return
+    panel.axhspan(min(low, 0.0), 0.0, color="black", alpha=0.06, linewidth=0)
+    panel.axhline(0.0, color="black", linewidth=0.8, linestyle=(0, (4, 2)))
+    if counts:
+        for edge in edges_between(low, high, unit.factor * one.quantum):
+            panel.axhline(edge, color="black", linewidth=0.5, alpha=0.35, linestyle=(0, (1, 2)))
+    panel.set_ylim(low, high)
+
+
+def edges_between(low: float, high: float, step: float) -> list[float]:
+    """Multiples of ``step`` but 0 between two values; none where they are too many to tell apart."""
+    if step <= 0.0 or (high - low) / step > MOST_EDGES:
+        return []
+    return [float(i * step) for i in range(int(np.ceil(low / step)), int(np.floor(high / step)) + 1) if i]
+
+
+def draw_steps(panel: "Axes", one: Recording, time: Scale, factor: float, **style: Any) -> None:
+    """The actuator's torque, times ``factor``, as it holds from change to change."""
+    times, torques = one.steps
+    panel.plot(time.factor * times, factor * torques, drawstyle="steps-post", **style)
