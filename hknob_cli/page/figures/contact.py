@@ -1,13 +1,13 @@
 """A short contact with the wall: where the torque acts late, and the energy that adds (Hasser, Fig. 60)."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.panel import draw_wall, key, scale_of
+from hknob_cli.page.figures.panel import draw_torque_axis, draw_wall, key, scale_of
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
 from hknob_cli.results.evidence import Evidence, MissingError
@@ -39,9 +39,9 @@ def contact_energy(
 ) -> "Figure":
     """Angle and torque of short contacts, a panel each, and the energy added so far below (µJ).
 
-    The torque is scaled to the angle that it answers to. Shaded: inside the wall without torque (late entry), and torque
-    outside it (late exit). The energy added is what the wall has done more than one that answers the same reading at
-    once. Raises `MissingError` where the encoder's edges are not the wall's.
+    The torque is scaled to the angle that it answers to. Shaded: inside the wall without torque (late entry), and
+    torque outside it (late exit). The energy added is what the wall has done more than one that answers the same
+    reading at once. Raises `MissingError` where the encoder's edges are not the wall's.
     """
     shown = recordings(evidence, of, at=at, from_s=from_s, to_s=to_s)
     names = list(labels or (each.name for each in shown))
@@ -91,17 +91,14 @@ def _draw_contact(panel: "Axes", one: Recording, name: str, time: Scale, unit: S
     late = {"late entry": (angle < 0.0) & (answered == 0.0), "late exit": (angle > 0.0) & (answered < 0.0)}
     for part, where in late.items():
         index, hatch = LATE[part]
-        shade = {"facecolor": ink.COLOURS[index], "alpha": 0.45, "hatch": hatch, "linewidth": 0.0}
-        panel.fill_between(times, angle, answered, where=where, label=part, **shade)
+        shade: dict[str, Any] = {"facecolor": ink.COLOURS[index], "alpha": 0.45, "hatch": hatch, "linewidth": 0.0}
+        panel.fill_between(times, angle, answered, where=where.tolist(), label=part, **shade)
     panel.plot(times, angle, label="knob", **ink.series(0))
     panel.plot(times, answered, label="torque of the wall (right)", color=ink.COLOURS[1], linewidth=1.1)
     read = one.samples
-    dots = {"color": ink.COLOURS[0], "marker": "o", "linestyle": "none", "markersize": 3.0}
+    dots: dict[str, Any] = {"color": ink.COLOURS[0], "marker": "o", "linestyle": "none", "markersize": 3.0}
     panel.plot(time.factor * one.time[read], unit.factor * one.angle[read], **dots)
-    per = -1e3 * one.scene.wall.stiffness / unit.factor
-    own = panel.secondary_yaxis("right", functions=(lambda y: per * y, lambda torque: torque / per))
-    own.set_ylabel("torque, mN\u00b7m")
-    own.spines["right"].set_visible(True)
+    draw_torque_axis(panel, one, unit)
     draw_wall(panel, one, unit)
     panel.text(0.5, 0.96, name, transform=panel.transAxes, ha="center", va="top")
 
@@ -124,5 +121,6 @@ def _added(one: Recording) -> np.ndarray:
         potential = scene.wall.stiffness * one.quantum**2 * (0.5 * whole * (whole + 1.0) + (whole + 1.0) * part)
     else:
         potential = 0.5 * scene.wall.stiffness * inside**2
-    total: np.ndarray = one.energy + potential
-    return total - total[0]
+    total = one.energy + potential
+    added: np.ndarray = total - total[0]
+    return added

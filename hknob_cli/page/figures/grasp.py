@@ -1,4 +1,4 @@
-"""What a hand adds to a knob, over grip force: the printed means and standard deviations (Hasser, Figs 11, 12, 18-21)."""
+"""What a hand adds to a knob, over grip force: printed means and deviations (Hasser, Figs 11, 12, 18-21)."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -21,7 +21,7 @@ GRASPS = {
 RADIUS = {1: 8.9e-3, 2: 8.9e-3, 3: 14.95e-3, 4: 14.95e-3, 5: 14.95e-3}  # of the knobs, m
 TICKS = (0.7, 1.3, 2.4, 4.3, 7.8, 14.2)  # grip forces of the experiments, N, the first rounded
 
-# Columns of mean and standard deviation, symbol and unit; per m^2 of radius squared, the unit along the surface; factor.
+# Columns of mean and standard deviation, symbol, unit, unit along the surface of the knob, factor to the unit.
 _PANELS = (
     ("inertia_kg_m2", "inertia_std_kg_m2", "inertia J", "10\u207b\u2076 kg\u00b7m\u00b2", "kg", 1e6),
     ("damping_nm_s_per_rad", "damping_std_nm_s_per_rad", "damping B", "mN\u00b7m\u00b7s/rad", "N\u00b7s/m", 1e3),
@@ -34,7 +34,7 @@ _PANELS = (
 def grasp_parameters(
     _evidence: Evidence, _of: Any = None, *, tables: Sequence[int] = (1, 2, 3, 4, 5), translational: bool = False
 ) -> "Figure":
-    """Inertia, damping, stiffness and damping ratio over grip force, of some of Tables 1-5: mean and standard deviation.
+    """Inertia, damping, stiffness and damping ratio over grip force, of Tables 1-5: mean and standard deviation.
 
     Inertia is of hand and apparatus; a line marks the apparatus alone (Table 10). ``translational``: over the radius
     squared, as the fingertips meet it: kg, N·s/m, N/m. Raises `MissingError` for any other table.
@@ -64,7 +64,7 @@ def grasp_parameters(
     for panel in panels[2:]:
         panel.set_xlabel("grip force, N")
     drawn.legend(*_told(panels[0]), loc="outside upper left", ncols=3, handlelength=3.0)
-    drawn.get_layout_engine().set(w_pad=0.08)
+    drawn.set_layout_engine("constrained", w_pad=0.08)
     return drawn
 
 

@@ -17,7 +17,7 @@ def grip_forces(_evidence: Evidence, _of: Any = None) -> "Figure":
     """Mean grip force (N) of each of the 16 trials, over sample rate and encoder resolution, written in its cell."""
     from hknob_cli.printed.tables import table
 
-    rows = [row for row in table(8) if isinstance(row["encoder_bits"], float)]
+    rows: list[dict[str, Any]] = [row for row in table(8) if isinstance(row["encoder_bits"], float)]
     columns = [name for name in rows[0] if name.startswith("grip_") and name.endswith("_hz_n")]
     forces = [[float(row[name] or 0.0) for name in columns] for row in rows]
     drawn = ink.figure(2.4, width=4.6)

@@ -1,14 +1,13 @@
 """The knob's motion over time, with the torque that answers it (Hasser, Figs 15, 16, 22-28, 31, 32, 69, 71)."""
 
 from collections.abc import Sequence
-from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.panel import draw_steps, draw_wall, key, scale_of, torque_scale
+from hknob_cli.page.figures.panel import draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
 from hknob_cli.results.evidence import Evidence, MissingError
@@ -113,7 +112,7 @@ def _draw_angles(panel: "Axes", shown: list[Recording], names: list[str], time: 
 
 def _mark_samples(panel: "Axes", shown: list[Recording], time: Scale, unit: Scale) -> None:
     for one, style in zip(shown, _styles(shown), strict=True):
-        dots = {"color": style["color"], "marker": "o", "linestyle": "none", "markersize": 3.0}
+        dots: dict[str, Any] = {"color": style["color"], "marker": "o", "linestyle": "none", "markersize": 3.0}
         panel.plot(time.factor * one.time[one.samples], unit.factor * one.angle[one.samples], label="samples", **dots)
 
 
@@ -122,11 +121,7 @@ def _draw_answered(panel: "Axes", one: Recording, time: Scale, unit: Scale) -> N
     stiffness = one.scene.wall.stiffness
     label = "torque of the wall (right)"
     draw_steps(panel, one, time, -unit.factor / stiffness, label=label, linewidth=1.1, color=ink.COLOURS[1])
-    largest = torque_scale(one)
-    per = -largest.factor * stiffness / unit.factor
-    own = panel.secondary_yaxis("right", functions=(lambda y: per * y, lambda torque: torque / per))
-    own.set_ylabel(f"torque, {largest.prefix}N\u00b7m")
-    own.spines["right"].set_visible(True)
+    draw_torque_axis(panel, one, unit)
 
 
 def _draw_torques(panel: "Axes", shown: list[Recording], _names: list[str], time: Scale) -> None:
@@ -192,20 +187,8 @@ def _rule_peaks(panel: "Axes", one: Recording, time: Scale, unit: Scale) -> None
     times, angles, up = one.turns
     if min(up.sum(), (~up).sum()) < BOUNCES:
         raise MissingError(f"'{one.name}' has fewer than {BOUNCES} bounces in the window shown")
-    means = []
-    for kept, name, style in zip((up, ~up), ("peak", "trough"), cycle((ink.STYLES[1], ink.STYLES[3])), strict=False):
-        mean = float(angles[kept][-BOUNCES:].mean())
-        since = time.factor * times[kept][-BOUNCES]
-        label = f"mean {name}, {unit.factor * mean:.3f} {unit.prefix}rad"
-        ends = [since, time.factor * one.time[-1]]
+    peak, trough = (float(angles[kept][-BOUNCES:].mean()) for kept in (up, ~up))
+    apart = f"mean trough, {unit.factor * (peak - trough):.3f} {unit.prefix}rad below"
+    for kept, mean, label, style in ((up, peak, "mean of ten peaks", "--"), (~up, trough, apart, ":")):
+        ends = [time.factor * times[kept][-BOUNCES], time.factor * one.time[-1]]
         panel.plot(ends, [unit.factor * mean] * 2, color=ink.COLOURS[1], linestyle=style, label=label)
-        means.append(mean)
-    fine = Scale(means[0] - means[1])
-    panel.annotate(
-        f"{fine.factor * (means[0] - means[1]):.3g} {fine.prefix}rad peak to peak",
-        (time.factor * times[-1], unit.factor * means[0]),
-        xytext=(0, 10),
-        textcoords="offset points",
-        ha="right",
-        fontsize=8,
-    )

@@ -14,8 +14,8 @@ MOST_EDGES = 40  # count edges that a panel shows
 
 
 def scale_of(*arrays: np.ndarray) -> Scale:
-    """A unit that suits the largest of some arrays."""
-    return Scale(max(float(np.abs(array).max()) for array in arrays))
+    """A unit in which the largest of some arrays is at least 0.1."""
+    return Scale(10.0 * max(float(np.abs(array).max()) for array in arrays))
 
 
 def torque_scale(*shown: Recording) -> Scale:
@@ -24,6 +24,22 @@ def torque_scale(*shown: Recording) -> Scale:
     if unit.factor * max(float(np.abs(each.acts).max()) for each in shown) >= 1000.0:
         unit.prefix, unit.factor = "", 1.0
     return unit
+
+
+def draw_torque_axis(panel: "Axes", one: Recording, unit: Scale) -> None:
+    """At the right, the torque of a wall whose angle is the one on the left, in ``unit``."""
+    torque = torque_scale(one)
+    per = -torque.factor * one.scene.wall.stiffness / unit.factor
+
+    def to_torque(angle: Any) -> Any:
+        return per * angle
+
+    def to_angle(torque: Any) -> Any:
+        return torque / per
+
+    own = panel.secondary_yaxis("right", functions=(to_torque, to_angle))
+    own.set_ylabel(f"torque, {torque.prefix}N\u00b7m")
+    own.spines["right"].set_visible(True)
 
 
 def key(panel: "Axes", columns: int = 4, **options: Any) -> None:

@@ -1,6 +1,6 @@
 """The phase plane: velocity over angle, the way in faint and the limit cycle strong (Hasser, Fig. 72)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,7 +48,7 @@ def phase_plane(
     )
     panel.plot(unit.factor * steady.angle, steady.velocity, label="steady", **ink.series(0))
     if samples:
-        dots = {"color": ink.COLOURS[1], "marker": "o", "linestyle": "none", "markersize": 3.0}
+        dots: dict[str, Any] = {"color": ink.COLOURS[1], "marker": "o", "linestyle": "none", "markersize": 3.0}
         read = steady.samples
         panel.plot(unit.factor * steady.angle[read], steady.velocity[read], label="samples", **dots)
     _point(panel, steady, unit.factor)
@@ -69,7 +69,13 @@ def _point(panel: "Axes", steady: Recording, factor: float) -> None:
     for part in (np.arange(ARROWS) + 0.5) / ARROWS:
         times = tops[0] + span * (part + np.array([0.0, 0.02]))
         (x0, x1), (y0, y1) = (np.interp(times, steady.time, of) for of in (factor * steady.angle, steady.velocity))
-        arrow = {"arrowstyle": "-|>", "color": ink.COLOURS[0], "shrinkA": 0, "shrinkB": 0, "mutation_scale": 13}
+        arrow: dict[str, Any] = {
+            "arrowstyle": "-|>",
+            "color": ink.COLOURS[0],
+            "shrinkA": 0,
+            "shrinkB": 0,
+            "mutation_scale": 13,
+        }
         panel.annotate("", (x1, y1), xytext=(x0, y0), arrowprops=arrow)
 
 

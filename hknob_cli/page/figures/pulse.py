@@ -1,6 +1,6 @@
 """What a torque pulse works against: inertia, damping and stiffness of hand and knob (as Hasser, Fig. 7)."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,7 +39,7 @@ def pulse_terms(evidence: Evidence, of: Of, *, at: At | None = None, to_s: float
     drawn = ink.figure(3.4)
     panel = drawn.subplots()
     commanded = np.where(middle < one.pulse.duration, one.pulse.torque, 0.0)
-    wide = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
+    wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
     panel.plot(time.factor * middle, unit.factor * commanded, label="commanded", drawstyle="steps-mid", **wide)
     total = np.sum(list(terms.values()), axis=0)
     panel.plot(time.factor * middle, unit.factor * total, label="sum", color="black", linewidth=1.0, linestyle=":")

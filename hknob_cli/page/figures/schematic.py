@@ -25,7 +25,7 @@ def schematic(_evidence: Evidence, _of: Any = None, *, kind: str) -> "Figure":
     draws = {
         "second": (_second, (-0.4, 4.4, -0.95, 1.3)),
         "fourth": (_fourth, (-0.4, 7.3, -1.3, 1.3)),
-        "wall": (_wall, (-0.4, 8.0, -4.1, 1.6)),
+        "wall": (_wall, (-0.7, 7.0, -4.4, 1.5)),
     }
     if kind not in draws:
         raise MissingError(f"no schematic '{kind}'; there are {', '.join(draws)}")
@@ -44,7 +44,7 @@ def _second(panel: "Axes") -> None:
     ground(panel, 0.0, 0.0, 1.5, "ground")
     _pair(panel, 0.0, 1.8, "K", "B")
     mass(panel, 1.8, 0.0, 0.9, 1.3, "J")
-    arrow(panel, 2.7, 3.4, 0.0, "torque T")
+    arrow(panel, 2.7, 3.7, 0.0, "torque T")
     arrow(panel, 2.25, 2.95, 0.8, "angle \u03b8")
 
 
@@ -55,7 +55,7 @@ def _fourth(panel: "Axes") -> None:
     _pair(panel, 2.8, 4.6, "K\u2082", "B\u2082")
     panel.text(3.7, -0.95, "fingerpad", ha="center", va="top")
     mass(panel, 4.6, 0.0, 1.0, 1.3, "actuator\nJ\u2082")
-    arrow(panel, 5.6, 6.3, 0.0, "torque T")
+    arrow(panel, 5.6, 6.6, 0.0, "torque T")
     arrow(panel, 2.3, 3.0, 0.8, "\u03b8\u2081")
     arrow(panel, 5.1, 5.8, 0.8, "\u03b8\u2082")
 
@@ -77,7 +77,7 @@ def _wall(panel: "Axes") -> None:
         if not inside:
             arrow(panel, 4.7, 3.85, y - 0.7, "angle \u03b8")
             panel.plot([4.7, 4.7], [y - 0.95, y - 0.5], color="black", linewidth=0.8, linestyle=":")
-        panel.text(7.9, y - 0.85, "inside" if inside else "outside", ha="right", va="center")
+        panel.text(2.8, y - 1.0, f"{'inside' if inside else 'outside'} the wall", ha="center", va="top")
 
 
 def _pair(panel: "Axes", x0: float, x1: float, stiffness: str, damping: str, *, y: float = 0.0) -> None:
