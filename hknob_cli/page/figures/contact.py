@@ -100,7 +100,7 @@ def _draw_contact(panel: "Axes", one: Recording, name: str, time: Scale, unit: S
     panel.plot(time.factor * one.time[read], unit.factor * one.angle[read], **dots)
     draw_torque_axis(panel, one, unit)
     draw_wall(panel, one, unit)
-    panel.text(0.5, 0.96, name, transform=panel.transAxes, ha="center", va="top")
+    panel.text(0.985, 0.06, name, transform=panel.transAxes, ha="right", va="bottom")
 
 
 def _added(one: Recording) -> np.ndarray:

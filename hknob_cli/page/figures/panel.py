@@ -10,6 +10,7 @@ from hknob_cli.report.trajectory_picture import Scale
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+ROOM = 145  # characters of a key's line, its lines and gaps counted as six an entry
 MOST_EDGES = 40  # count edges that a panel shows
 
 
@@ -42,8 +43,10 @@ def draw_torque_axis(panel: "Axes", one: Recording, unit: Scale) -> None:
     own.spines["right"].set_visible(True)
 
 
-def key(panel: "Axes", columns: int = 4, **options: Any) -> None:
-    """Legend above the axes, where nothing is drawn."""
+def key(panel: "Axes") -> None:
+    """Legend above the axes, where nothing is drawn, in as many columns as its longest entry leaves room for."""
+    longest = max(len(label) for label in panel.get_legend_handles_labels()[1])
+    columns = min(5, max(1, ROOM // (longest + 6)))
     panel.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
@@ -51,7 +54,6 @@ def key(panel: "Axes", columns: int = 4, **options: Any) -> None:
         borderaxespad=0.2,
         handlelength=2.6,
         columnspacing=1.4,
-        **options,
     )
 
 

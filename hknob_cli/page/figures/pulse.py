@@ -48,5 +48,5 @@ def pulse_terms(evidence: Evidence, of: Of, *, at: At | None = None, to_s: float
     panel.set_xlabel(f"time, {time.prefix}s")
     panel.set_ylabel(f"torque, {unit.prefix}N\u00b7m")
     panel.set_xlim(0.0, time.factor * float(one.time[-1]))
-    key(panel, columns=5)
+    key(panel)
     return drawn
