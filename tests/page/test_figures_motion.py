@@ -133,8 +133,8 @@ def test_a_result_without_recording_has_no_figure_of_motion(tmp_path: Path, name
 def test_energy_added_is_what_the_contact_gains(evidence: Evidence) -> None:
     """Outside the wall before and after, an immediate wall does no work: what is added is what the knob gains.
 
-    A hold never takes away: over it the work is torque times way, more than the immediate wall's, whose potential is
-    convex. With counts all is added while the torque is late, at either end; between, nothing is. Rounding is of 1e-4 J.
+    A hold never takes away: its work is torque times way, more than the immediate wall's, whose potential is convex.
+    With counts all is added while the torque is late, at either end; between, nothing is. Rounding is of 1e-4 J.
     """
     for name in SHORT:
         one = one_recording(evidence, name)

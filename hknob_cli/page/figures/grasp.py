@@ -65,6 +65,7 @@ def grasp_parameters(
         panel.set_xlabel("grip force, N")
     drawn.legend(*_told(panels[0]), loc="outside upper left", ncols=3, handlelength=3.0)
     drawn.set_layout_engine("constrained", w_pad=0.08)
+    drawn.align_ylabels(list(panels))
     return drawn
 
 
