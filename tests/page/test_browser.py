@@ -39,7 +39,7 @@ class Opened:
     """The page in a tab of its own, with what it asked for and complained of."""
 
     def __init__(self, browser: Any, address: str, *, at: str = "", **options: Any) -> None:
-        self.context = browser.new_context(offline=True, reduced_motion="reduce", **{"viewport": WIDE, **options})
+        self.context = browser.new_context(offline=True, **{"viewport": WIDE, **options})
         self.tab = self.context.new_page()
         self.asked: list[str] = []
         self.said: list[str] = []

@@ -93,6 +93,24 @@ def test_style_and_script_are_small_and_ask_for_nothing(laid: str) -> None:
     assert not re.search(r"url\(|@import|https?:", style + script)
 
 
+def luminance(colour: str) -> float:
+    """Relative luminance of a colour, WCAG 2.2."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_every_colour_of_text_stands_out(laid: str) -> None:
+    """At least 4.5:1 (WCAG 2.2, 1.4.3), light and dark, on the page and on its raised parts."""
+    themes = [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", block)) for block in laid.split(":root {")[1:3]]
+    assert len(themes[0]) == len(themes[1]) == 10
+    for theme in themes:
+        for text in theme.keys() - {"paper", "raised", "line"}:
+            for ground in ("paper", "raised"):
+                light, dark = sorted((luminance(theme[text]), luminance(theme[ground])), reverse=True)
+                assert (light + 0.05) / (dark + 0.05) >= 4.5, (text, ground)
+
+
 def test_a_row_says_what_was_found() -> None:
     row = claim(
         claim="7.3-x",
@@ -220,3 +238,8 @@ def test_sources_of_like_names_have_anchors_of_their_own() -> None:
 )
 def test_places_are_gathered_by_chapter(place: str, part: str) -> None:
     assert part_of(place) == part
+
+
+def test_nothing_moves(laid: str) -> None:
+    """No motion at all is what readers who ask for less of it get, and the others too."""
+    assert not re.search(r"(?:scroll-behavior|transition|animation)\s*:", laid)
