@@ -196,6 +196,13 @@ def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
         assert first.get_attribute("tabindex") == "0"  # a picture too wide is scrolled, by keys too
 
 
+@pytest.mark.parametrize("width", [640, 880, 900, 1024, 1300])
+def test_no_cell_runs_into_the_next(browser: Any, address: str, width: int) -> None:
+    with Opened(browser, address, viewport={"width": width, "height": 900}) as opened:
+        wide = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.textContent)"
+        assert opened.tab.eval_on_selector_all("th, td", wide) == []
+
+
 def test_an_address_opens_its_claim(browser: Any, address: str) -> None:
     with Opened(browser, address, at="#claim-8.21-size") as opened:
         tab = opened.tab
