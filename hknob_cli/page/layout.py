@@ -20,9 +20,7 @@ GLOSSARY = {
 _WORST_FIRST = (CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED)
 _PRINTED_DIGITS = 10  # of a printed value none is lost
 # The readings of a claim are one text, each ending in its verdict, or in why it is excluded.
-_BETWEEN_READINGS = re.compile(
-    "(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); "
-)
+_BETWEEN_READINGS = re.compile("(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); ")
 _HYPHEN_MINUS = re.compile(r"(?<=: )-(?=\d)")
 _CHAPTER = re.compile(r"(\d+)[.-]\d+|\b(?:ch|sec)[a-z]*\.?\s*(\d+)", re.IGNORECASE)
 _APPENDIX = re.compile(r"\bapp[a-z]*\.?\s*([A-Z])\b", re.IGNORECASE)

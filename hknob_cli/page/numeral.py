@@ -20,5 +20,5 @@ def numeral(value: float | None, digits: int = 4) -> str:
     if size and not 1e-4 <= size < 1e7:
         mantissa, _, exponent = f"{size:.{digits - 1}e}".partition("e")
         shown = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
-        return f"{sign}{shown} × 10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+        return f"{sign}{shown} \N{MULTIPLICATION SIGN} 10{str(int(exponent)).translate(_SUPERSCRIPT)}"
     return f"{sign}{size:.{digits}g}" if size else "0"

@@ -58,7 +58,9 @@ def claims(count: int = 100) -> tuple[dict[str, Any], ...]:
                 tolerance="holds: within 5 %; differs: within 10 %" if tested else "",
                 because="three digits are printed" if tested else "the recording is not published",
                 readings=readings if tested else "",
-                finding="Trials choose among coexisting cycles, and a mean is one number for them all." if i % 4 else "",
+                finding="Trials choose among coexisting cycles, and a mean is one number for them all."
+                if i % 4
+                else "",
                 check="mean_size" if tested else "",
                 figure=("sizes", "grid", "", "hardware", "bias")[i % 5],
             )
@@ -71,7 +73,9 @@ def _lines(name: str, title: str, *, panels: int = 1, height: float = 3.2) -> st
     for axes in figure.subplots(1, panels, squeeze=False)[0]:
         for i in range(5):
             xs = [0.05 * n for n in range(1, 120)]
-            axes.plot(xs, [math.sin(x * (1 + i / 4)) / (1 + x / 4) + i / 3 for x in xs], label=f"{256 << i}", **ink.series(i))
+            axes.plot(
+                xs, [math.sin(x * (1 + i / 4)) / (1 + x / 4) + i / 3 for x in xs], label=f"{256 << i}", **ink.series(i)
+            )
         axes.set_xlabel("time, ms")
         axes.set_ylabel("angle, mrad")
         axes.legend(title="counts", ncols=2)
@@ -120,16 +124,24 @@ def page(count: int = 100) -> Page:
         "The pitch is a staircase. Over the user's push, the period steps through ratios of whole samples to whole "
         "cycles, highest at half a count's torque.",
     )
-    sizes = _drawn("sizes", "Size over resolution", _lines("sizes", "Size over resolution", panels=2), "main-grid", "predict")
+    sizes = _drawn(
+        "sizes", "Size over resolution", _lines("sizes", "Size over resolution", panels=2), "main-grid", "predict"
+    )
     grid = _drawn("grid", "Every cell of the grid", _map("grid", "Every cell of the grid"), "main-grid")
     bias = _drawn("bias", "Pitch over the user's push", _lines("bias", "Pitch over push"), "bias staircase", "lost")
     error = _drawn("error", "Error of four methods", _points("error", "Error of four methods"), "predict")
-    hardware = Drawn("hardware", "The recorded hardware", "What the rig did.", "", "", (), "recordings.parquet is not there")
+    hardware = Drawn(
+        "hardware", "The recorded hardware", "What the rig did.", "", "", (), "recordings.parquet is not there"
+    )
     spec = {"kind": "sweep", "name": "main-grid", "scene": {"wall": {"stiffness": 0.27}}, "starts": {"phases": 64}}
     sources = tuple(
         Source(name, stage, (f"results/{i}/cells.parquet", f"results/{i}/orbits.parquet"), f"{i}c0ffee" * 8, over, spec)
         for i, (name, stage, over) in enumerate(
-            [("main-grid", "sweep", ()), ("bias staircase", "sweep", ("scene.bias.torque=0.001",)), ("predict", "predict", ())]
+            [
+                ("main-grid", "sweep", ()),
+                ("bias staircase", "sweep", ("scene.bias.torque=0.001",)),
+                ("predict", "predict", ()),
+            ]
         )
     )
     return Page(
@@ -143,7 +155,7 @@ def page(count: int = 100) -> Page:
         ),
         lead=("sizes", "grid", "bias", "unknown"),
         claims=claims(count),
-        claims_of="C. J. Hasser’s dissertation",
+        claims_of="C. J. Hasser's dissertation",
         chapters=(
             Chapter("size", "Size and resolution", text, (sizes, grid)),
             Chapter("pitch", "Pitch and push", text[1:], (bias, error)),
