@@ -13,7 +13,7 @@ import pyarrow as pa
 from hknob_cli import __version__
 
 KEY = b"hknob.provenance"
-_COMPUTING = ("spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
+_COMPUTING = ("printed", "spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
 
 
 @cache
@@ -42,7 +42,7 @@ def describe(
         "name": values.get("name"),
         "spec": values,
         "overrides": list(overrides),
-        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **(inputs or {})},
+        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **_tables(values), **(inputs or {})},
         "versions": {
             "hknob": __version__,
             "hknob_source": source_digest(),
@@ -52,6 +52,20 @@ def describe(
         },
     }
     return json.dumps(record, sort_keys=True, separators=(",", ":")).encode()
+
+
+def _tables(values: dict[str, Any]) -> dict[str, str]:
+    """Digests of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
+    found: dict[str, str] = {}
+    for key, value in values.items():
+        if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
+            from hknob_cli.printed.tables import file_of
+
+            for number in (value["table"], 10):
+                found[f"table_{number}_sha256"] = hashlib.sha256(file_of(number).read_bytes()).hexdigest()
+        elif isinstance(value, dict):
+            found |= _tables(value)
+    return found
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:
