@@ -17,17 +17,27 @@ _STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
 }
 
 Place = tuple[int, float | str, str]
+Names = dict[str, float | str | Place]
 
 
-def bound(where: dict[str, float | Place] | None) -> dict[str, float]:
-    """Names with their numbers: given, or at a place in a table (table, row, column). Raises `UsageError`."""
-    return {
-        name: float(value) if isinstance(value, int | float) else cell(*value) for name, value in (where or {}).items()
-    }
+def bound(where: Names | None) -> dict[str, float]:
+    """Names with their numbers: given, at a (table, row, column), or by an expression over earlier names.
+
+    Raises `UsageError` where a table has no such place, `TypeError` where an expression has no value.
+    """
+    names: dict[str, float] = {}
+    for name, value in (where or {}).items():
+        if isinstance(value, str):
+            names[name] = evaluate(value, names)
+        elif isinstance(value, int | float):
+            names[name] = float(value)
+        else:
+            names[name] = cell(*value)
+    return names
 
 
 @check
-def arithmetic(_: Evidence, *, expression: str, where: dict[str, float | Place] | None = None) -> float:
+def arithmetic(_: Evidence, *, expression: str, where: Names | None = None) -> float:
     """Value of an expression over numbers, and names for numbers of the tables; in whatever unit it has."""
     return evaluate(expression, bound(where))
 
@@ -56,15 +66,15 @@ def largest_margin_error(
 
 
 @check
-def largest_total_error(_: Evidence, *, table_number: int, total: str) -> float:
+def largest_total_error(_: Evidence, *, table_number: int, total: str, rows: int | None = None) -> float:
     """Largest difference between a printed total and the sum of what is printed above it, in the unit of the table.
 
-    Columns without a number as total are left out.
+    ``rows`` of the table are read, all by default, the total last. Columns without a number as total are left out.
     """
-    *parts, totals = table(table_number)
+    *parts, totals = table(table_number)[:rows]
     key = next(iter(totals))
     if totals[key] != total:
-        raise TypeError(f"the last row of table {table_number} is {totals[key]!r}, not {total!r}")
+        raise TypeError(f"the last row read of table {table_number} is {totals[key]!r}, not {total!r}")
     return max(
         abs(value - sum(part for row in parts if isinstance(part := row[name], float)))
         for name, value in totals.items()

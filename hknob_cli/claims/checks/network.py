@@ -8,12 +8,11 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.claims.checks import check
-from hknob_cli.claims.checks.arithmetic import Place, bound
+from hknob_cli.claims.checks.arithmetic import Names, bound
 from hknob_cli.claims.expression import evaluate
 from hknob_cli.results.evidence import Evidence
 
 Matrix = np.ndarray[Any, np.dtype[np.float64]]
-Parameters = dict[str, float | Place]
 
 
 def network(parameters: dict[str, float]) -> tuple[Matrix, Matrix]:
@@ -31,7 +30,7 @@ def network(parameters: dict[str, float]) -> tuple[Matrix, Matrix]:
 
 
 @check
-def matrix_difference(_: Evidence, *, printed: list[list[str]], where: Parameters) -> float:
+def matrix_difference(_: Evidence, *, printed: list[list[str]], where: Names) -> float:
     """Largest difference between a printed state matrix and Equation 1's, in % of the larger of the two elements."""
     names = bound(where)
     shown = np.array([[evaluate(element, names) for element in row] for row in printed])
@@ -39,7 +38,7 @@ def matrix_difference(_: Evidence, *, printed: list[list[str]], where: Parameter
 
 
 @check
-def input_difference(_: Evidence, *, printed: list[str], where: Parameters) -> float:
+def input_difference(_: Evidence, *, printed: list[str], where: Names) -> float:
     """Largest difference between a printed input vector and Equation 1's, in % of the larger of the two elements."""
     names = bound(where)
     return _difference(np.array([evaluate(element, names) for element in printed]), network(names)[1])
@@ -51,7 +50,7 @@ def _difference(shown: Matrix, true: Matrix) -> float:
 
 
 @check
-def static_stiffness(_: Evidence, *, where: Parameters) -> float:
+def static_stiffness(_: Evidence, *, where: Names) -> float:
     """Torque per angle (N·m/rad) of the knob held still, of the network of Equation 1."""
     rates, enters = network(bound(where))
     return float(-1.0 / np.linalg.solve(rates, enters)[0])
@@ -59,7 +58,7 @@ def static_stiffness(_: Evidence, *, where: Parameters) -> float:
 
 @check
 def fitted_inertia(
-    _: Evidence, *, where: Parameters, pulse_torque: float, pulse_s: float, samples: int, sample_rate_hz: float
+    _: Evidence, *, where: Names, pulse_torque: float, pulse_s: float, samples: int, sample_rate_hz: float
 ) -> float:
     """Inertia (kg·m²) that a second-order least-squares fit finds in the network's answer to a torque pulse.
 
