@@ -7,7 +7,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from hknob_cli.claims.bounds import Bounds, Real
-from hknob_cli.claims.checks import CHECKS
+from hknob_cli.claims.checks import known
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.faults import fault_at
@@ -87,8 +87,8 @@ def load_ledger(path: Path) -> Ledger:
         if claim.id in seen:
             faults.append(source.fault(("claims", i, "id"), f"must be unique; claim {seen[claim.id] + 1} has it, too"))
         seen.setdefault(claim.id, i)
-        if claim.check is not None and claim.check not in CHECKS:
-            faults.append(source.fault(("claims", i, "check"), nearest(claim.check, sorted(CHECKS))))
+        if claim.check is not None and claim.check not in known():
+            faults.append(source.fault(("claims", i, "check"), nearest(claim.check, sorted(known()))))
     if faults:
         raise SpecError(faults)
     return ledger

@@ -17,18 +17,21 @@ Row = dict[str, Value]
 
 _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.
-_FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "printed")
+FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "printed")
 
 
-def folder(candidates: tuple[Path, ...] = _FOLDERS) -> Path:
-    """The folder of the tables: the first candidate that has them. Raises `UsageError` if none does."""
+def folder(candidates: tuple[Path, ...] | None = None) -> Path:
+    """The folder of the tables: the first of the candidates, by default `FOLDERS`, that has them.
+
+    Raises `UsageError` if none does.
+    """
+    candidates = candidates or FOLDERS
     for path in candidates:
         if (path / "tables.yaml").is_file():
             return path
     raise UsageError(f"no printed tables in {' or '.join(map(str, candidates))}")
 
 
-@cache
 def printed(number: int, place: Path | None = None) -> tuple[dict[str, str], ...]:
     """Rows of a table, every cell as the characters that are printed; an empty cell is ''.
 
@@ -37,13 +40,7 @@ def printed(number: int, place: Path | None = None) -> tuple[dict[str, str], ...
     """
     if number not in NUMBERS:
         raise UsageError(f"no table {number}; there are tables {NUMBERS[0]} to {NUMBERS[-1]}")
-    path = file_of(number, place)
-    try:
-        with path.open(encoding="utf-8", newline="") as stream:
-            names, *rows = csv.reader(stream, strict=True)
-        return tuple(dict(zip(names, row, strict=True)) for row in rows)
-    except (OSError, ValueError, csv.Error) as error:
-        raise UsageError(f"{path}: not a table of rows and columns: {error}") from None
+    return _read(file_of(number, place))
 
 
 def table(number: int, place: Path | None = None) -> tuple[Row, ...]:
@@ -69,6 +66,21 @@ def half_width(text: str) -> float:
     return float(f"0.5e{int(power or 0) - decimals}")
 
 
+def cell(number: int, row: float | str, column: str, place: Path | None = None) -> float:
+    """One number of a table: ``row`` by its symbol, else by what its first column has.
+
+    Raises `UsageError` where there is no such row, column, or number.
+    """
+    rows = table(number, place)
+    if column not in rows[0]:
+        raise UsageError(f"table {number} has no column '{column}'; it has: {', '.join(rows[0])}")
+    key = "symbol" if "symbol" in rows[0] else next(iter(rows[0]))
+    values = [one[column] for one in rows if one[key] == row]
+    if len(values) != 1 or not isinstance(values[0], float):
+        raise UsageError(f"table {number} has no number at {row!r}, {column}; rows: {[one[key] for one in rows]}")
+    return values[0]
+
+
 def file_of(number: int, place: Path | None = None) -> Path:
     """File of a table."""
     return (place or folder()) / f"table_{number:02d}.csv"
@@ -81,6 +93,16 @@ def catalogue(place: Path | None = None) -> dict[int, dict[str, Any]]:
     path = (place or folder()) / "tables.yaml"
     described = YAML(typ="safe", pure=True).load(path.read_text(encoding="utf-8"))
     return {entry["number"]: entry for entry in described["tables"]}
+
+
+@cache
+def _read(path: Path) -> tuple[dict[str, str], ...]:
+    try:
+        with path.open(encoding="utf-8", newline="") as stream:
+            names, *rows = csv.reader(stream, strict=True)
+        return tuple(dict(zip(names, row, strict=True)) for row in rows)
+    except (OSError, ValueError, csv.Error) as error:
+        raise UsageError(f"{path}: not a table of rows and columns: {error}") from None
 
 
 def _value(text: str) -> Value:

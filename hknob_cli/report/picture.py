@@ -24,6 +24,7 @@ _NAMES = {
     "counts_per_rev": "encoder, counts per revolution",
     "bias.torque": "bias torque, N·m",
     "hand.stiffness": "hand stiffness, N·m/rad",
+    "hand.grip_n": "grip force, N",
     "hand.damping": "hand damping, N·m·s/rad",
     "wall.stiffness": "wall stiffness, N·m/rad",
 }

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
+GRIP = "hand.grip_n"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
@@ -38,13 +39,18 @@ class Fingerpad(NamedTuple):
 
 
 class Hand(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts."""
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
+
+    The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
+    ``by_grip``: hands by the grip force (N) of such a table.
+    """
 
     inertia: float = 0.0
     damping: float = 0.0
     stiffness: float = 0.0
     finger: Finger | None = None
     fingerpad: Fingerpad | None = None
+    by_grip: tuple[tuple[float, "Hand"], ...] = ()
 
 
 class Wall(NamedTuple):
@@ -290,10 +296,17 @@ def cells(axes: Axes) -> Iterator[Cell]:
 
 def scene_at(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place."""
+    if GRIP in cell and scene.hand:
+        scene = scene._replace(hand=gripped(scene.hand, cell[GRIP]))
     for name, value in cell.items():
-        if name not in (RATE, COUNTS):
+        if name not in (RATE, COUNTS, GRIP):
             scene = _replaced(scene, name.split("."), value)
     return scene
+
+
+def gripped(hand: Hand, grip_n: float) -> Hand:
+    """The hand of the same table at another of its grip forces."""
+    return dict(hand.by_grip)[grip_n]._replace(by_grip=hand.by_grip)
 
 
 def _replaced(part: Any, path: list[str], value: float) -> Any:

@@ -83,3 +83,21 @@ def test_a_torque_limit_of_nothing_is_a_limit(hknob, spec_file) -> None:
     done = hknob("predict", spec_file(text), "--set", "scene.actuator={torque_limit: 0}")
     assert done.returncode == 2
     assert "scene.actuator.torque_limit: must be absent: a torque limit is not in predict" in done.stderr
+
+
+def test_a_hand_from_a_table_is_the_hand_written_out(hknob, spec_file, tmp_path: Path) -> None:
+    written = SPEC.replace("inertia: 3.0e-7, damping", "inertia: 1.3e-7, damping")
+    row = SPEC.replace(HAND, "  hand: {table: 1, grip_n: 0.71}\n")
+    for name, text in (("written", written), ("row", row)):
+        done = hknob("sweep", spec_file(text, f"{name}.yaml"), "-o", name)
+        assert done.returncode == 0, done.stderr
+    for name in ("cells.parquet", "orbits.parquet"):
+        one, other = (pq.read_table(tmp_path / folder / name) for folder in ("written", "row"))
+        assert one.replace_schema_metadata().equals(other.replace_schema_metadata())
+    inputs = [json.loads(other.schema.metadata[b"hknob.provenance"])["inputs"] for other in (one, other)]
+    assert set(inputs[1]) - set(inputs[0]) == {"table_1_sha256", "table_10_sha256"}
+    heavy = hknob("sweep", "row.yaml", "--set", "scene.hand.inertia=1e-7")
+    assert heavy.returncode == 2
+    assert (
+        "--set scene.hand.inertia=1e-7: scene.hand.inertia: must be absent where the hand has a table" in heavy.stderr
+    )

@@ -9,7 +9,18 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.tables import NUMBERS, catalogue, file_of, folder, half_width, half_widths, printed, table
+from hknob_cli.printed.tables import (
+    FOLDERS,
+    NUMBERS,
+    catalogue,
+    cell,
+    file_of,
+    folder,
+    half_width,
+    half_widths,
+    printed,
+    table,
+)
 from tests.conftest import ROOT
 
 
@@ -62,6 +73,22 @@ def test_half_a_digit(text: str, half: float) -> None:
     assert half_width(text) == pytest.approx(half, rel=1e-12)
 
 
+def test_one_cell_by_symbol_or_first_column() -> None:
+    assert cell(7, "k", "value") == 0.08
+    assert cell(7, "K", "value") == 0.27
+    assert cell(1, 1.3, "damping_nm_s_per_rad") == 4.20e-4
+    assert cell(8, "mean", "mean_n") == 0.72
+    for number, row, column in (
+        (1, 1.4, "damping_ratio"),
+        (9, "TOTALS", "medium_experimental_g_cm2"),
+        (7, "q", "value"),
+    ):
+        with pytest.raises(UsageError, match=f"table {number} has no number at"):
+            cell(number, row, column)
+    with pytest.raises(UsageError, match="table 1 has no column 'damp'; it has: grip_n, "):
+        cell(1, 1.3, "damp")
+
+
 def test_half_widths_are_of_numbers_only() -> None:
     assert set(half_widths(10)[3]) == {"small_proof", "small_experimental", "medium_proof", "large_proof"}
 
@@ -79,7 +106,7 @@ def test_found_in_the_package_first_then_in_the_repository(tmp_path: Path) -> No
 def test_a_wheel_has_them_where_the_package_looks() -> None:
     wheel = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]
     assert wheel["force-include"] == {"data/printed": "hknob_cli/printed/data"}
-    assert folder.__defaults__[0][0] == ROOT / "hknob_cli" / "printed" / "data"
+    assert FOLDERS[0] == ROOT / "hknob_cli" / "printed" / "data"
 
 
 def test_faults_say_which_table(tmp_path: Path) -> None:

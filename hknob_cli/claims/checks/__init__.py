@@ -5,6 +5,9 @@ A computation returns a float (a flag counts as 1 or 0), or None where the quant
 """
 
 from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
 from typing import Any
 
 from hknob_cli.results.evidence import Evidence
@@ -20,7 +23,15 @@ def check(function: Check) -> Check:
     return function
 
 
+@cache
+def known() -> dict[str, Check]:
+    """Every computation by name: those that the modules of this folder register."""
+    for module in iter_modules(__path__, f"{__name__}."):
+        import_module(module.name)
+    return CHECKS
+
+
 def compute(name: str, evidence: Evidence, arguments: dict[str, Any]) -> float | None:
     """Value of a computation. Raises `MissingError`, and `TypeError` for arguments it does not take."""
-    value = CHECKS[name](evidence, **arguments)
+    value = known()[name](evidence, **arguments)
     return None if value is None else float(value)
