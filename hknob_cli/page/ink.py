@@ -21,7 +21,7 @@ ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whate
 WIDTH = 7.2  # inches, of a full-width figure
 
 _SETTINGS: Any = {  # matplotlib types its settings one by one
-    "font.family": "DejaVu Sans",
+    "font.family": ["DejaVu Sans", "sans-serif"],
     "font.size": 9.0,
     "axes.titlesize": 9.0,
     "axes.spines.top": False,

@@ -36,7 +36,7 @@ class _Origin(NamedTuple):
 
 
 class _Figure(NamedTuple):
-    """A figure with its number on the page, its size in points, where it is from, and the claims it shows."""
+    """A figure with its number on the page, its size in points, and where it is from."""
 
     drawn: Drawn
     number: int
@@ -44,7 +44,6 @@ class _Figure(NamedTuple):
     width: float
     group: str  # id of the group in the SVG that holds the picture, to show it twice; empty without one
     origins: tuple[_Origin, ...]
-    claims: tuple[str, ...]
 
 
 class _Row(NamedTuple):
@@ -84,6 +83,7 @@ def lay_out(page: Page) -> str:
         figures=figures,
         lead=[figures[name] for name in page.lead if name in figures],
         rows=rows,
+        compared={name: [row for row in rows if row.claim["figure"] == name] for name in figures},
         verdicts=[(verdict, _kind(verdict), counts[_kind(verdict)], GLOSSARY[verdict]) for verdict in VERDICTS],
         parts=Counter(row.part for row in rows),
         sources=list(zip(page.sources, _anchors(page.sources), map(_spec, page.sources), strict=True)),
@@ -124,7 +124,6 @@ def _figures(page: Page) -> dict[str, _Figure]:
             float(box[3]) if box else 0.0,
             group[1] if box and group else "",
             tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
-            tuple(claim["claim"] for claim in page.claims if claim["figure"] == figure.id),
         )
     return figures
 
