@@ -43,6 +43,8 @@ def fault_at(
 def _model_at(model: type[BaseModel], path: Path_) -> type[BaseModel] | None:
     current: type[BaseModel] | None = model
     for part in path:
+        if isinstance(part, int):  # an item of a list, whose model stands for the list
+            continue
         info = current.model_fields.get(str(part)) if current else None
         current = model_of(info) if info else None
     return current
