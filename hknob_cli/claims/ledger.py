@@ -64,7 +64,7 @@ class Claim(Part):
     @property
     def all_readings(self) -> list[Reading]:
         """Its readings, or the only one."""
-        return self.readings or [Reading(name="as printed")]
+        return self.readings or [Reading.model_validate({"name": "as printed"})]
 
 
 class Ledger(Part):

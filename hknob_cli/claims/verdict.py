@@ -76,7 +76,8 @@ def judge_claim(claim: Claim, evidence: Evidence) -> dict[str, Any]:
 
 
 def _read(claim: Claim, reading: Reading, evidence: Evidence) -> Judged:
-    assert claim.check and claim.holds
+    assert claim.check is not None
+    assert claim.holds is not None
     try:
         computed = compute(claim.check, evidence, {**claim.arguments, **reading.arguments})
     except MissingError as error:

@@ -8,15 +8,15 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.stages.bench import BenchStage
 
 RIVALS = ("scipy", "numba", "mujoco", "mpmath")
 
 
-class BenchWork:
-    """See `stage_run.Work`."""
+class BenchWork(Work):
+    """Methods beside one another."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """One sheet, and one picture a scene."""
@@ -25,10 +25,6 @@ class BenchWork:
     def files(self, _job: Job) -> tuple[str, ...]:
         """Every run."""
         return ("bench.parquet",)
-
-    def others(self, _job: Job) -> tuple[str, ...]:
-        """None."""
-        return ()
 
     def inputs(self, _job: Job) -> dict[str, str]:
         """What else the runs depend on: the rivals' versions, and the kind of machine."""

@@ -16,13 +16,31 @@ if TYPE_CHECKING:
 
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
-    from hknob_cli.spec.plan import BenchPlan
+    from hknob_cli.spec.plan import BenchPlan, ReportPlan
 
     if isinstance(plan, BenchPlan):
-        count, what = len(plan.scenes), "scene"
-    else:
-        count, what = prod(len(values) for values in plan.axes.values()), "cell"
+        return _counted(len(plan.scenes), "scene")
+    if isinstance(plan, ReportPlan):
+        return _counted(len(plan.results), "result")
+    return _counted(prod(len(values) for values in plan.axes.values()), "cell")
+
+
+def _counted(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _checked(path: Path, sets: tuple[str, ...]) -> str:
+    """What a valid spec says, in a few words. Raises `UsageError`."""
+    from hknob_cli.spec.load import PIPELINE, kind_of, load, load_pipeline
+
+    if kind_of(path) == PIPELINE:
+        from hknob_cli.cli.pipeline_steps import chosen, jobs_of
+
+        pipeline = load_pipeline(path, sets)
+        jobs_of(chosen(pipeline, None), Path("results") / pipeline.name)
+        return f"pipeline '{pipeline.name}', {_counted(len(pipeline.stages), 'stage')}"
+    plan = load(path, sets)
+    return f"{plan.values['kind']} '{plan.name}', {_size(plan)}"
 
 
 def check(
@@ -30,17 +48,15 @@ def check(
     sets: Sets = None,
 ) -> None:
     """Validate specs only: one line per fault, FILE:LINE:COL first."""
-    from hknob_cli.spec.load import load
-
     failed = False
     with reporting():
         for path in specs:
             try:
-                plan = load(path, tuple(sets or ()))
+                found = _checked(path, tuple(sets or ()))
             except UsageError as error:
                 say(str(error))
                 failed = True
                 continue
-            typer.echo(f"{path}: {plan.values['kind']} '{plan.name}', {_size(plan)}: good")
+            typer.echo(f"{path}: {found}: good")
     if failed:
         raise typer.Exit(ExitCode.USAGE)

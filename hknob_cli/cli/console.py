@@ -51,8 +51,8 @@ def reporting() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def progress_bar(total: int, *, show: bool) -> Iterator[Callable[[int, int], None]]:
-    """Progress on stderr while cells are computed, if ``show`` and stderr is a terminal."""
+def progress_bar(total: int, *, show: bool, what: str = "cells") -> Iterator[Callable[[int, int], None]]:
+    """Progress on stderr while ``what`` are computed, if ``show`` and stderr is a terminal."""
     if not show or not sys.stderr.isatty():
         yield lambda _done, _total: heed()
         return
@@ -61,7 +61,7 @@ def progress_bar(total: int, *, show: bool) -> Iterator[Callable[[int, int], Non
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("cells", total=total)
+        task = bar.add_task(what, total=total)
 
         def update(done: int, _total: int) -> None:
             heed()

@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.report.dfa import describe_dfa, dfa_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import DfaStage
 
 
-class DfaWork:
-    """See `stage_run.Work`."""
+class DfaWork(Work):
+    """Describing functions over a grid."""
 
     def pictures(self, _job: Job) -> tuple[str, ...]:
         """One picture."""

@@ -10,6 +10,7 @@ WORK = {
     "dfa": "hknob_cli.cli.dfa_work",
     "predict": "hknob_cli.cli.predict_work",
     "bench": "hknob_cli.cli.bench_work",
+    "report": "hknob_cli.cli.report_work",
 }
 
 

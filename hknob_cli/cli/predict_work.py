@@ -4,14 +4,14 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.predict import predict
 
 
-class PredictWork:
-    """See `stage_run.Work`."""
+class PredictWork(Work):
+    """Closed laws over a grid."""
 
     def pictures(self, _job: Job) -> tuple[str, ...]:
         """One picture."""
@@ -24,6 +24,10 @@ class PredictWork:
     def others(self, job: Job) -> tuple[str, ...]:
         """Differences, where there is no sweep to compare with."""
         return () if job.plan.against else ("differences.parquet",)
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The known case that the constant is taken from, if any."""
+        return (job.plan.case_file,) if job.plan.case_file else ()
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep that the laws are compared with, and the known case, if any."""

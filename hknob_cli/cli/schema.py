@@ -9,7 +9,9 @@ from hknob_cli.cli.console import reporting
 
 
 def schema(
-    kind: Annotated[str, typer.Argument(help="Kind of spec: sweep, dfa, predict, bench.", show_default=False)],
+    kind: Annotated[
+        str, typer.Argument(help="Kind of spec: sweep, dfa, predict, bench, report, pipeline.", show_default=False)
+    ],
 ) -> None:
     """Print the JSON Schema of a kind of spec."""
     with reporting():

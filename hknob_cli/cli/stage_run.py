@@ -2,79 +2,81 @@
 
 import json
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import pyarrow as pa
 
 from hknob_cli.cli.console import say
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
+from hknob_cli.results.marked import mark
+from hknob_cli.results.versions import computing_versions
 
 Tables = tuple[pa.Table, ...]
 
 
-class Work(Protocol):
-    """What differs between stages."""
-
-    def pictures(self, job: Job) -> tuple[str, ...]:
-        """Names of the pictures that `draw` may draw."""
+class Work:
+    """What differs between stages. This is the base: a stage that has nothing but tables."""
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Names of the result files, one a table."""
+        raise NotImplementedError
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def texts(self, _job: Job) -> tuple[str, ...]:
+        """Names of the pages and drawings that belong to the results."""
+        return ()
+
+    def pictures(self, _job: Job) -> tuple[str, ...]:
+        """Names of the pictures that `draw` may draw."""
+        return ()
+
+    def others(self, _job: Job) -> tuple[str, ...]:
         """Names of files that this stage writes for other specs, and that would be stale beside these results."""
+        return ()
 
-    def inputs(self, job: Job) -> dict[str, str]:
+    def reads(self, _job: Job) -> tuple[Path, ...]:
+        """Files that the result depends on beside the spec and the results of other stages."""
+        return ()
+
+    def inputs(self, _job: Job) -> dict[str, str]:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
+        return {}
+
+    def versions(self) -> dict[str, str]:
+        """Versions that the result depends on."""
+        return computing_versions()
 
     def compute(self, job: Job) -> Tables:
         """Result tables. Raises `ComputationError`."""
+        raise NotImplementedError
 
-    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+    def compose(self, _job: Job, _tables: Tables, _stamp: bytes) -> dict[str, str]:
+        """The texts by name; ``_stamp`` is the provenance of the results."""
+        return {}
+
+    def draw(self, _job: Job, _tables: Tables, _paths: list[Path]) -> list[Path]:
         """Draw the pictures; those drawn, and a message where these results have none."""
+        return []
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Summary as plain data."""
+        raise NotImplementedError
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Summary as the table on the terminal."""
+        raise NotImplementedError
 
 
 def run_stage(job: Job, work: Work) -> None:
-    """Run a stage. Raises `RefusedError` or `ComputationError`."""
-    name = job.plan.name
-    stamp = provenance.describe(
-        stage=job.kind, values=job.plan.values, overrides=job.overrides, inputs=work.inputs(job)
-    )
-    paths = [job.out / file for file in work.files(job)]
-    pictures = [job.out / file for file in work.pictures(job)]
-    others = [job.out / file for file in work.others(job)]
-    ours = [*paths, *pictures, *others]
-    store.refuse_foreign(ours, stage=job.kind, name=name)
-    current = None if job.force else store.read_current(paths, stamp)
+    """Run a stage and say what it found. Raises `RefusedError` or `ComputationError`."""
     if job.dry_run:
-        _say_plan(job, paths, current=current is not None)
+        _say_plan(job, *_state(job, work)[1:])
         return
-    if current is not None and not job.plot and not store.leftovers(ours):
-        tables: Tables = current
-        drawn: list[Path] = []
-    else:
-        with store.hold(job.out, ours):
-            # Once more: another run may have been here since.
-            store.refuse_foreign(ours, stage=job.kind, name=name)
-            tables = current or work.compute(job)
-            if current is None:
-                store.write(dict(zip(paths, tables, strict=True)), stamp)
-                for stale in (*pictures, *others):
-                    stale.unlink(missing_ok=True)  # it would show what the files no longer hold
-            drawn = work.draw(job, tables, pictures) if job.plot else []
-    files = [*paths, *drawn]
-    status = "computed" if current is None else "up to date"
+    tables, files, computed = make(job, work)
     summary = {
         "kind": job.kind,
-        "name": name,
-        "status": status,
+        "name": job.plan.name,
+        "status": "computed" if computed else "up to date",
         **work.describe(job, tables),
         "files": [str(path) for path in files],
     }
@@ -82,10 +84,57 @@ def run_stage(job: Job, work: Work) -> None:
         print(json.dumps(summary, allow_nan=False))
         return
     print(work.text(job, summary))
-    print("\n" + "\n".join(f"wrote {path}" if current is None else str(path) for path in files))
+    print("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
 
 
-def _say_plan(job: Job, paths: list[Path], *, current: bool) -> None:
+def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
+    """Results of a stage, computed or as they are: tables, files, and whether they were computed.
+
+    Raises `RefusedError` or `ComputationError`.
+    """
+    stamp, paths, current = _state(job, work)
+    name = job.plan.name
+    pictures = [job.out / file for file in work.pictures(job)]
+    ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
+    if current is not None and not job.plot and not store.leftovers(ours):
+        return current, paths, False
+    with store.hold(job.out, ours):
+        # Once more: another run may have been here since.
+        store.refuse_foreign(ours, stage=job.kind, name=name)
+        tables = work.compute(job) if current is None else current
+        if current is None:
+            composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
+            store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+            for stale in ours[len(paths) :]:
+                stale.unlink(missing_ok=True)  # it would show what the files no longer hold
+        drawn = work.draw(job, tables, pictures) if job.plot else []
+    return tables, [*paths, *drawn], current is None
+
+
+def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
+    """Provenance of a stage's results, their files, and the tables where all is as it would be made now.
+
+    Raises `RefusedError` where a file in the way is not ours.
+    """
+    stamp = provenance.describe(
+        stage=job.kind,
+        values=job.plan.values,
+        overrides=job.overrides,
+        inputs=work.inputs(job),
+        versions=work.versions(),
+    )
+    tables = [job.out / file for file in work.files(job)]
+    texts = [job.out / file for file in work.texts(job)]
+    for_others = [job.out / file for file in (*work.pictures(job), *work.others(job))]
+    store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
+    current = None if job.force else store.read_current(tables, stamp)
+    if current is not None and not store.are_current(texts, mark(job.kind, job.plan.name, stamp)):
+        current = None
+    return stamp, [*tables, *texts], current
+
+
+def _say_plan(job: Job, paths: list[Path], tables: Tables | None) -> None:
+    current = tables is not None
     missing = [path.name for path in paths if not path.exists()]
     changed = "the spec or the program has changed since"
     why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed

@@ -42,6 +42,10 @@ STAGES = {
         "Compare the engine with SciPy, fixed steps and MuJoCo, scene by scene: error against run time.",
         "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",
     ),
+    "report": (
+        "Put results on one page, with figures, and judge the claims of a text by them.",
+        "No effect: the page has figures.",
+    ),
 }
 
 

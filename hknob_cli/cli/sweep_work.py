@@ -7,13 +7,13 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, note
+from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.stages.sweep import SweepStage
 
 
-class SweepWork:
-    """See `stage_run.Work`."""
+class SweepWork(Work):
+    """Limit cycles over a grid."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The grid, and the recordings where there are any."""
@@ -26,10 +26,6 @@ class SweepWork:
     def others(self, job: Job) -> tuple[str, ...]:
         """Recordings, where none are asked for."""
         return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
-
-    def inputs(self, _job: Job) -> dict[str, str]:
-        """A sweep depends on its spec alone."""
-        return {}
 
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""

@@ -1,6 +1,7 @@
 """How figures look on the page, and their SVG: the same bytes for the same picture, readable on light and dark.
 
-Text and axes are black in matplotlib and `currentColor` in the SVG, so that they take the page's colour; text stays text.
+Text and axes are black in matplotlib and `currentColor` in the SVG, so that they take the page's colour; text stays
+text.
 Series differ in line style or marker beside colour, so that they survive grey printing; the colours are Okabe and Ito's
 (2008) for colour-blind readers, those of them that stand out on white and on near-black. Maps use cividis.
 """
@@ -19,7 +20,7 @@ MAP = "cividis"
 ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whatever the page's colours
 WIDTH = 7.2  # inches, of a full-width figure
 
-_SETTINGS: dict[str, Any] = {
+_SETTINGS: Any = {  # matplotlib types its settings one by one
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "axes.titlesize": 9.0,

@@ -2,38 +2,25 @@
 
 import hashlib
 import json
-import platform
-from functools import cache
-from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pyarrow as pa
-
-from hknob_cli import __version__
+from hknob_cli.results.versions import computing_versions
 
 KEY = b"hknob.provenance"
-_COMPUTING = ("printed", "spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
-
-
-@cache
-def source_digest() -> str:
-    """Digest of the code that determines a result."""
-    root = Path(__file__).parent.parent
-    digest = hashlib.sha256()
-    for folder in _COMPUTING:
-        for path in sorted((root / folder).rglob("*.py")):
-            digest.update(path.relative_to(root).as_posix().encode())
-            digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
 
 
 def describe(
-    *, stage: str, values: dict[str, Any], overrides: tuple[str, ...], inputs: dict[str, str] | None = None
+    *,
+    stage: str,
+    values: dict[str, Any],
+    overrides: tuple[str, ...],
+    inputs: dict[str, str] | None = None,
+    versions: dict[str, str] | None = None,
 ) -> bytes:
     """Provenance of a result as canonical JSON.
 
-    ``values`` is the spec with overrides applied; ``inputs`` are digests of what else the result depends on, by name.
+    ``values`` is the spec with overrides applied; ``inputs`` are digests of what else the result depends on, by name;
+    ``versions`` what ran, by default what any computation depends on.
     """
     spec = json.dumps(values, sort_keys=True)
     record = {
@@ -42,30 +29,10 @@ def describe(
         "name": values.get("name"),
         "spec": values,
         "overrides": list(overrides),
-        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **_tables(values), **(inputs or {})},
-        "versions": {
-            "hknob": __version__,
-            "hknob_source": source_digest(),
-            "python": platform.python_version(),
-            "numpy": np.__version__,
-            "pyarrow": pa.__version__,
-        },
+        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **(inputs or {})},
+        "versions": versions if versions is not None else computing_versions(),
     }
     return json.dumps(record, sort_keys=True, separators=(",", ":")).encode()
-
-
-def _tables(values: dict[str, Any]) -> dict[str, str]:
-    """Digests of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
-    found: dict[str, str] = {}
-    for key, value in values.items():
-        if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
-            from hknob_cli.printed.tables import file_of
-
-            for number in (value["table"], 10):
-                found[f"table_{number}_sha256"] = hashlib.sha256(file_of(number).read_bytes()).hexdigest()
-        elif isinstance(value, dict):
-            found |= _tables(value)
-    return found
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

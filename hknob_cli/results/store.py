@@ -8,11 +8,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.marked import is_marked, marked_origin
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
 LOCK = ".hknob.lock"
 _PARTIAL = ".partial"
+_TEXTS = (".html", ".svg")
 
 
 @contextlib.contextmanager
@@ -79,6 +81,14 @@ def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] |
     return tuple(tables)
 
 
+def are_current(paths: list[Path], mark: str) -> bool:
+    """Whether all text files are there and have exactly this mark."""
+    try:
+        return all(path.is_file() and is_marked(path, mark) for path in paths)
+    except OSError:
+        return False
+
+
 def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
     """Raise `RefusedError` if a file at ``paths`` was written by something else, or for another name.
 
@@ -92,7 +102,7 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
                 raise RefusedError(f"{path}: is not a file; move it away, or choose another --out")
             with path.open("rb") as stream:
                 head = stream.read(4)
-            found = _origin(path) if head in (b"PAR1", SIGNATURE[:4]) else None
+            found = _origin(path) if path.suffix in _TEXTS or head in (b"PAR1", SIGNATURE[:4]) else None
         except OSError as error:
             raise ComputationError(f"{path}: cannot be read: {error.strerror or error}") from None
         if found is None and head in (b"", b"PAR1") and not _is_whole(path):
@@ -105,6 +115,8 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
 
 def _origin(path: Path) -> tuple[str, str] | None:
     """Stage and name that a result file or picture of ours was written for."""
+    if path.suffix in _TEXTS:
+        return marked_origin(path)
     if path.suffix == ".png":
         return picture_origin(path)
     try:
@@ -122,10 +134,13 @@ def _is_whole(path: Path) -> bool:
     return True
 
 
-def write(tables: dict[Path, pa.Table], provenance: bytes) -> None:
-    """Write all tables with their provenance, then put them in place. Raises `ComputationError`."""
-    halves = {path: partial(path) for path in tables}
+def write(tables: dict[Path, pa.Table], provenance: bytes, texts: dict[Path, str] | None = None) -> None:
+    """Write all tables with their provenance, and all texts, then put them in place. Raises `ComputationError`."""
+    halves = {path: partial(path) for path in (*(texts or {}), *tables)}
     try:
+        for path, text in (texts or {}).items():
+            path.parent.mkdir(exist_ok=True)
+            halves[path].write_text(text, encoding="utf-8")
         for path, table in tables.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
             with halves[path].open("wb") as stream:

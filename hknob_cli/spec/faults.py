@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from hknob_cli.errors import Fault
-from hknob_cli.spec.grid import model_of
+from hknob_cli.spec.grid import items_of, model_of
 from hknob_cli.spec.messages import keys_of, message
 from hknob_cli.spec.source import Path_, Source
 
@@ -41,10 +41,13 @@ def fault_at(
 
 
 def _model_at(model: type[BaseModel], path: Path_) -> type[BaseModel] | None:
+    """The model whose keys stand at ``path``; None if a value does."""
     current: type[BaseModel] | None = model
+    inside: type[BaseModel] | None = None  # of the items of a list or mapping that the path has just entered
     for part in path:
-        if isinstance(part, int):  # an item of a list, whose model stands for the list
+        if inside is not None:
+            current, inside = inside, None
             continue
         info = current.model_fields.get(str(part)) if current else None
-        current = model_of(info) if info else None
+        current, inside = (model_of(info), items_of(info)) if info else (None, None)
     return current

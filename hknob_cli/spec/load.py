@@ -1,6 +1,7 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
 import hashlib
+from importlib import import_module
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -21,27 +22,73 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import nearest
-from hknob_cli.spec.plan import COUNTS, RATE, Axes, Plan, PredictPlan
+from hknob_cli.spec.plan import COUNTS, RATE, Axes, PipelinePlan, Plan, PredictPlan, StagePlan
 from hknob_cli.spec.scene import SceneSpec, contradictions, given
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = (*GRIDS, "bench")
+KINDS = (*GRIDS, "bench", "report")
+PIPELINE = "pipeline"
 
 
-def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Plan:
+def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None, label: str = "--set ") -> Plan:
     """Read and validate one spec.
 
-    ``overrides`` are ``key.path=value`` strings; ``kind`` is the kind required, any if None. Raises `UsageError` if the
-    file cannot be read, `SpecError` with every fault found.
+    ``overrides`` are ``key.path=value`` strings, and ``label`` says in faults where they are from; ``kind`` is the kind
+    required, any if None. Of a pipeline it is the one stage of that kind. Raises `UsageError` if the file cannot be
+    read, `SpecError` with every fault found.
     """
     source = yaml.read(path)
-    faults = [fault for text in overrides if (fault := _override(source, text))]
+    if kind in KINDS and source.value.get("kind") == PIPELINE:
+        return _only_stage(source, overrides, str(kind))
+    _apply(source, overrides, label)
+    return validate(source, kind=kind)
+
+
+def kind_of(path: Path) -> object:
+    """What a spec file says its kind is. Raises as `load`."""
+    return yaml.read(path).value.get("kind")
+
+
+def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
+    """Read and validate a pipeline; of its stages' specs only that they are named.
+
+    A spec of another kind is a pipeline of one stage. Raises as `load`.
+    """
+    source = yaml.read(path)
+    kind = source.value.get("kind")
+    if kind in KINDS:
+        name = str(load(path, overrides).name)
+        return PipelinePlan(name, {str(kind): StagePlan(str(kind), path, overrides, {}, "--set ")}, source.value)
+    _apply(source, overrides, "--set ")
+    if kind != PIPELINE:
+        allowed = f"must be {PIPELINE} or a kind of stage ({', '.join(KINDS)})"
+        raise SpecError([source.fault(("kind",), f"{allowed}, got {kind!r}" if kind else f"missing; {allowed}")])
+    from hknob_cli.spec.pipeline import validate_pipeline
+
+    return validate_pipeline(source)
+
+
+def _only_stage(source: Source, overrides: tuple[str, ...], kind: str) -> Plan:
+    """The stage of a kind in a pipeline, where there is one that needs no other."""
+    from hknob_cli.spec.pipeline import validate_pipeline
+
+    pipeline = validate_pipeline(source)
+    stages = [stage for stage in pipeline.stages.values() if stage.spec and kind_of(stage.spec) == kind]
+    if len(stages) != 1 or stages[0].inputs or not stages[0].spec:
+        found = ", ".join(str(stage.spec) for stage in stages) or "none"
+        text = f"is a pipeline; hknob run runs it. Specs of its {kind} stages: {found}"
+        raise SpecError([source.fault(("kind",), text)])
+    return load(stages[0].spec, (*stages[0].settings, *overrides), kind=kind)
+
+
+def _apply(source: Source, overrides: tuple[str, ...], label: str) -> None:
+    """Apply overrides to the values of a source. Raises `SpecError`."""
+    faults = [fault for text in overrides if (fault := _override(source, text, label))]
     if faults:
         raise SpecError(faults)
-    return validate(source, kind=kind)
 
 
 def validate(source: Source, *, kind: str | None = None) -> Plan:
@@ -57,6 +104,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.bench import validate_bench
 
         return validate_bench(source)
+    if given == "report":
+        from hknob_cli.spec.report import validate_report
+
+        return validate_report(source)
     model = GRIDS[given]
     faults: list[Fault] = []
     scene: SceneSpec | None = None
@@ -80,13 +131,17 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
     if isinstance(spec, PredictSpec) and isinstance(plan, PredictPlan) and isinstance(spec.constant, CaseFile):
         constant, digest = _read_case(source, spec.constant.case)
-        return plan._replace(constant=constant, case_sha256=digest)
+        return plan._replace(constant=constant, case_sha256=digest, case_file=_case_file(source, spec.constant.case))
     return plan
+
+
+def _case_file(source: Source, name: str) -> Path:
+    return Path(source.name).parent / name
 
 
 def _read_case(source: Source, name: str) -> tuple[float, str]:
     """C of the known case in a file, and the file's digest. Raises `SpecError` with the faults of either file."""
-    path = Path(source.name).parent / name
+    path = _case_file(source, name)
     try:
         case_source = yaml.read(path)
     except UsageError as error:
@@ -164,9 +219,9 @@ def _axis_fault(name: str, scene: SceneSpec | None) -> str | None:
     return None
 
 
-def _override(source: Source, text: str) -> Fault | None:
+def _override(source: Source, text: str, label: str) -> Fault | None:
     """Apply one ``key.path=value``; the fault if it cannot be."""
-    where = f"--set {text}"
+    where = f"{label}{text}"
     path_text, sign, value_text = text.partition("=")
     if not sign or not all(part.strip() for part in path_text.split(".")):
         return Fault(where, 0, 0, "", "must be key.path=value")
@@ -174,6 +229,8 @@ def _override(source: Source, text: str) -> Fault | None:
     if path[0] == "grid" and len(path) > 2:
         form = path[-1:] if path[-1] in ("log", "lin") else ()
         path = ("grid", ".".join(path[1 : len(path) - len(form)]), *form)
+    if path[0] == "stages" and path[2:3] == ("set",) and len(path) > 4:
+        path = (*path[:3], ".".join(path[3:]))
     try:
         value = yaml.parse_value(value_text)
     except ValueError as error:
@@ -190,16 +247,16 @@ def _override(source: Source, text: str) -> Fault | None:
     for place in [place for place in (*source.keys, *source.values) if place[: len(path)] == path]:
         source.keys.pop(place, None)
         source.values.pop(place, None)
-    source.overridden[path] = text
+    source.overridden[path] = where
     return None
 
 
 def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
-    if kind not in KINDS:
-        raise UsageError(f"unknown kind '{kind}'; one of: {', '.join(KINDS)}")
-    if kind == "bench":
-        from hknob_cli.spec.bench import BenchSpec
-
-        return BenchSpec
-    return GRIDS[kind]
+    if kind in GRIDS:
+        return GRIDS[kind]
+    models = {"bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
+    if kind not in models:
+        raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
+    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])
+    return model

@@ -5,6 +5,7 @@ This is what the rest of the program sees. Defaults and absences are resolved: a
 
 import itertools
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -140,7 +141,7 @@ class DfaPlan(NamedTuple):
 class PredictPlan(NamedTuple):
     """Predictions by ``laws``; ``constant``: C of the quantum-period law, 1/s, None: analytic.
 
-    ``case_sha256``: digest of the file that the constant was taken from, if any.
+    ``case_file``, ``case_sha256``: the file that the constant was taken from, if any, and its digest.
     """
 
     name: str
@@ -152,6 +153,7 @@ class PredictPlan(NamedTuple):
     case_sha256: str | None
     against: str | None
     values: dict[str, Any]
+    case_file: Path | None = None
 
 
 class SweepPlan(NamedTuple):
@@ -206,7 +208,84 @@ class BenchPlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan
+class FigurePlan(NamedTuple):
+    """A figure of a page: which drawing, ``of`` which results, with which options."""
+
+    id: str
+    draw: str
+    of: tuple[str, ...]
+    options: dict[str, Any]
+    title: str
+    caption: str
+    alt: str
+
+
+class ChapterPlan(NamedTuple):
+    """A part of a page."""
+
+    title: str
+    text: str
+    figures: tuple[FigurePlan, ...]
+
+
+class Sentence(NamedTuple):
+    """A sentence, and by name the check, arguments and format of the values in it."""
+
+    text: str
+    values: dict[str, tuple[str, dict[str, Any], str]]
+
+
+class ReportPlan(NamedTuple):
+    """A page.
+
+    ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary; ``rerun``: command
+    lines that make the page again.
+    """
+
+    name: str
+    title: str
+    results: dict[str, str]
+    claims: str | None
+    summary: tuple[Sentence, ...]
+    lead: tuple[str, ...]
+    chapters: tuple[ChapterPlan, ...]
+    rerun: tuple[str, ...]
+    values: dict[str, Any]
+
+
+class StagePlan(NamedTuple):
+    """A stage of a pipeline: its ``spec``, or the ``folder`` of results that are taken as they are.
+
+    ``settings``: overrides of its spec; ``inputs``: by path in its spec, the stage or stages whose folders go there;
+    ``where``: the place in the pipeline's file.
+    """
+
+    name: str
+    spec: Path | None
+    settings: tuple[str, ...]
+    inputs: dict[str, tuple[str, ...] | str]
+    where: str
+    folder: Path | None = None
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """Stages that it waits for."""
+        return tuple(
+            dict.fromkeys(
+                name for found in self.inputs.values() for name in ((found,) if isinstance(found, str) else found)
+            )
+        )
+
+
+class PipelinePlan(NamedTuple):
+    """A pipeline of stages by name."""
+
+    name: str
+    stages: dict[str, StagePlan]
+    values: dict[str, Any]
+
+
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

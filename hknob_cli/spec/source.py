@@ -31,7 +31,7 @@ _PLAIN = {
 class Source:
     """Values of one spec and where they stand.
 
-    ``keys`` and ``values`` give line and column by key path; ``overridden`` the option that set a path.
+    ``keys`` and ``values`` give line and column by key path; ``overridden`` what set a path from outside the file.
     """
 
     def __init__(self, name: str) -> None:
@@ -47,7 +47,7 @@ class Source:
         for end in range(len(path), -1, -1):
             part = path[:end]
             if part in self.overridden:
-                return Fault(f"--set {self.overridden[part]}", 0, 0, key, message)
+                return Fault(self.overridden[part], 0, 0, key, message)
             listed = bool(part) and isinstance(part[-1], int)  # an item of a list has no key
             place = self.keys if (at_key or end < len(path)) and not listed else self.values
             if part in place:

@@ -21,7 +21,7 @@ CASES = [
     ("hknob --help", ["--help"], "import typer", 3.0),
     (
         "3x3 smoke sweep",
-        ["sweep", str(ROOT / "experiments/smoke.yaml"), "-o", str(OUT)],
+        ["sweep", str(ROOT / "experiments/smoke_grid.yaml"), "-o", str(OUT)],
         "import typer, pydantic, numpy, pyarrow",
         1.5,
     ),

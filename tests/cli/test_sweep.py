@@ -9,15 +9,15 @@ from tests.conftest import EXPERIMENTS, SPEC
 
 
 def test_smoke_grid(hknob, tmp_path: Path) -> None:
-    done = hknob("sweep", EXPERIMENTS / "smoke.yaml")
+    done = hknob("sweep", EXPERIMENTS / "smoke_grid.yaml")
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
-    assert done.stdout.startswith("smoke: 9 cells, ")
+    assert done.stdout.startswith("smoke-grid: 9 cells, ")
     assert "all proven" in done.stdout
     assert "peak to peak, mrad" in done.stdout
     assert "frequency, Hz" in done.stdout
-    assert "wrote results/smoke/cells.parquet" in done.stdout
-    names = {path.name for path in (tmp_path / "results" / "smoke").iterdir()}
+    assert "wrote results/smoke-grid/cells.parquet" in done.stdout
+    names = {path.name for path in (tmp_path / "results" / "smoke-grid").iterdir()}
     assert names == {"cells.parquet", "orbits.parquet", ".hknob.lock"}
 
 

@@ -36,7 +36,7 @@ def test_interruption_exits_130_and_leaves_nothing(kind: signal.Signals, spec_fi
 
 
 def test_kill_at_random_instants(spec_file, tmp_path: Path) -> None:
-    spec = EXPERIMENTS / "smoke.yaml"
+    spec = EXPERIMENTS / "smoke_grid.yaml"
     subprocess.run([HKNOB, "sweep", spec, "-o", tmp_path / "undisturbed", "-q"], check=True, capture_output=True)
     out = tmp_path / "out"
     chance = random.Random(20261121)

@@ -39,11 +39,11 @@ def test_experiments_satisfy_the_schema_and_name_it(path) -> None:
     ],
 )
 def test_an_editor_sees_faults(change: dict[str, object]) -> None:
-    values = {**read(EXPERIMENTS / "smoke.yaml").value, **change}
+    values = {**read(EXPERIMENTS / "smoke_grid.yaml").value, **change}
     assert not Draft202012Validator(json_schema("sweep")).is_valid(values)
 
 
 def test_units_pass_the_schema() -> None:
-    values = read(EXPERIMENTS / "smoke.yaml").value
+    values = read(EXPERIMENTS / "smoke_grid.yaml").value
     values["scene"]["wall"]["stiffness"] = "0.27 N*m/rad"
     assert Draft202012Validator(json_schema("sweep")).is_valid(values)

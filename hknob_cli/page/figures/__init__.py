@@ -6,6 +6,7 @@ returns a matplotlib Figure, made by `ink.figure`, without a title: the page has
 """
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.results.evidence import Evidence
@@ -17,6 +18,18 @@ Drawing = Callable[..., "Figure"]
 
 DRAWINGS: dict[str, Drawing] = {}
 
+# The module here that registers each drawing, imported when it is first drawn.
+MODULES: dict[str, str] = {
+    "contact_energy": "contact",
+    "grasp_parameters": "grasp",
+    "grip_forces": "grip",
+    "normalised_grasp": "grasp",
+    "phase_plane": "phase",
+    "pulse_terms": "pulse",
+    "schematic": "schematic",
+    "time_response": "motion",
+}
+
 
 def drawing(function: Drawing) -> Drawing:
     """Register a drawing under its name."""
@@ -26,4 +39,6 @@ def drawing(function: Drawing) -> Drawing:
 
 def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
     """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+    if name not in DRAWINGS:
+        import_module(f"{__name__}.{MODULES[name]}")
     return DRAWINGS[name](evidence, of, **options)

@@ -1,0 +1,134 @@
+"""From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run."""
+
+import copy
+import json
+import time
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.cli.job import WORK, Job
+from hknob_cli.cli.stage_run import Work, make
+from hknob_cli.errors import Fault, SpecError, UsageError
+from hknob_cli.pipeline.step import Step
+from hknob_cli.spec.load import load
+from hknob_cli.spec.plan import PipelinePlan, StagePlan
+
+Said = Callable[[str, str], None]
+
+
+def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
+    """The stages to run, each after those it needs; with ``until`` only that one and what it needs.
+
+    Raises `UsageError` for a stage that is not in the pipeline.
+    """
+    if until is not None and until not in plan.stages:
+        raise UsageError(f"--until: must be a stage of '{plan.name}': {', '.join(plan.stages)}; got '{until}'")
+    order: dict[str, StagePlan] = {}
+
+    def add(name: str) -> None:
+        if name not in order:
+            for needed in plan.stages[name].needs:
+                add(needed)
+            order[name] = plan.stages[name]
+
+    for name in [until] if until is not None else plan.stages:
+        add(name)
+    return list(order.values())
+
+
+def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Job]:
+    """A job for each stage that has a spec, its results in a folder of its name in ``root``.
+
+    ``options`` are those of a `Job`. Raises `SpecError` with the faults of all specs.
+    """
+    folders = {stage.name: stage.folder or root / stage.name for stage in stages}
+    jobs: dict[str, Job] = {}
+    faults: list[Fault] = []
+    for stage in stages:
+        if stage.folder is not None:
+            if not any(stage.folder.glob("*.parquet")):
+                faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
+            continue
+        try:
+            jobs[stage.name] = _job(stage, folders, **options)
+        except SpecError as error:
+            faults += error.faults
+        except UsageError as error:
+            faults.append(Fault(stage.where, 0, 0, "", str(error)))
+    if faults:
+        raise SpecError(faults)
+    return jobs
+
+
+def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Said) -> list[Step]:
+    """A step for each stage that has a spec, in order; ``said`` is told of a stage and what became of it.
+
+    ``root`` is the folder of the pipeline's results.
+    """
+    steps: list[Step] = []
+    files: dict[str, tuple[Path, ...]] = {}
+    for stage in stages:
+        if stage.folder is not None:
+            files[stage.name] = tuple(sorted(stage.folder.glob("*.parquet")))
+            continue
+        steps.append(_step(stage, jobs[stage.name], files, root, said))
+        files[stage.name] = steps[-1].writes
+    return steps
+
+
+def _job(stage: StagePlan, places: dict[str, Path], **options: Any) -> Job:
+    """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
+    folders: dict[str, Any] = {
+        path: str(places[found]) if isinstance(found, str) else {name: str(places[name]) for name in found}
+        for path, found in stage.inputs.items()
+    }
+    linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
+    assert stage.spec is not None
+    plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ")
+    if linked:
+        # Results say which stage an input is from, not where it happens to lie.
+        names = {
+            path: {"from": found if isinstance(found, str) else list(found)} for path, found in stage.inputs.items()
+        }
+        plan = plan._replace(values=_replaced(plan.values, names))
+        linked = tuple(f"{path}={json.dumps(name)}" for path, name in names.items())
+    return Job(
+        kind=str(plan.values["kind"]),
+        plan=plan,
+        out=places[stage.name],
+        overrides=(*stage.settings, *linked),
+        **options,
+    )
+
+
+def _replaced(values: dict[str, Any], links: dict[str, Any]) -> dict[str, Any]:
+    values = copy.deepcopy(values)
+    for path, value in links.items():
+        *parents, last = path.split(".")
+        target = values
+        for part in parents:
+            target = target[part]
+        target[last] = value
+    return values
+
+
+def _step(stage: StagePlan, job: Job, files: dict[str, tuple[Path, ...]], root: Path, said: Said) -> Step:
+    work: Work = import_module(WORK[job.kind]).WORK
+
+    def run() -> None:
+        begin = time.perf_counter()
+        said(stage.name, "")
+        _, _, computed = make(job, work)
+        said(stage.name, f"computed in {time.perf_counter() - begin:.1f} s" if computed else "as it was")
+
+    return Step(
+        stage.name,
+        reads=(*((stage.spec,) if stage.spec else ()), *work.reads(job)),
+        needs=tuple(path for name in stage.needs for path in files[name]),
+        writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job))),
+        values={"settings": json.dumps(job.overrides), "program": json.dumps(work.versions(), sort_keys=True)},
+        root=root,
+        run=run,
+    )

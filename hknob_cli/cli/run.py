@@ -1,0 +1,155 @@
+"""``hknob run``: a pipeline of stages, of which only what is out of date runs."""
+
+import json
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from hknob_cli.cli.console import heed, reporting, say
+from hknob_cli.cli.options import (
+    DryRun,
+    Executor,
+    ExecutorName,
+    Force,
+    Jobs,
+    Json,
+    Out,
+    Quiet,
+    Scheduler,
+    Sets,
+    Verbose,
+)
+from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
+
+if TYPE_CHECKING:
+    from hknob_cli.pipeline.build import Outcome
+
+Stage = dict[str, Any]
+
+
+def run(
+    pipeline: Annotated[
+        Path, typer.Argument(metavar="PIPELINE.yaml", help="The pipeline, or a spec alone.", show_default=False)
+    ],
+    out: Out = None,
+    sets: Sets = None,
+    until: Annotated[
+        str | None, typer.Option("--until", metavar="STAGE", help="Run this stage and what it needs, nothing else.")
+    ] = None,
+    jobs: Jobs = None,
+    executor: Executor = ExecutorName.local,
+    scheduler: Scheduler = None,
+    force: Force = False,
+    dry_run: DryRun = False,
+    explain: Annotated[bool, typer.Option("--explain", help="Say what would run, and every reason why.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Run a pipeline of stages, skipping all that is up to date."""
+    with reporting():
+        if executor is ExecutorName.dask or scheduler:
+            raise UsageError("--executor: dask is not in this version; local is")
+        from hknob_cli.pipeline import fresh
+
+        options = {"overrides": list(sets or ()), "until": until}
+        root = out or _root(pipeline, tuple(sets or ()))
+        request = fresh.asked(pipeline, options)
+        if not (force or dry_run or explain):
+            done = fresh.finished(root, request)
+            if done is not None:
+                _report(done["name"], root, done["stages"], as_json=as_json)
+                return
+        from hknob_cli.cli.pipeline_steps import chosen, jobs_of, steps_of
+        from hknob_cli.pipeline.build import Fate, build
+        from hknob_cli.results import store
+        from hknob_cli.spec.load import load_pipeline
+
+        def said(stage: str, text: str) -> None:
+            if (text or verbose) and not quiet:
+                say(f"{stage}: {text or 'started'}")
+
+        plan = load_pipeline(pipeline, tuple(sets or ()))
+        stages = chosen(plan, until)
+        work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose)
+        steps = steps_of(stages, work, root, said)
+        if dry_run or explain:
+            with tempfile.TemporaryDirectory() as nowhere:
+                place = root if root.is_dir() else Path(nowhere)
+                outcomes = build(steps, place, force=force, dry=True)
+            _say_plan(plan.name, outcomes, explain=explain, as_json=as_json)
+            return
+        with store.hold(root, []):
+            outcomes = build(steps, root, force=force)
+            heed()
+            table = [
+                {
+                    "name": step.name,
+                    "kind": work[step.name].kind,
+                    "status": outcome.fate.value,
+                    "files": [str(path) for path in step.writes],
+                }
+                for step, outcome in zip(steps, outcomes, strict=True)
+            ]
+            if all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes):
+                up_to_date = [{**row, "status": Fate.UP_TO_DATE.value} for row in table]
+                fresh.write_record(root, plan.name, request, up_to_date)
+        _report(plan.name, root, table, as_json=as_json)
+        _fail(outcomes)
+
+
+def _root(path: Path, overrides: tuple[str, ...]) -> Path:
+    """Where results go if nothing is said."""
+    from hknob_cli.spec.load import load_pipeline
+
+    return Path("results") / load_pipeline(path, overrides).name
+
+
+def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> None:
+    """What became of the stages, and where the pages are."""
+    if as_json:
+        print(json.dumps({"kind": "pipeline", "name": name, "stages": stages}))
+        return
+    counts: dict[str, int] = {}
+    for stage in stages:
+        counts[stage["status"]] = counts.get(stage["status"], 0) + 1
+    said = ", ".join(f"{count} {status}" for status, count in counts.items())
+    print(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
+    print(f"results: {root}")
+    for file in (file for stage in stages for file in stage["files"]):
+        if file.endswith(".html") and Path(file).exists():
+            print(f"page: {file}")
+
+
+def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: bool) -> None:
+    if as_json:
+        stages = [{"name": one.name, "status": one.fate.value, "why": list(one.why)} for one in outcomes]
+        print(json.dumps({"kind": "pipeline", "name": name, "stages": stages}))
+        return
+    for one in outcomes:
+        if explain and one.why:
+            print(f"{one.name}: {one.fate.value}, because\n" + "\n".join(f"  {reason}" for reason in one.why))
+        else:
+            more = f" (and {len(one.why) - 1} more reasons; --explain)" if len(one.why) > 1 else ""
+            print(f"{one.name}: {one.fate.value}" + (f", because {one.why[0]}{more}" if one.why else ""))
+
+
+def _fail(outcomes: "list[Outcome]") -> None:
+    """Say which stages failed and why, and raise for the first."""
+    from hknob_cli.pipeline.build import Fate
+
+    failed = [one for one in outcomes if one.fate is Fate.FAILED]
+    for one in failed:
+        say(f"{one.name}: failed: {one.error}")
+        if one.error is not None and not isinstance(one.error, (HknobError, OSError, MemoryError)):
+            raise one.error
+    waiting = [one.name for one in outcomes if one.fate is Fate.NOT_REACHED]
+    if waiting:
+        say(f"not reached: {', '.join(waiting)}")
+    if failed:
+        error = failed[0].error
+        raise typer.Exit(error.exit_code if isinstance(error, HknobError) else ExitCode.FAILED)
+    if waiting:
+        raise ComputationError("not all stages were reached")

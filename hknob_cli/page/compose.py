@@ -1,0 +1,113 @@
+"""From a report's plan and finished results to the page: figures drawn, sentences filled in, sources listed."""
+
+import hashlib
+import json
+import re
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from hknob_cli.claims.checks import CHECKS, compute
+from hknob_cli.errors import UsageError
+from hknob_cli.page import ink
+from hknob_cli.page.book import Chapter, Drawn, Page, Source
+from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.page.figures import draw
+from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.spec.messages import nearest
+from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+
+Progress = Callable[[int, int], None]
+
+
+class Judgement(NamedTuple):
+    """The claims as rows of claims.parquet, and the text they are about; empty without a ledger."""
+
+    rows: tuple[dict[str, Any], ...] = ()
+    text: str = ""
+
+
+def compose(
+    plan: ReportPlan,
+    evidence: Evidence,
+    judgement: Judgement,
+    *,
+    versions: dict[str, str],
+    mark: str,
+    progress: Progress = lambda _done, _total: None,
+) -> Page:
+    """The page. Raises `UsageError` for options that a drawing does not take, or a check that does not exist."""
+    chapters = plan.chapters or chapters_of(evidence)
+    total = sum(len(chapter.figures) for chapter in chapters)
+    drawn: list[Chapter] = []
+    done = 0
+    for chapter in chapters:
+        figures = []
+        for figure in chapter.figures:
+            figures.append(_drawn(figure, evidence, mark))
+            progress(done := done + 1, total)
+        paragraphs = tuple(part.strip() for part in chapter.text.split("\n\n") if part.strip())
+        drawn.append(Chapter(_slug(chapter), chapter.title, paragraphs, tuple(figures)))
+    sentences = [text for item in plan.summary if (text := _filled(item, evidence))]
+    shown = [figure.id for chapter in chapters for figure in chapter.figures]
+    return Page(
+        name=plan.name,
+        title=plan.title,
+        sentences=tuple(sentences if plan.summary else sentences_of(evidence)),
+        lead=plan.lead if plan.chapters else tuple(shown[:3]),
+        claims=judgement.rows,
+        claims_of=judgement.text,
+        chapters=tuple(drawn),
+        sources=tuple(_source(evidence[name]) for name in evidence.names),
+        rerun=plan.rerun,
+        versions=versions,
+        mark=mark,
+    )
+
+
+def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
+    """A figure with its SVG; where a result is missing, with the reason instead."""
+    of: Any = figure.of[0] if len(figure.of) == 1 else list(figure.of)
+    svg, missing = "", ""
+    try:
+        svg = ink.svg(draw(figure.draw, evidence, of, figure.options), name=figure.id, title=figure.alt, mark=mark)
+    except MissingError as error:
+        missing = str(error)
+    except TypeError as error:
+        raise UsageError(f"figure {figure.id}: {figure.draw}: {error}") from error
+    return Drawn(figure.id, figure.title, figure.caption, svg, figure.alt, figure.of, missing)
+
+
+def _filled(sentence: Sentence, evidence: Evidence) -> str:
+    """A sentence with its numbers; empty where one of them is missing."""
+    values = {}
+    for name, (check, arguments, form) in sentence.values.items():
+        if check not in CHECKS:
+            raise UsageError(f"summary: {name}: {nearest(check, sorted(CHECKS)).replace('key', 'check')}")
+        try:
+            value = compute(check, evidence, arguments)
+        except MissingError:
+            return ""
+        except TypeError as error:
+            raise UsageError(f"summary: {name}: {check}: {error}") from None
+        if value is None:
+            return ""
+        values[name] = format(value, form).replace("-", "\N{MINUS SIGN}")
+    return sentence.text.format(**values) if values else sentence.text
+
+
+def _source(result: Result) -> Source:
+    record = result.provenance
+    return Source(
+        name=result.name,
+        stage=record["stage"],
+        files=result.files,
+        spec_sha256=record["inputs"]["spec_sha256"],
+        overrides=tuple(record["overrides"]),
+        spec=record["spec"],
+    )
+
+
+def _slug(chapter: ChapterPlan) -> str:
+    """The anchor of a chapter, from its title."""
+    words = re.sub(r"[^a-z0-9]+", "-", chapter.title.lower()).strip("-")
+    return f"ch-{words[:40].strip('-')}-{hashlib.sha256(json.dumps(chapter.title).encode()).hexdigest()[:4]}"

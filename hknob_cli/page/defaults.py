@@ -1,0 +1,110 @@
+"""What a page says and shows where its spec lists neither sentences nor chapters: each result, by its kind."""
+
+from typing import Any
+
+from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.spec.plan import ChapterPlan, FigurePlan
+
+
+def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
+    """A chapter for each result, with the pictures that its tables allow."""
+    return tuple(_chapter(evidence[name]) for name in evidence.names)
+
+
+def _chapter(result: Result) -> ChapterPlan:
+    figures = {"sweep": _sweep, "dfa": _methods, "predict": _laws, "bench": _bench}.get(result.stage, _none)(result)
+    return ChapterPlan(f"{result.name} ({result.stage})", "", tuple(figures))
+
+
+def _figure(result: Result, draw: str, what: str, caption: str, **options: Any) -> FigurePlan:
+    slug = "".join(letter if letter.isalnum() else "-" for letter in f"{result.name}-{what}".lower()).strip("-")
+    title = f"{result.name}: {what}"
+    return FigurePlan(f"fig-{slug}"[:40].rstrip("-"), draw, (result.name,), options, title, caption, title)
+
+
+def _wide(result: Result, file: str) -> list[str]:
+    """Axes with several values."""
+    table = result.table(file)
+    return [axis for axis in result.axes if len(set(table.column(axis).to_pylist())) > 1]
+
+
+def _sweep(result: Result) -> list[FigurePlan]:
+    figures = []
+    wide = _wide(result, "cells")
+    columns = result.table("cells").column_names
+    if len(wide) == 2 and "p2p_rad" in columns:
+        figures = [
+            _figure(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
+            _figure(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
+        ]
+    elif len(wide) == 2 and "growth_j_per_s2" in columns:
+        figures = [_figure(result, "grid_map", "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
+    elif len(wide) == 1 and "p2p_rad" in columns:
+        figures = [
+            _figure(result, "staircase", "every orbit", "A dot for each orbit, sized by its share of the trials.")
+        ]
+    if "trajectories.parquet" in result.files:
+        figures.append(_figure(result, "time_response", "motion", "Angle and torque over time."))
+    return figures
+
+
+def _methods(result: Result) -> list[FigurePlan]:
+    if len(_wide(result, "dfa")) != 2:
+        return []
+    methods = dict.fromkeys(result.table("dfa").column("method").to_pylist())
+    return [
+        _figure(result, "grid_map", f"peak to peak by {method}", _LARGEST, column="p2p_rad", where={"method": method})
+        for method in methods
+    ]
+
+
+def _laws(result: Result) -> list[FigurePlan]:
+    if len(_wide(result, "predict")) != 2:
+        return []
+    laws = dict.fromkeys(result.table("predict").column("law").to_pylist())
+    return [
+        _figure(result, "grid_map", f"peak to peak by {law}", "", column="p2p_rad", where={"law": law}) for law in laws
+    ]
+
+
+def _bench(result: Result) -> list[FigurePlan]:
+    return [
+        _figure(result, "error_time", "error against run time", "Left and low is better."),
+        _figure(result, "stability_table", "verdicts", "What each method made of each scene."),
+    ]
+
+
+def _none(_result: Result) -> list[FigurePlan]:
+    return []
+
+
+_MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
+_DOTS = "A dot for each orbit, sized by its share of the trials."
+_LARGEST = "Of several cycles in a cell the largest."
+
+
+def sentences_of(evidence: Evidence) -> tuple[str, ...]:
+    """A sentence for each sweep: how many cells, how large, what pitch, how surely."""
+    return tuple(text for name in evidence.names if (text := _sentence(evidence[name])))
+
+
+def _sentence(result: Result) -> str:
+    try:
+        rows = result.rows("cells")
+    except MissingError:
+        return ""
+    moving = [row for row in rows if row.get("p2p_rad")]
+    cells = f"{result.name}: {len(rows)} cell{'s' if len(rows) > 1 else ''}"
+    if not moving:
+        resting = rows and all(row.get("at_rest_fraction") == 1.0 for row in rows)
+        return f"{cells}, the knob comes to rest in all." if resting else ""
+    sizes = [1e3 * row["p2p_rad"] for row in moving]
+    pitches = [row["frequency_hz"] for row in moving]
+    proven = min(row["certified_fraction"] for row in rows)
+    surely = "every trial proven" if proven == 1.0 else f"at least {100 * proven:.0f} % of the trials of a cell proven"
+    still = sum(row["at_rest_fraction"] == 1.0 for row in rows)
+    rest = f"; at rest in {still}" if still else ""
+    return (
+        f"{cells}: peak to peak from {min(sizes):.3g} to {max(sizes):.3g} mrad, "
+        f"{min(pitches):.3g} to {max(pitches):.3g} Hz{rest}; {surely}."
+    )

@@ -1,0 +1,163 @@
+"""From what a page says to one HTML file that needs nothing else: no request, no clock, the same text every time."""
+
+import json
+import re
+from collections import Counter
+from collections.abc import Iterable
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from hknob_cli.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
+from hknob_cli.page.book import Drawn, Page, Source
+from hknob_cli.page.numeral import MINUS, numeral
+
+GLOSSARY = {
+    REPRODUCED: "a reading that the print allows is within the tolerance",
+    DIFFERS: "no such reading is within it, and one is within the wider tolerance",
+    CONTRADICTED: "no such reading is within either",
+    NOT_TESTABLE: "there is no computation, or what it needs is not there",
+}
+_WORST_FIRST = (CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED)
+_PRINTED_DIGITS = 10  # of a printed value none is lost
+# The readings of a claim are one text, each ending in its verdict, or in why it is excluded.
+_BETWEEN_READINGS = re.compile("(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); ")
+_HYPHEN_MINUS = re.compile(r"(?<=: )-(?=\d)")
+_CHAPTER = re.compile(r"(\d+)[.-]\d+|\b(?:ch|sec)[a-z]*\.?\s*(\d+)", re.IGNORECASE)
+_APPENDIX = re.compile(r"\bapp[a-z]*\.?\s*([A-Z])\b", re.IGNORECASE)
+_VIEWBOX = re.compile(r'<svg[^>]*\bviewBox="([-\d.]+) ([-\d.]+) ([\d.]+) ([\d.]+)"')
+_FIRST_GROUP = re.compile(r'<g id="([^"]+)"')
+
+
+class _Origin(NamedTuple):
+    """A result by name, and the anchor of its entry; no anchor where the page has no such source."""
+
+    name: str
+    anchor: str
+
+
+class _Figure(NamedTuple):
+    """A figure with its number on the page, its size in points, where it is from, and the claims it shows."""
+
+    drawn: Drawn
+    number: int
+    box: str
+    width: float
+    group: str  # id of the group in the SVG that holds the picture, to show it twice; empty without one
+    origins: tuple[_Origin, ...]
+    claims: tuple[str, ...]
+
+
+class _Row(NamedTuple):
+    """A claim as the table has it."""
+
+    claim: dict[str, Any]
+    anchor: str
+    part: str
+    kind: str
+    rank: int
+    printed: str
+    computed: str
+    readings: tuple[tuple[str, bool], ...]
+    figure: _Figure | None
+
+
+def lay_out(page: Page) -> str:
+    """HTML of the page. A claim's anchor is ``claim-ID``, a chapter's ``chapter-ID``, a figure's its id."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from markupsafe import Markup
+
+    environment = Environment(
+        loader=PackageLoader("hknob_cli.page", "template"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    figures = _figures(page)
+    rows = [_row(claim, figures) for claim in page.claims]
+    counts = Counter(row.kind for row in rows)
+    return environment.get_template("page.html.j2").render(
+        page=page,
+        style=Markup(_packaged("page.css")),
+        script=Markup(_packaged("page.js")),
+        figures=figures,
+        lead=[figures[name] for name in page.lead if name in figures],
+        rows=rows,
+        verdicts=[(verdict, _kind(verdict), counts[_kind(verdict)], GLOSSARY[verdict]) for verdict in VERDICTS],
+        parts=Counter(row.part for row in rows),
+        sources=list(zip(page.sources, _anchors(page.sources), map(_spec, page.sources), strict=True)),
+    )
+
+
+def part_of(place: str) -> str:
+    """Chapter or appendix of a place in the text, or the place itself: what the table of claims is filtered by."""
+    if found := _CHAPTER.search(place):
+        return f"Chapter {found[1] or found[2]}"
+    if found := _APPENDIX.search(place):
+        return f"Appendix {found[1].upper()}"
+    return place
+
+
+def _packaged(name: str) -> str:
+    return files("hknob_cli.page").joinpath("template", name).read_text(encoding="utf-8")
+
+
+def _kind(verdict: str) -> str:
+    return verdict.replace(" ", "-") if verdict in VERDICTS else "not-testable"
+
+
+def _figures(page: Page) -> dict[str, _Figure]:
+    origins = {
+        source.name: _Origin(source.name, anchor)
+        for source, anchor in zip(page.sources, _anchors(page.sources), strict=True)
+    }
+    drawn = [figure for chapter in page.chapters for figure in chapter.figures]
+    figures = {}
+    for number, figure in enumerate(drawn, 1):
+        box = _VIEWBOX.search(figure.svg)
+        group = _FIRST_GROUP.search(figure.svg)
+        figures[figure.id] = _Figure(
+            figure,
+            number,
+            " ".join(box.groups()) if box else "",
+            float(box[3]) if box else 0.0,
+            group[1] if box and group else "",
+            tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
+            tuple(claim["claim"] for claim in page.claims if claim["figure"] == figure.id),
+        )
+    return figures
+
+
+def _row(claim: dict[str, Any], figures: dict[str, _Figure]) -> _Row:
+    used = f"{claim['reading']}: "
+    said = _BETWEEN_READINGS.split(_HYPHEN_MINUS.sub(MINUS, claim["readings"])) if claim["readings"] else []
+    return _Row(
+        claim,
+        f"claim-{claim['claim']}",
+        part_of(claim["place"]),
+        _kind(claim["verdict"]),
+        _WORST_FIRST.index(claim["verdict"]) if claim["verdict"] in VERDICTS else len(VERDICTS),
+        numeral(claim["printed"], _PRINTED_DIGITS),
+        numeral(claim["computed"]),
+        tuple((reading, bool(claim["reading"]) and reading.startswith(used)) for reading in said),
+        figures.get(claim["figure"]),
+    )
+
+
+def _anchors(sources: Iterable[Source]) -> list[str]:
+    """An anchor of each source, from its name: letters, digits and hyphens, no two alike."""
+    found: dict[str, None] = {}
+    for source in sources:
+        anchor = first = "source-" + re.sub(r"[^a-z0-9]+", "-", source.name.lower()).strip("-")
+        again = 1
+        while anchor in found:
+            again += 1
+            anchor = f"{first}-{again}"
+        found[anchor] = None
+    return list(found)
+
+
+def _spec(source: Source) -> str:
+    """Its spec as JSON, which YAML readers take, too."""
+    return json.dumps(source.spec, indent=2, ensure_ascii=False, default=str)

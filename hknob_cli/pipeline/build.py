@@ -1,0 +1,139 @@
+"""Running the steps. Order, what is out of date, and the journal are pytask's; here it is asked, its answer read."""
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from enum import Enum
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.pipeline.fresh import LOCK
+from hknob_cli.pipeline.step import FileNode, Step
+
+_CONFIG = ".pytask.toml"
+_LOCK_VERSION = "1"
+_VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
+
+
+class Fate(Enum):
+    """What became of a step."""
+
+    COMPUTED = "computed"
+    UP_TO_DATE = "up to date"
+    WOULD_RUN = "would run"
+    FAILED = "failed"
+    NOT_REACHED = "not reached"
+
+
+class Outcome(NamedTuple):
+    """A step, what became of it, why it ran or would run, and the error it failed with."""
+
+    name: str
+    fate: Fate
+    why: tuple[str, ...] = ()
+    error: BaseException | None = None
+
+
+def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool = False) -> list[Outcome]:
+    """Run what is out of date, in order, and say what became of each step; with ``dry`` say what would run, and why.
+
+    What was done is kept in ``root`` (``pytask.lock``, and beside it a journal while it runs), step by step, so that an
+    interruption at any instant loses no finished step. Raises `ComputationError` where that record cannot be used.
+    """
+    import pytask
+
+    _drop_unusable(root / LOCK)
+    config = root / _CONFIG
+    config.write_text("[tool.pytask.ini_options]\n")
+    tasks: Any = list(steps)
+    with _silence() as said:
+        session = pytask.build(
+            tasks=tasks,
+            config=config,  # its folder is where the record is
+            database_url="sqlite://",  # in memory; the lock file is the record
+            capture="no",
+            verbose=0,
+            force=force,
+            explain=dry,
+            show_traceback=False,
+            show_locals=False,
+        )
+    reports = {report.task.name: report for report in session.execution_reports}
+    if not reports and steps:
+        raise ComputationError(f"{root}: the record of what was run cannot be used: {_last_line(said.getvalue())}")
+    return [_outcome(step, reports.get(step.name), force=force) for step in steps]
+
+
+def _drop_unusable(lock: Path) -> None:
+    """Remove a record that is torn or of another version; the steps then find their own results as they are."""
+    import tomllib
+
+    try:
+        usable = tomllib.loads(lock.read_text()).get("lock-version") == _LOCK_VERSION
+    except FileNotFoundError:
+        return
+    except ValueError:
+        usable = False
+    if not usable:
+        lock.unlink()
+
+
+def _outcome(step: Step, report: Any, *, force: bool) -> Outcome:
+    import pytask
+
+    if report is None:
+        return Outcome(step.name, Fate.NOT_REACHED)
+    error = report.exc_info[1] if report.exc_info else None
+    kinds = pytask.TaskOutcome
+    if report.outcome == kinds.SUCCESS:
+        return Outcome(step.name, Fate.COMPUTED)
+    if report.outcome in (kinds.SKIP_UNCHANGED, kinds.PERSISTENCE):
+        return Outcome(step.name, Fate.UP_TO_DATE)
+    if report.outcome == kinds.WOULD_BE_EXECUTED:
+        return Outcome(step.name, Fate.WOULD_RUN, ("forced",) if force else tuple(_reasons(step)))
+    if report.outcome == kinds.FAIL:
+        return Outcome(step.name, Fate.FAILED, error=error)
+    return Outcome(step.name, Fate.NOT_REACHED)
+
+
+def _reasons(step: Step) -> Iterator[str]:
+    """Why a step would run, in words."""
+    explanation = step.attributes.get("explanation")
+    files = {node.name: node.shown for node in step.depends_on["inputs"] if isinstance(node, FileNode)}
+    missing = 0
+    for reason in explanation.reasons if explanation else ():
+        name = reason.node_name
+        name = files.get(name) or _VALUES.get(name.removeprefix(f"{step.name}: "), name)
+        if reason.reason == "cascade":
+            yield f"{name} would run"
+        elif reason.node_type == "product" and reason.reason in ("missing", "not_in_db"):
+            missing += 1
+        elif reason.reason == "not_in_db":
+            continue  # said by what is missing
+        elif reason.node_type == "product":
+            yield f"{name} is not as it was written"
+        else:
+            yield f"{name} has changed"
+    if missing:
+        gone = [node.file.name for node in step.produces["outputs"] if isinstance(node, FileNode) and not node.state()]
+        yield f"no {gone[0]} yet" if gone else "no record of a finished run"
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[io.StringIO]:
+    """Keep pytask's own account of the run from standard output."""
+    from _pytask.console import console
+
+    said = io.StringIO()
+    before = console.file
+    console.file = said
+    try:
+        yield said
+    finally:
+        console.file = before
+
+
+def _last_line(text: str) -> str:
+    lines = [line.strip(" │╭╰─╮╯") for line in text.splitlines()]
+    return next((line for line in reversed(lines) if line), "no reason given")

@@ -1,0 +1,48 @@
+"""Whether a pipeline has anything to do, told from its record alone: nothing is parsed, no library is loaded.
+
+After a run in which every step ended well, ``pipeline.json`` says what was asked for (digest of the file, options,
+versions), and ``pytask.lock`` which files every step read and wrote, with their digests. If all of that is as it was,
+there is nothing to do.
+"""
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.pipeline.step import digest
+from hknob_cli.results.versions import showing_versions
+
+RECORD = "pipeline.json"
+LOCK = "pytask.lock"
+
+
+def asked(spec: Path, options: dict[str, Any]) -> dict[str, Any]:
+    """What a run depends on beside the files of its steps."""
+    return {"spec_sha256": digest(spec), **options, "versions": showing_versions()}
+
+
+def write_record(root: Path, name: str, request: dict[str, Any], stages: list[dict[str, Any]]) -> None:
+    """Note that all is done. Raises `OSError`."""
+    half = root / f".{RECORD}.partial"
+    half.write_text(json.dumps({"name": name, "asked": request, "stages": stages}, indent=1))
+    half.replace(root / RECORD)
+
+
+def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
+    """The record of the last run, if it did all that is asked for and nothing has changed since; else None."""
+    try:
+        record: dict[str, Any] = json.loads((root / RECORD).read_text())
+        lock = tomllib.loads((root / LOCK).read_text())
+        if record["asked"] != request or (root / f"{LOCK}.journal").exists():
+            return None
+        entries = {task["id"]: task for task in lock["task"]}
+        for stage in record["stages"]:
+            entry = entries[stage["name"]]
+            for name, state in {**entry["depends_on"], **entry["produces"]}.items():
+                value = name.startswith(f"{stage['name']}: ")
+                if not value and digest(root / name) != state:
+                    return None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return record

@@ -1,0 +1,55 @@
+"""What runs: the version of the program, a digest of its source, and the libraries that results depend on.
+
+Nothing heavy is loaded: versions come from the installed packages' metadata.
+"""
+
+import hashlib
+import platform
+from collections.abc import Iterable
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from hknob_cli import __version__
+
+ROOT = Path(__file__).parent.parent
+COMPUTING = ("printed", "spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
+SHOWING = ("claims", "page")
+
+
+@cache
+def source_digest(folders: tuple[str, ...] = COMPUTING) -> str:
+    """Digest of the source in ``folders`` of the package: by default, of all that determines a result."""
+    digest = hashlib.sha256()
+    for folder in folders:
+        for path in _files(ROOT / folder):
+            digest.update(path.relative_to(ROOT).as_posix().encode())
+            digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _files(folder: Path) -> Iterable[Path]:
+    return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js"})
+
+
+@cache
+def computing_versions() -> dict[str, str]:
+    """Versions that a computed result depends on, by name."""
+    return {
+        "hknob": __version__,
+        "hknob_source": source_digest(),
+        "python": platform.python_version(),
+        "numpy": version("numpy"),
+        "pyarrow": version("pyarrow"),
+    }
+
+
+@cache
+def showing_versions() -> dict[str, str]:
+    """Versions that a page depends on beside its results."""
+    return {
+        **computing_versions(),
+        "hknob_page": source_digest(SHOWING),
+        "matplotlib": version("matplotlib"),
+        "jinja2": version("jinja2"),
+    }

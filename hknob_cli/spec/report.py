@@ -1,0 +1,154 @@
+"""The report's spec: which results go on the page, what is said of them, and in which figures."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError, field_validator
+
+from hknob_cli.errors import Fault, SpecError
+from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.scene import Part
+from hknob_cli.spec.source import Source
+from hknob_cli.spec.sweep import Name
+
+Text = Annotated[str, Field(min_length=1)]
+Anchor = Annotated[str, Field(pattern=r"^[a-z][a-z0-9.-]*$", max_length=40)]
+Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
+Draw = Literal["grid_map"]
+
+
+class ValueSpec(Part):
+    """A number to put into a sentence: a computation, as claims have them, and how to write it."""
+
+    check: Text
+    arguments: Options
+    format: Annotated[str, Field(pattern=r"^[+]?(\.[0-9])?[fge]?$", description="Python's, such as .1f")] = ".3g"
+
+
+class SentenceSpec(Part):
+    """A sentence with numbers in it: ``{name}`` in ``text`` is replaced by the value of that name."""
+
+    text: Text
+    values: dict[str, ValueSpec]
+
+
+class FigureSpec(Part):
+    """A figure: a drawing ``of`` one result or several, its title, and what to see in it."""
+
+    id: Anchor
+    draw: Draw
+    of: Annotated[
+        str | list[str], Field(default_factory=list, description="name of the result it is drawn from, or several")
+    ]
+    options: Options
+    title: Text
+    caption: Text
+    alt: Annotated[str, Field(description="the figure in words, for those who do not see it; default: the title")] = ""
+
+
+class ChapterSpec(Part):
+    """A part of the page."""
+
+    title: Text
+    text: Annotated[str, Field(description="paragraphs, an empty line between them")] = ""
+    figures: Annotated[list[FigureSpec], Field(default_factory=list)]
+
+
+class ReportSpec(Part):
+    """One page of results: figures, claims with verdicts, and where everything comes from."""
+
+    kind: Literal["report"]
+    name: Annotated[Name, Field(description="names the results folder")]
+    title: Annotated[Text | None, Field(description="title of the page; default: the name")] = None
+    results: Annotated[
+        dict[str, str],
+        Field(min_length=1, description="results folders by the name that figures and claims use; or a list of them"),
+    ]
+    claims: Annotated[str | None, Field(description="ledger of claims, relative to this file")] = None
+    summary: Annotated[list[str | SentenceSpec], Field(default_factory=list, description="what the page found")]
+    lead: Annotated[list[Anchor], Field(default_factory=list, max_length=3, description="figures of the summary")]
+    chapters: Annotated[
+        list[ChapterSpec], Field(default_factory=list, description="default: one for each result, with its pictures")
+    ]
+    rerun: Annotated[list[Text], Field(default_factory=list, description="command lines that make the page again")]
+
+    @field_validator("results", mode="before")
+    @classmethod
+    def _by_name(cls, value: Any) -> Any:
+        """A list of folders is named by their last parts."""
+        if isinstance(value, list) and all(isinstance(folder, str) for folder in value):
+            return {Path(folder).name: folder for folder in value}
+        return value
+
+
+def validate_report(source: Source) -> ReportPlan:
+    """A report's spec as plain values. Raises `SpecError`."""
+    try:
+        spec = ReportSpec.model_validate(source.value)
+    except ValidationError as error:
+        raise SpecError([fault_at(source, ReportSpec, item) for item in error.errors(include_url=False)]) from None
+    faults = [*_anchors(source, spec), *_names(source, spec)]
+    if faults:
+        raise SpecError(faults)
+    return ReportPlan(
+        name=spec.name,
+        title=spec.title or spec.name,
+        results=spec.results,
+        claims=str(Path(source.name).parent / spec.claims) if spec.claims else None,
+        summary=tuple(_sentence(item) for item in spec.summary),
+        lead=tuple(spec.lead),
+        chapters=tuple(
+            ChapterPlan(chapter.title, chapter.text, tuple(_figure(figure) for figure in chapter.figures))
+            for chapter in spec.chapters
+        ),
+        rerun=tuple(spec.rerun) or (f"hknob report {Path(source.name).name}",),
+        values=source.value,
+    )
+
+
+def _anchors(source: Source, spec: ReportSpec) -> list[Fault]:
+    """Faults of figure ids: given twice, or named in the summary and nowhere else."""
+    faults, seen = [], set()
+    for i, chapter in enumerate(spec.chapters):
+        for j, figure in enumerate(chapter.figures):
+            if figure.id in seen:
+                place = ("chapters", i, "figures", j, "id")
+                faults.append(source.fault(place, f"must be unique, got '{figure.id}' again"))
+            seen.add(figure.id)
+    for i, name in enumerate(spec.lead):
+        if spec.chapters and name not in seen:
+            faults.append(source.fault(("lead", i), f"must be the id of a figure, got '{name}'"))
+    return faults
+
+
+def _names(source: Source, spec: ReportSpec) -> list[Fault]:
+    """Faults of the placeholders of sentences."""
+    from string import Formatter
+
+    faults = []
+    for i, item in enumerate(spec.summary):
+        if isinstance(item, str):
+            continue
+        try:
+            used = {name for _, name, _, _ in Formatter().parse(item.text) if name is not None}
+        except ValueError as error:
+            faults.append(source.fault(("summary", i, "text"), f"must be text with {{names}}: {error}"))
+            continue
+        for name in sorted(used ^ set(item.values)):
+            what = "has no value" if name in used else "is not in the text"
+            faults.append(source.fault(("summary", i), f"'{name}' {what}"))
+    return faults
+
+
+def _sentence(item: str | SentenceSpec) -> Sentence:
+    if isinstance(item, str):
+        return Sentence(item, {})
+    return Sentence(
+        item.text, {name: (value.check, value.arguments, value.format) for name, value in item.values.items()}
+    )
+
+
+def _figure(spec: FigureSpec) -> FigurePlan:
+    of = (spec.of,) if isinstance(spec.of, str) else tuple(spec.of)
+    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, spec.caption, spec.alt or spec.title)

@@ -1,0 +1,179 @@
+"""``hknob run`` through the installed command: what runs, what does not, why, and what is said."""
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import SPEC
+
+PREDICT = SPEC.replace("kind: sweep", "kind: predict").replace("name: small", "name: laws").partition("starts:")[0]
+PIPELINE = """\
+kind: pipeline
+name: two
+stages:
+  grid: {spec: sweep.yaml}
+  laws: {spec: predict.yaml, set: {against: {from: grid}}}
+  other: {spec: sweep.yaml, set: {starts.phases: 4}}
+"""
+
+
+@pytest.fixture
+def pipeline(tmp_path: Path) -> Path:
+    (tmp_path / "specs").mkdir()
+    (tmp_path / "specs" / "sweep.yaml").write_text(SPEC)
+    (tmp_path / "specs" / "predict.yaml").write_text(PREDICT)
+    path = tmp_path / "specs" / "pipeline.yaml"
+    path.write_text(PIPELINE)
+    return path
+
+
+def statuses(done) -> dict[str, str]:
+    assert done.returncode == 0, done.stderr
+    return {stage["name"]: stage["status"] for stage in json.loads(done.stdout)["stages"]}
+
+
+def test_only_what_changed_runs_again(hknob, pipeline: Path, tmp_path: Path) -> None:
+    first = statuses(hknob("run", pipeline, "--json"))
+    assert first == dict.fromkeys(("grid", "laws", "other"), "computed")
+    root = tmp_path / "results" / "two"
+    assert {path.name for path in (root / "laws").glob("*.parquet")} == {
+        "predict.parquet",
+        "passivity.parquet",
+        "differences.parquet",
+    }
+    assert statuses(hknob("run", pipeline, "--json")) == dict.fromkeys(first, "up to date")
+    for name in ("sweep.yaml", "predict.yaml", "pipeline.yaml"):
+        (pipeline.parent / name).touch()
+    assert statuses(hknob("run", pipeline, "--json")) == dict.fromkeys(first, "up to date")
+    spec = pipeline.parent / "predict.yaml"
+    spec.write_text(PREDICT.replace("stiffness: 0.27", "stiffness: 0.3"))
+    again = statuses(hknob("run", pipeline, "--json"))
+    assert again == {"grid": "up to date", "laws": "computed", "other": "up to date"}
+    (pipeline.parent / "sweep.yaml").write_text(SPEC.replace("0.27", "0.3"))
+    assert statuses(hknob("run", pipeline, "--json")) == dict.fromkeys(first, "computed")
+
+
+def test_a_comment_in_a_spec_makes_nothing_that_hangs_on_it_run(hknob, pipeline: Path) -> None:
+    hknob("run", pipeline)
+    (pipeline.parent / "sweep.yaml").write_text(SPEC + "# a remark\n")
+    done = hknob("run", pipeline, "--json")
+    assert statuses(done)["laws"] == "up to date"
+    assert "grid: as it was" in done.stderr
+
+
+def test_a_lost_or_damaged_result_is_made_again(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline)
+    cells = tmp_path / "results" / "two" / "grid" / "cells.parquet"
+    before = cells.read_bytes()
+    cells.unlink()
+    again = statuses(hknob("run", pipeline, "--json"))
+    assert again == {"grid": "computed", "laws": "up to date", "other": "up to date"}
+    assert cells.read_bytes() == before
+    cells.write_bytes(before[: len(before) // 2])
+    assert statuses(hknob("run", pipeline, "--json"))["grid"] == "computed"
+    assert cells.read_bytes() == before
+
+
+def test_plans_say_what_would_run_and_why_and_write_nothing(hknob, pipeline: Path, tmp_path: Path) -> None:
+    done = hknob("run", pipeline, "--dry-run")
+    assert done.stdout.splitlines() == [
+        "grid: would run, because no cells.parquet yet",
+        "laws: would run, because grid would run",
+        "other: would run, because no cells.parquet yet",
+    ]
+    assert not (tmp_path / "results").exists()
+    hknob("run", pipeline)
+    assert "up to date" in hknob("run", pipeline, "--explain").stdout
+    (pipeline.parent / "predict.yaml").write_text(PREDICT + "# a remark\n")
+    explained = hknob("run", pipeline, "--explain", "--set", "stages.other.set.starts.phases=5")
+    assert explained.stdout.replace(f"{tmp_path}/", "").splitlines() == [
+        "grid: up to date",
+        "laws: would run, because",
+        "  specs/predict.yaml has changed",
+        "other: would run, because",
+        "  what the pipeline sets in the spec has changed",
+    ]
+    forced = hknob("run", pipeline, "--dry-run", "--force")
+    assert forced.stdout.count("would run, because forced") == 3
+
+
+def test_until_runs_one_stage_and_what_it_needs(hknob, pipeline: Path, tmp_path: Path) -> None:
+    assert list(statuses(hknob("run", pipeline, "--until", "laws", "--json"))) == ["grid", "laws"]
+    assert not (tmp_path / "results" / "two" / "other").exists()
+    rest = statuses(hknob("run", pipeline, "--json"))
+    assert rest == {"grid": "up to date", "laws": "up to date", "other": "computed"}
+    wrong = hknob("run", pipeline, "--until", "nothing")
+    assert (wrong.returncode, "must be a stage of 'two': grid, laws, other" in wrong.stderr) == (2, True)
+
+
+def test_force_computes_everything_to_the_same_bytes(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline)
+    files = sorted((tmp_path / "results").rglob("*.parquet"))
+    before = [path.read_bytes() for path in files]
+    assert set(statuses(hknob("run", pipeline, "--force", "--json")).values()) == {"computed"}
+    assert [path.read_bytes() for path in files] == before
+
+
+def test_results_do_not_depend_on_where_they_lie(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline, "-o", "here")
+    moved = tmp_path / "elsewhere"
+    shutil.copytree(pipeline.parent, moved)
+    hknob("run", moved / "pipeline.yaml", "-o", "there/deeper")
+    for file in ("grid/cells.parquet", "laws/differences.parquet", "laws/predict.parquet"):
+        assert (tmp_path / "here" / file).read_bytes() == (tmp_path / "there/deeper" / file).read_bytes()
+
+
+def test_stages_are_what_the_commands_make_of_the_same_spec(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline)
+    hknob("sweep", "specs/sweep.yaml", "-o", "alone")
+    for name in ("cells.parquet", "orbits.parquet"):
+        assert (tmp_path / "alone" / name).read_bytes() == (tmp_path / "results/two/grid" / name).read_bytes()
+
+
+def test_a_spec_alone_is_a_pipeline_of_one_stage(hknob, pipeline: Path, tmp_path: Path) -> None:
+    assert statuses(hknob("run", "specs/sweep.yaml", "--json")) == {"sweep": "computed"}
+    assert (tmp_path / "results" / "small" / "sweep" / "cells.parquet").exists()
+
+
+def test_a_stage_command_takes_its_only_stage_of_a_pipeline(hknob, pipeline: Path) -> None:
+    many = hknob("sweep", pipeline)
+    assert many.returncode == 2
+    assert "is a pipeline; hknob run runs it. Specs of its sweep stages: specs/sweep.yaml, specs/sweep.yaml" in (
+        many.stderr.replace(str(pipeline.parent), "specs")
+    )
+    pipeline.write_text("kind: pipeline\nname: one\nstages:\n  grid: {spec: sweep.yaml, set: {starts.phases: 3}}\n")
+    done = hknob("sweep", pipeline, "--json")
+    assert json.loads(done.stdout)["cells"][0]["certified_fraction"] == 1.0
+
+
+def test_a_folder_is_a_source(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("sweep", "specs/sweep.yaml", "-o", "specs/measured")
+    pipeline.write_text(PIPELINE.replace("grid: {spec: sweep.yaml}", "grid: {folder: measured}"))
+    assert list(statuses(hknob("run", pipeline, "--json"))) == ["laws", "other"]
+    assert not (tmp_path / "results" / "two" / "grid").exists()
+    shutil.rmtree(pipeline.parent / "measured")
+    gone = hknob("run", pipeline)
+    assert gone.returncode == 2
+    assert "stages.grid" in gone.stderr
+    assert "no results in" in gone.stderr
+
+
+def test_check_looks_into_every_stage(hknob, pipeline: Path) -> None:
+    assert "pipeline 'two', 3 stages: good" in hknob("check", pipeline).stdout
+    (pipeline.parent / "predict.yaml").write_text(PREDICT.replace("0.27", "-0.27"))
+    done = hknob("check", pipeline)
+    assert done.returncode == 2
+    assert "predict.yaml:6:21: scene.wall.stiffness: must be >= 0, got -0.27" in done.stderr
+
+
+def test_a_stage_that_fails_stops_what_hangs_on_it_and_nothing_else(hknob, pipeline: Path, tmp_path: Path) -> None:
+    (tmp_path / "results" / "two" / "grid").mkdir(parents=True)
+    (tmp_path / "results" / "two" / "grid" / "cells.parquet").write_text("mine")
+    done = hknob("run", pipeline)
+    assert done.returncode == 3
+    assert "grid: failed: results/two/grid/cells.parquet: not written by hknob" in done.stderr
+    assert "not reached: laws" in done.stderr
+    assert (tmp_path / "results" / "two" / "other" / "cells.parquet").exists()
+    assert "Traceback" not in done.stderr

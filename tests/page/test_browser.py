@@ -1,0 +1,241 @@
+"""The page in a real browser: it asks for nothing, works by mouse and keys, and bars nobody."""
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hknob_cli.page.layout import lay_out
+from tests.page.sample import page
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+Axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe
+
+WIDE, PHONE = {"width": 1280, "height": 900}, {"width": 360, "height": 740}
+SHOWN = "#claims tbody:not([hidden])"
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if found is None:
+        pytest.skip("no Chromium on this machine")
+    with playwright.sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=found, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="module")
+def address(tmp_path_factory: pytest.TempPathFactory) -> str:
+    path: Path = tmp_path_factory.mktemp("page") / "page.html"
+    path.write_text(lay_out(page()), encoding="utf-8")
+    return path.as_uri()
+
+
+class Opened:
+    """The page in a tab of its own, with what it asked for and complained of."""
+
+    def __init__(self, browser: Any, address: str, *, at: str = "", **options: Any) -> None:
+        self.context = browser.new_context(offline=True, **{"viewport": WIDE, **options})
+        self.tab = self.context.new_page()
+        self.asked: list[str] = []
+        self.said: list[str] = []
+        self.tab.on("request", lambda request: self.asked.append(request.url))
+        self.tab.on("console", lambda message: self.said.append(message.text))
+        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
+        self.tab.goto(address + at)
+
+    def __enter__(self) -> "Opened":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.context.close()
+
+
+@pytest.fixture
+def opened(browser: Any, address: str) -> Iterator[Opened]:
+    with Opened(browser, address) as opened:
+        yield opened
+        assert opened.said == []
+
+
+def test_it_asks_for_itself_only_and_says_nothing(opened: Opened, address: str) -> None:
+    opened.tab.mouse.wheel(0, 50_000)
+    opened.tab.wait_for_timeout(200)
+    assert {url for url in opened.asked if not url.startswith("data:")} == {address}
+    assert opened.said == []
+
+
+def test_every_picture_has_a_size(opened: Opened) -> None:
+    sizes = opened.tab.eval_on_selector_all(
+        ".ink > svg, .lead svg, .lead use, #claims-controls .mark use",
+        "all => all.map(one => one.getBoundingClientRect()).map(({width, height}) => [width, height])",
+    )
+    assert len(sizes) == 4 + 3 + 3 + 4
+    assert min(map(min, sizes)) > 5
+    full = opened.tab.eval_on_selector_all(".ink > svg", "all => all.map(one => one.getBoundingClientRect().width)")
+    assert min(full) > 400
+
+
+def test_claims_are_filtered_by_verdict(opened: Opened) -> None:
+    tab = opened.tab
+    assert tab.inner_text("#claims-count") == "100 of 100"
+    tab.get_by_label("contradicted").check()
+    assert tab.inner_text("#claims-count") == "14 of 100"
+    assert {text.strip() for text in tab.locator(f"{SHOWN} .verdict").all_inner_texts()} == {"contradicted"}
+    tab.get_by_label("differs").check()
+    assert tab.inner_text("#claims-count") == "29 of 100"
+    assert tab.locator(SHOWN).count() == 29
+    tab.get_by_role("button", name="Show all").click()
+    assert tab.inner_text("#claims-count") == "100 of 100"
+
+
+def test_claims_are_filtered_by_typing_and_by_place(opened: Opened) -> None:
+    tab = opened.tab
+    tab.get_by_label("Search").click()
+    tab.keyboard.type("FRICTION pitch")
+    texts = tab.locator(SHOWN).all_inner_texts()
+    assert 0 < len(texts) < 20
+    assert all("friction" in text.lower() and "pitch" in text.lower() for text in texts)
+    tab.get_by_label("Search").fill("")
+    tab.get_by_label("Place").select_option("Chapter 7")
+    places = tab.locator(f"{SHOWN} th").all_inner_texts()
+    assert {place.split("\n")[0].strip() for place in places} == {"sec. 7.3", "Table 7.1"}
+    tab.get_by_label("Search").fill("no such thing")
+    assert tab.locator("#claims-nothing").is_visible()
+    assert tab.inner_text("#claims-count") == "0 of 100"
+
+
+def test_the_counts_of_verdicts_lead_to_the_claims(opened: Opened) -> None:
+    opened.tab.locator(".verdicts a", has_text="differs").click()
+    assert opened.tab.inner_text("#claims-count") == "15 of 100"
+    assert opened.tab.get_by_label("differs").is_checked()
+    assert opened.tab.locator("#claims-title").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 200
+
+
+def test_claims_are_sorted_by_a_button(opened: Opened) -> None:
+    tab = opened.tab
+    header = tab.locator("th", has=tab.get_by_role("button", name="Computed"))
+
+    def keys() -> list[str]:
+        return tab.eval_on_selector_all("#claims tbody", "all => all.map(one => one.rows[0].cells[3].dataset.key)")
+
+    def ids() -> list[str]:
+        return tab.eval_on_selector_all("#claims tbody", "all => all.map(one => one.id)")
+
+    before = ids()
+    assert header.get_attribute("aria-sort") is None
+    header.get_by_role("button").click()
+    assert header.get_attribute("aria-sort") == "ascending"
+    values = [float(key) for key in keys() if key]
+    assert values == sorted(values)
+    assert len(values) == 86
+    assert keys()[86:] == [""] * 14  # what has no value comes last
+    header.get_by_role("button").click()
+    assert header.get_attribute("aria-sort") == "descending"
+    assert [float(key) for key in keys() if key] == sorted(values, reverse=True)
+    assert keys()[86:] == [""] * 14
+    tab.get_by_role("button", name="Verdict").click()
+    assert header.get_attribute("aria-sort") is None
+    assert tab.locator("[aria-sort]").count() == 1
+    assert tab.locator("#claims tbody .verdict").first.inner_text().strip() == "contradicted"
+    for _ in range(2):
+        tab.get_by_role("button", name="Verdict").click()
+    assert tab.locator("[aria-sort]").count() == 0
+    assert ids() == before
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme: str) -> None:
+    with Opened(browser, address, color_scheme=scheme) as opened:
+        tab = opened.tab
+        seen = []
+        for _ in range(22):
+            tab.keyboard.press("Tab")
+            name, outline, style = tab.evaluate(
+                "(s => [document.activeElement.textContent, parseFloat(s.outlineWidth), s.outlineStyle])"
+                "(getComputedStyle(document.activeElement))"
+            )
+            seen.append(name.strip())
+            assert outline >= 2, name
+            assert style != "none", name
+        assert seen[0] == "Skip to the text"
+        assert "Place" in seen
+        tab.goto(address)
+        tab.keyboard.press("Tab")
+        tab.keyboard.press("Enter")
+        assert tab.evaluate("document.activeElement.id") == "top"
+        tab.get_by_role("button", name="Place").focus()
+        tab.keyboard.press("Space")
+        assert tab.locator("[aria-sort=ascending]").count() == 1
+
+
+@pytest.mark.parametrize("viewport", [WIDE, PHONE])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_nobody_is_barred(browser: Any, address: str, scheme: str, viewport: dict[str, int]) -> None:
+    with Opened(browser, address, color_scheme=scheme, viewport=viewport, at="#claim-7.2-pitch") as opened:
+        opened.tab.locator(".sources summary").first.click()
+        found = Axe().run(opened.tab)
+        grave = [one for one in found.response["violations"] if one["impact"] in ("serious", "critical")]
+        assert grave == [], found.generate_report()
+        assert opened.said == []
+
+
+def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
+    with Opened(browser, address, viewport=PHONE) as opened:
+        tab = opened.tab
+        for summary in tab.locator("summary").all():
+            summary.evaluate("one => one.parentNode.open = true")
+        assert tab.evaluate("document.documentElement.scrollWidth") <= 360
+        inside = "all => all.filter(one => one.getBoundingClientRect().right > 361).map(one => one.outerHTML)"
+        assert tab.eval_on_selector_all("main p, th, td, dd, li, label, button, figcaption", inside) == []
+        first = tab.locator(".ink").first
+        assert first.get_attribute("tabindex") == "0"  # a picture too wide is scrolled, by keys too
+
+
+@pytest.mark.parametrize("width", [640, 880, 900, 1024, 1300])
+def test_no_cell_runs_into_the_next(browser: Any, address: str, width: int) -> None:
+    with Opened(browser, address, viewport={"width": width, "height": 900}) as opened:
+        wide = "all => all.filter(one => one.scrollWidth > one.clientWidth).map(one => one.textContent)"
+        assert opened.tab.eval_on_selector_all("th, td", wide) == []
+
+
+def test_an_address_opens_its_claim(browser: Any, address: str) -> None:
+    with Opened(browser, address, at="#claim-8.21-size") as opened:
+        tab = opened.tab
+        claim = tab.locator("[id='claim-8.21-size']")
+        assert claim.locator("details").evaluate("one => one.open")
+        assert claim.evaluate("one => { const top = one.getBoundingClientRect().top; return top > -5 && top < 400 }")
+        tab.get_by_label("contradicted").check()
+        hidden = tab.locator("#claims tbody[hidden]").first.get_attribute("id")
+        tab.evaluate("id => location.hash = id", hidden)
+        tab.wait_for_timeout(100)
+        assert tab.locator(f"[id='{hidden}']").is_visible()
+        tab.evaluate("location.hash = 'grid'")
+        tab.wait_for_timeout(100)
+        assert tab.locator("#grid").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 100
+
+
+def test_paper_shows_every_claim_whatever_is_filtered(opened: Opened) -> None:
+    tab = opened.tab
+    tab.get_by_label("Search").fill("no such thing")
+    tab.emulate_media(media="print")
+    shown = "all => all.filter(one => one.getBoundingClientRect().height > 10).length"
+    assert tab.eval_on_selector_all("#claims tbody", shown) == 100
+    assert tab.eval_on_selector_all("#claims dl", shown) == 100
+    for gone in ("#claims-controls", ".contents", ".skip", ".download >> nth=0", "#claims-nothing"):
+        assert not tab.locator(gone).is_visible()
+    assert tab.locator("#grid svg").first.is_visible()
+
+
+def test_it_is_whole_without_a_script(browser: Any, address: str) -> None:
+    with Opened(browser, address, java_script_enabled=False) as opened:
+        assert opened.tab.locator("#claims tbody").count() == 100
+        assert opened.tab.locator("#claims tbody").last.is_visible()
+        assert not opened.tab.locator("#claims-controls").is_visible()
+        assert opened.tab.locator("button:visible").count() == 0
+        opened.tab.locator("#claims summary").first.click()
+        assert opened.tab.locator("#claims dl").first.is_visible()

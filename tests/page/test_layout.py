@@ -1,0 +1,245 @@
+"""The page as a tree: what it has once, what points where, and that no text becomes markup."""
+
+import re
+from html.parser import HTMLParser
+from typing import Any
+
+import pytest
+
+from hknob_cli.page.book import Chapter, Drawn, Page, Source
+from hknob_cli.page.layout import lay_out, part_of
+from hknob_cli.page.numeral import MINUS
+from tests.page.sample import MARK, claim, page
+
+VOID = {"meta", "input", "link", "br", "img"}
+HOSTILE = "</title></style><script>alert('1')</script>\"&<!--"
+EMPTY = Page("empty", "Nothing yet", (), (), (), "", (), (), (), {}, "")
+
+
+class Tree(HTMLParser):
+    """Every element with its attributes, the text, and whether tags close in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.open: list[str] = []
+        self.text: list[str] = []
+        self.comments: list[str] = []
+        self.feed(text)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert len(dict(attrs)) == len(attrs), (tag, attrs)
+        self.elements.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] not in ("script", "style"):
+            self.text.append(data)
+
+    def handle_comment(self, data: str) -> None:
+        self.comments.append(data)
+
+    def having(self, attribute: str) -> list[str]:
+        return [value for _, attrs in self.elements if (value := attrs.get(attribute)) is not None]
+
+    def count(self, tag: str) -> int:
+        return sum(tag == name for name, _ in self.elements)
+
+
+@pytest.fixture(scope="module")
+def laid() -> str:
+    return lay_out(page())
+
+
+def sound(tree: Tree) -> None:
+    """Closed tags, ids once, links that lead somewhere, names of parts that exist, nothing from elsewhere."""
+    assert tree.open == []
+    assert [tree.count(tag) for tag in ("html", "main", "h1", "title")] == [1, 1, 1, 1]
+    ids = tree.having("id")
+    assert len(set(ids)) == len(ids)
+    assert {link[1:] for link in tree.having("href") if link.startswith("#")} <= set(ids)
+    for attribute in ("aria-labelledby", "aria-describedby", "for"):
+        assert set(tree.having(attribute)) <= set(ids)
+    outside = [link for name in ("href", "src") for link in tree.having(name) if not link.startswith(("#", "figures/"))]
+    assert outside == []
+    assert tree.count("link") == tree.count("iframe") == 0
+
+
+def test_a_page_is_sound(laid: str) -> None:
+    tree = Tree(laid)
+    sound(tree)
+    assert laid.startswith(f"<!doctype html>\n{MARK}\n<html lang=")
+    assert tree.count("tbody") == 100 + 1  # one a claim, and the sources
+    assert tree.count("figure") == 5
+    assert {"claim-7.1-size", "chapter-size", "sizes", "source-bias-staircase"} <= set(tree.having("id"))
+
+
+def test_it_is_the_same_every_time(laid: str) -> None:
+    assert lay_out(page()) == laid
+
+
+def test_style_and_script_are_small_and_ask_for_nothing(laid: str) -> None:
+    style, script = (re.findall(rf"<{tag}>(.*?)</{tag}>", laid, re.DOTALL)[0] for tag in ("style", "script"))
+    assert len(style) < 12 * 1024
+    assert len(script) < 6 * 1024
+    assert not re.search(r"url\(|@import|https?:", style + script)
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of a colour, WCAG 2.2."""
+    parts = [int(colour[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def test_every_colour_of_text_stands_out(laid: str) -> None:
+    """At least 4.5:1 (WCAG 2.2, 1.4.3), light and dark, on the page and on its raised parts."""
+    themes = [dict(re.findall(r"--([a-z-]+): (#[0-9a-f]{6})", block)) for block in laid.split(":root {")[1:3]]
+    assert len(themes[0]) == len(themes[1]) == 10
+    for theme in themes:
+        for text in theme.keys() - {"paper", "raised", "line"}:
+            for ground in ("paper", "raised"):
+                light, dark = sorted((luminance(theme[text]), luminance(theme[ground])), reverse=True)
+                assert (light + 0.05) / (dark + 0.05) >= 4.5, (text, ground)
+
+
+def test_a_row_says_what_was_found() -> None:
+    row = claim(
+        claim="7.3-x",
+        place="sec. 7.3",
+        printed=-55.0,
+        computed=-58.123456,
+        unit="%",
+        reading="a; b",
+        verdict="differs",
+        readings="c: -16.25 %, contradicted; a; b: -58.12 %, differs; d: 1 %, reproduced (not allowed: odd; see 7.3)",
+        figure="one",
+    )
+    drawn = Drawn("one", "Title", "Caption", '<svg viewBox="0 0 10 5"><g id="one-1"></g></svg>', "Words", ("r", "lost"))
+    source = Source("r", "sweep", ("r/cells.parquet",), "abc", ("k=1",), {"kind": "sweep"})
+    text = lay_out(
+        EMPTY._replace(claims=(row,), claims_of="It", chapters=(Chapter("c", "C", (), (drawn,)),), sources=(source,))
+    )
+    sound(Tree(text))
+    assert f"<span>{MINUS}55</span> %" in text
+    assert f"<span>{MINUS}58.12</span> %" in text
+    readings = re.findall(r"<li>(?:<b>)?([^<]*)(?:</b>)?</li>", text)
+    assert readings[:3] == [
+        f"c: {MINUS}16.25 %, contradicted",
+        f"a; b: {MINUS}58.12 %, differs",
+        "d: 1 %, reproduced (not allowed: odd; see 7.3)",
+    ]
+    assert f"<b>a; b: {MINUS}58.12 %, differs</b>" in text
+    assert 'data: <a href="#source-r">r</a>, lost' in text
+    assert '<a class="id" href="#claim-7.3-x">' in text
+    assert 'href="figures/one.svg" download' in text
+
+
+def test_a_figure_that_is_missing_says_why(laid: str) -> None:
+    tree = Tree(laid)
+    assert "No picture here: recordings.parquet is not there" in "".join(tree.text)
+    assert "figures/hardware.svg" not in tree.having("href")
+
+
+def hostile(value: Any) -> Any:
+    """The same with hostile text in place of every text."""
+    if isinstance(value, str):
+        return HOSTILE
+    if isinstance(value, dict):
+        return {hostile(key): hostile(one) for key, one in value.items()}
+    if isinstance(value, tuple) and hasattr(value, "_fields"):
+        return value._replace(**{name: hostile(one) for name, one in zip(value._fields, value, strict=True)})
+    return tuple(hostile(one) for one in value) if isinstance(value, tuple) else value
+
+
+def test_text_stays_text() -> None:
+    drawn = Drawn("one", "t", "c", "", "alt", ("result",))
+    whole = hostile(
+        Page(
+            "n",
+            "t",
+            ("s",),
+            ("lead",),
+            (),
+            "of",
+            (Chapter("c", "t", ("p",), (drawn, drawn._replace(id="two", missing="why"))),),
+            (Source("s", "g", ("f",), "d", ("o",), {"k": "v"}),),
+            ("make",),
+            {"v": "1"},
+            "",
+        )
+    )
+    row = {key: HOSTILE if isinstance(value, str) else value for key, value in claim(printed=1.0, computed=2.0).items()}
+    chapter = whole.chapters[0]
+    figures = (chapter.figures[0]._replace(svg="", id="one"), chapter.figures[1]._replace(svg="", id="two"))
+    text = lay_out(whole._replace(mark="", claims=(row,), chapters=(chapter._replace(figures=figures),)))
+    tree = Tree(text)
+    assert tree.open == []
+    assert tree.count("script") == 1
+    assert tree.count("style") == 1
+    assert tree.comments == []
+    assert "".join(tree.text).count("alert('1')") > 25
+    ids = tree.having("id")
+    assert len(set(ids)) == len(ids)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"claims": (), "claims_of": "", "chapters": (), "lead": (), "sources": (), "rerun": (), "versions": {}},
+        {"claims": (), "claims_of": ""},
+        {"chapters": ()},
+        {"lead": ()},
+        {"sentences": ()},
+        {"sources": ()},
+    ],
+)
+def test_what_is_not_there_leaves_no_trace(changed: dict[str, Any]) -> None:
+    tree = Tree(lay_out(page()._replace(**changed)))
+    sound(tree)
+    ids = tree.having("id")
+    for part, name in (("claims", "claims"), ("claims", "verdicts"), ("chapters", "sizes")):
+        assert (name in ids) == (part not in changed)
+
+
+def test_sources_of_like_names_have_anchors_of_their_own() -> None:
+    sources = tuple(Source(name, "sweep", (), "", (), {}) for name in ("a b", "a-b", "A b", "é"))
+    tree = Tree(lay_out(EMPTY._replace(sources=sources)))
+    sound(tree)
+    assert [name for name in tree.having("id") if name.startswith("source-")] == [
+        "source-a-b",
+        "source-a-b-2",
+        "source-a-b-3",
+        "source-",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("place", "part"),
+    [
+        ("sec. 7.3", "Chapter 7"),
+        ("Table 10.1", "Chapter 10"),
+        ("Fig. 8-2", "Chapter 8"),
+        ("eq. (3.12)", "Chapter 3"),
+        ("ch. 9", "Chapter 9"),
+        ("Chapter 9", "Chapter 9"),
+        ("app. B", "Appendix B"),
+        ("Table 1", "Table 1"),
+        ("abstract", "abstract"),
+    ],
+)
+def test_places_are_gathered_by_chapter(place: str, part: str) -> None:
+    assert part_of(place) == part
+
+
+def test_nothing_moves(laid: str) -> None:
+    """No motion at all is what readers who ask for less of it get, and the others too."""
+    assert not re.search(r"(?:scroll-behavior|transition|animation)\s*:", laid)
