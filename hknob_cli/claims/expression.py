@@ -47,6 +47,9 @@ def evaluate(expression: str, names: Mapping[str, float] | None = None) -> float
         raise TypeError(f"not arithmetic: '{expression}'")
 
     try:
-        return value(ast.parse(expression.strip(), mode="eval").body)
-    except (SyntaxError, ArithmeticError, ValueError, RecursionError) as error:
+        found = value(ast.parse(expression.strip(), mode="eval").body)
+    except (SyntaxError, ArithmeticError, ValueError, RecursionError, MemoryError) as error:
         raise TypeError(f"no value of '{expression}': {error}") from None
+    if not math.isfinite(found):
+        raise TypeError(f"no value of '{expression}': it is not finite")
+    return found

@@ -64,6 +64,8 @@ def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
         return f"must be {sign} {bound:g}, got {shown(value)}"
     if kind == "literal_error":
         return f"must be {context['expected']}, got {shown(value)}"
+    if kind == "value_error":
+        return str(context["error"])
     if kind == "unit":
         return f"{shown(value)} {context['reason']}"
     if kind in _KINDS:
@@ -80,4 +82,4 @@ def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
 
 def keys_of(model: type[BaseModel] | None) -> list[str]:
     """Keys a part of a spec may have."""
-    return list(model.model_fields) if model else []
+    return [info.alias or name for name, info in model.model_fields.items()] if model else []

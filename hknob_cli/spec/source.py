@@ -48,7 +48,8 @@ class Source:
             part = path[:end]
             if part in self.overridden:
                 return Fault(self.overridden[part], 0, 0, key, message)
-            place = self.keys if at_key or end < len(path) else self.values
+            listed = bool(part) and isinstance(part[-1], int)  # an item of a list has no key
+            place = self.keys if (at_key or end < len(path)) and not listed else self.values
             if part in place:
                 line, column = place[part]
                 return Fault(self.name, line, column, key, message)
