@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep ladder maps smoke test lint schemas compare bench clean
+.PHONY: help sweep paper ladder maps smoke test lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -32,6 +32,9 @@ $(VENV)/.dev: $(VENV)/.made pyproject.toml constraints.txt
 sweep: $(VENV)/.run ## the 7x7 grid of sample rate and encoder resolution: table, files, picture
 	@$(BIN)/hknob sweep experiments/hand_on_knob.yaml --plot --out $(OUT)/hand-on-knob
 
+paper: $(VENV)/.run ## the dissertation, recomputed: every figure and claim on one page; again, only what has changed
+	@$(BIN)/hknob run experiments/dissertation.yaml --out $(OUT)/dissertation
+
 maps: $(VENV)/.run ## every sweep in experiments/, with pictures
 	@for spec in $$(grep -l '^kind: sweep' experiments/*.yaml); do \
 	    echo "== $$spec"; $(BIN)/hknob sweep $$spec --plot --out $(OUT)/$$(basename $$spec .yaml) || exit 1; done
@@ -42,8 +45,8 @@ ladder: $(VENV)/.run ## that grid at half a count's bias: formulas, describing f
 	    --set 'scene.bias={half_quantum: true}' --set against=$(OUT)/half-quantum
 	@$(BIN)/hknob dfa experiments/dfa_hand_on_knob.yaml --plot --out $(OUT)/dfa --set against=$(OUT)/half-quantum
 
-smoke: $(VENV)/.run ## the 3x3 grid, in under a second
-	@$(BIN)/hknob sweep experiments/smoke.yaml --out $(OUT)/smoke
+smoke: $(VENV)/.run ## every kind of stage on a 3x3 grid, in seconds
+	@$(BIN)/hknob run experiments/smoke.yaml --out $(OUT)/smoke
 
 test: $(VENV)/.dev ## lint, types, and every test
 	@$(BIN)/ruff check .
@@ -57,7 +60,7 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/ from the models
-	@for kind in sweep dfa predict bench; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+	@for kind in sweep dfa predict bench report pipeline; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench

@@ -43,7 +43,7 @@ def imports(path: Path) -> set[str]:
 @pytest.mark.parametrize("layer", ORDER)
 def test_no_layer_imports_one_downstream(layer: str) -> None:
     allowed = set(ORDER[: ORDER.index(layer) + 1])
-    for path in (PACKAGE / layer).glob("*.py"):
+    for path in (PACKAGE / layer).rglob("*.py"):
         assert imports(path) <= allowed, path
 
 

@@ -13,9 +13,32 @@ from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import Name
 
 Text = Annotated[str, Field(min_length=1)]
-Anchor = Annotated[str, Field(pattern=r"^[a-z][a-z0-9.-]*$", max_length=40)]
+Anchor = Annotated[str, Field(pattern=r"^fig-[a-z0-9.-]+$", max_length=40)]
 Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
-Draw = Literal["grid_map"]
+Draw = Literal[
+    "block_diagram",
+    "contact_energy",
+    "error_time",
+    "grasp_parameters",
+    "grid_difference",
+    "grid_lines",
+    "grid_map",
+    "grid_pair",
+    "grip_forces",
+    "hardware_grid",
+    "law_lines",
+    "nonlinearity",
+    "normalised_grasp",
+    "nyquist",
+    "phase_plane",
+    "pulse_terms",
+    "saturated_map",
+    "schematic",
+    "stability_table",
+    "staircase",
+    "surface",
+    "time_response",
+]
 
 
 class ValueSpec(Part):

@@ -52,6 +52,18 @@ def peak_kib(command: list[str]) -> int:
     )
 
 
+def rerun(runs: int) -> None:
+    """Print how long a pipeline takes that has nothing to do, beside ``hknob --help``."""
+    place = tempfile.mkdtemp()
+    command = [str(BIN / "hknob"), "run", str(ROOT / "experiments/smoke.yaml"), "-o", place]
+    base = [str(BIN / "hknob"), "--help"]
+    seconds(command)
+    pairs = [(seconds(command), seconds(base)) for _ in range(runs)]
+    ours, theirs = (statistics.median(pair[i] for pair in pairs) * 1e3 for i in (0, 1))
+    print(f"{'pipeline, nothing to do':24}{ours:8.0f}{theirs:10.0f}{ours / theirs:8.2f}{3.0:9.1f}")
+    shutil.rmtree(place)
+
+
 def main() -> None:
     """Print ratios beside their ceilings."""
     runs = int(sys.argv[1]) if len(sys.argv) > 1 else 15
@@ -63,6 +75,7 @@ def main() -> None:
         pairs = [(seconds(command), seconds(base)) for _ in range(runs)]
         ours, theirs = (statistics.median(pair[i] for pair in pairs) * 1e3 for i in (0, 1))
         print(f"{name:24}{ours:8.0f}{theirs:10.0f}{ours / theirs:8.2f}{ceiling:9.1f}")
+    rerun(runs)
     sweep = [str(BIN / "hknob"), "sweep", str(ROOT / "experiments/hand_on_knob.yaml"), "-o", str(OUT)]
     few, many = (peak_kib([*sweep, "--set", f"starts.phases={phases}"]) for phases in (64, 65536))
     print(f"peak memory: {few / 1024:.0f} MiB at 64 phases, {many / 1024:.0f} MiB at 65536: ratio {many / few:.3f}")
