@@ -4,6 +4,7 @@ Files are ``table_NN.csv``; ``tables.yaml`` beside them says what each column me
 """
 
 import csv
+import hashlib
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -84,6 +85,11 @@ def cell(number: int, row: float | str, column: str, place: Path | None = None) 
 def file_of(number: int, place: Path | None = None) -> Path:
     """File of a table."""
     return (place or folder()) / f"table_{number:02d}.csv"
+
+
+def table_digest(*numbers: int) -> str:
+    """Digest of the files of tables, as an input of what is computed from them."""
+    return hashlib.sha256(b"".join(file_of(number).read_bytes() for number in numbers)).hexdigest()
 
 
 def catalogue(place: Path | None = None) -> dict[int, dict[str, Any]]:

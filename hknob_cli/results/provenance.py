@@ -29,10 +29,23 @@ def describe(
         "name": values.get("name"),
         "spec": values,
         "overrides": list(overrides),
-        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **(inputs or {})},
+        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **_tables(values), **(inputs or {})},
         "versions": versions if versions is not None else computing_versions(),
     }
     return json.dumps(record, sort_keys=True, separators=(",", ":")).encode()
+
+
+def _tables(values: dict[str, Any]) -> dict[str, str]:
+    """Digests of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
+    found: dict[str, str] = {}
+    for key, value in values.items():
+        if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
+            from hknob_cli.printed.tables import table_digest
+
+            found |= {f"table_{number}_sha256": table_digest(number) for number in (value["table"], 10)}
+        elif isinstance(value, dict):
+            found |= _tables(value)
+    return found
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

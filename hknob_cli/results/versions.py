@@ -46,9 +46,12 @@ def computing_versions() -> dict[str, str]:
 
 @cache
 def showing_versions() -> dict[str, str]:
-    """Versions that a page depends on beside its results."""
+    """Versions that a page depends on beside its results; of the printed tables, too, which claims are checked by."""
+    from hknob_cli.printed.tables import NUMBERS, table_digest
+
     return {
         **computing_versions(),
+        "hknob_tables": table_digest(*NUMBERS)[:16],
         "hknob_page": source_digest(SHOWING),
         "matplotlib": version("matplotlib"),
         "jinja2": version("jinja2"),

@@ -105,7 +105,7 @@ def model_of(info: FieldInfo) -> type[BaseModel] | None:
 
 def items_of(info: FieldInfo) -> type[BaseModel] | None:
     """The model of the items of a field that is a list or a mapping of parts; None if it is not."""
-    for arm in _arms(info):
+    for arm in (info.annotation, *_arms(info)):
         plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
         if get_origin(plain) in (list, dict):
             for item in (item for part in get_args(plain)[-1:] for item in (part, *get_args(part))):

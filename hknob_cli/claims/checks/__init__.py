@@ -18,7 +18,8 @@ CHECKS: dict[str, Check] = {}
 
 
 def check(function: Check) -> Check:
-    """Register a computation under its name."""
+    """Register a computation under its name, which no other has."""
+    assert function.__name__ not in CHECKS, function.__name__
     CHECKS[function.__name__] = function
     return function
 
