@@ -6,6 +6,7 @@ returns a matplotlib Figure, made by `ink.figure`, without a title: the page has
 """
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.results.evidence import Evidence
@@ -17,6 +18,25 @@ Drawing = Callable[..., "Figure"]
 
 DRAWINGS: dict[str, Drawing] = {}
 
+# The module here that registers each drawing, imported when it is first drawn.
+MODULES: dict[str, str] = {
+    "block_diagram": "relay_loop",
+    "cases": "cases",
+    "error_time": "error_time",
+    "grid_difference": "difference",
+    "grid_lines": "lines",
+    "grid_map": "maps",
+    "grid_pair": "maps",
+    "hardware_grid": "hardware",
+    "law_lines": "laws",
+    "nonlinearity": "relay_loop",
+    "nyquist": "nyquist",
+    "saturated_map": "saturated",
+    "stability_table": "verdicts",
+    "staircase": "staircase",
+    "surface": "surface",
+}
+
 
 def drawing(function: Drawing) -> Drawing:
     """Register a drawing under its name."""
@@ -26,4 +46,6 @@ def drawing(function: Drawing) -> Drawing:
 
 def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
     """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+    if name not in DRAWINGS:
+        import_module(f"{__name__}.{MODULES[name]}")
     return DRAWINGS[name](evidence, of, **options)
