@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.grid import Grid, Row, axis_label, cell_text, column_label, grid, number
+from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of
 from hknob_cli.results.evidence import Evidence, MissingError
 from hknob_cli.stages.compare import cycling, statistics
@@ -42,16 +42,13 @@ def grid_difference(
                   columns=(column,))  # fmt: skip
     percent = differences(first, second, column, factor=0.5 if amplitude else 1.0)
     texts = [
-        [
-            _text(one, other, value, column)
-            for one, other, value in zip(ones, others, line, strict=True)
-        ]
+        [_text(one, other, value, column) for one, other, value in zip(ones, others, line, strict=True)]
         for ones, others, line in zip(first.cells, _aligned(first, second), percent, strict=True)
     ]
     found = statistics(value for line in percent for value in line if value == value)
     if found is None:
         raise MissingError(f"'{of[0]}' and '{of[1]}' have no cell in common where both have a limit cycle")
-    figure = ink.figure(height_of(first, extra=1.05))
+    figure = ink.figure(height_of(first, extra=1.2))
     axes = figure.subplots()
     norm = Normalize(-full_scale, full_scale, clip=True)
     draw_map(axes, first, percent, texts, norm=norm, colours=diverging())
@@ -60,8 +57,10 @@ def grid_difference(
     draw_key(figure, axes, norm, diverging(), f"{said}: difference, %", below=False)
     spread = f"mean {_percent(found.mean)}, standard deviation {found.std:.0f} %, " if found.cells > 1 else ""
     reach = f"from {_percent(found.least)} to {_percent(found.largest)}, {found.cells} cells"
-    brackets = ";  in brackets: out of the method's domain" if any("(" in text for line in texts for text in line) else ""
-    axes.set_xlabel(f"{axis_label(first.across)}\n{spread}{reach}{brackets}")
+    lines = [f"{spread}{reach}"]
+    if any("(" in text for line in texts for text in line):
+        lines.append("in brackets: outside the domain of the method")
+    figure.supxlabel("\n".join(lines), fontsize=8.5)
     return figure
 
 
@@ -69,7 +68,9 @@ def differences(first: Grid, second: Grid, column: str, *, factor: float = 1.0) 
     """Percent of the second by which ``factor`` times the first differs; not a number where one has no cycle."""
     return [
         [
-            100.0 * (factor * a - b) / b if (a := _value(one, column)) and (b := _value(other, column)) else float("nan")
+            100.0 * (factor * a - b) / b
+            if (a := _value(one, column)) and (b := _value(other, column))
+            else float("nan")
             for one, other in zip(ones, others, strict=True)
         ]
         for ones, others in zip(first.cells, _aligned(first, second), strict=True)
@@ -109,7 +110,7 @@ def _text(one: Row | None, other: Row | None, value: float, column: str) -> str:
 
 
 def _signed(value: float) -> str:
-    return number(round(value), 3, sign=True) if abs(value) < 1000 else f"{value:+.0f}".replace("-", "\u2212")
+    return f"{round(value):+d}".replace("-", "\u2212") if round(value) else "0"
 
 
 def _percent(value: float) -> str:

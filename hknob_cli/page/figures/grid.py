@@ -121,7 +121,9 @@ def axes_of(result: Result, rows: Rows) -> list[str]:
     return [name for name in rows[0] if name in axes] if rows else []
 
 
-def column_label(result: Result, column: str, scale: float | None = None, label: str | None = None) -> tuple[str, float]:
+def column_label(
+    result: Result, column: str, scale: float | None = None, label: str | None = None
+) -> tuple[str, float]:
     """How a column is written on an axis, with its unit, and the factor from its SI values."""
     if label is not None and scale is not None:
         return label, scale
@@ -141,13 +143,13 @@ def tick_labels(values: list[Any]) -> list[str]:
     return [""] if values == [None] else labels([float(value) for value in values])
 
 
-def number(value: float, digits: int = 3, *, sign: bool = False) -> str:
-    """A number in a cell, with a true minus sign: 0.0361, 3.6e-4, \u22125."""
+def number(value: float, digits: int = 3, *, sign: bool = False, short: bool = False) -> str:
+    """A number in a cell, with a true minus sign: 0.0361, 3.6e-4, \u22125; ``short``: one digit and a power."""
     if value != value:
         return ""
     if value == 0:
         return "0"
-    text = f"{value:{'+' if sign else ''}#.{digits}g}".rstrip(".")
+    text = f"{value:{'+' if sign else ''}#.{digits}g}".rstrip(".") if not short else f"{value:.0e}"
     if "e+" in text:
         text = f"{value:{'+' if sign else ''}.0f}"
     elif "e-" in text:
@@ -162,6 +164,8 @@ def cell_text(cell: Row | None, value: float, column: str, digits: int = 3) -> s
         return ""
     words = ends(cell) if column in _ORBIT_MEASURES else ()
     text = "" if value == 0 and words else number(value, digits)
+    if len(text) > digits + 4:
+        text = number(value, digits, short=True)
     if text and cell.get("in_domain") is False:
         text = f"({text})"
     return "\n".join(filter(None, [text, " ".join(words)])) or "none"

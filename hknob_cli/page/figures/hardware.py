@@ -50,7 +50,7 @@ def hardware_grid(
     draw_map(panels[2], grids[0], ratio, texts, norm=scale, colours=diverging(), left=False)
     panels[2].set_title("the second over the first")
     draw_key(figure, list(panels[:2]), norm, ramp(), name, below=True)
-    draw_key(figure, panels[2], scale, diverging(), "factor", below=True)
+    draw_key(figure, panels[2], scale, diverging(), "factor", below=True, most=4)
     said = [notes(grids, column)]
     if found:
         mean = number(sum(found) / len(found), 2)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures.grid import Grid, axis_label, tick_labels
+from hknob_cli.page.figures.ticks import log_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -100,14 +101,19 @@ def writing(value: float, norm: "Normalize", colours: "Colormap") -> str:
     return ink.ON_DARK if 0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.45 else ink.ON_LIGHT
 
 
-def draw_key(figure: "Figure", axes: Any, norm: "Normalize", colours: "Colormap", label: str, *, below: bool) -> None:
-    """Draw the key to the colours of ``axes`` (one or several), below or to the right of them."""
+def draw_key(
+    figure: "Figure", axes: Any, norm: "Normalize", colours: "Colormap", label: str, *, below: bool, most: int = 6
+) -> None:
+    """Draw the key to the colours of ``axes`` (one or several), below or right of them, with ``most`` ticks."""
     from matplotlib.cm import ScalarMappable
 
     place = "bottom" if below else "right"
     options: dict[str, Any] = {"aspect": 40, "shrink": 0.7} if below else {"aspect": 24, "shrink": 0.9}
     key = figure.colorbar(ScalarMappable(norm, colours), ax=axes, location=place, pad=0.02, **options)
     key.set_label(label, fontsize=8.5)
+    if type(norm).__name__ == "LogNorm":
+        key.set_ticks(*log_ticks(norm.vmin or 1.0, norm.vmax or 1.0, most=most))
+        key.ax.minorticks_off()
     key.ax.tick_params(labelsize=8)
     key.ax.grid(visible=False)
     key.solids.set(edgecolor="face", linewidth=0.4)

@@ -37,15 +37,17 @@ def draw_mesh(
 
 
 def _dress(axes: Any, grid: Grid, height: Any, *, log: bool) -> None:
-    """Sparse ticks, no panes, the view from the corner of fast and fine."""
+    """Sparse ticks, no panes, the view from the lowest corner."""
     import numpy as np
 
+    corners = [height[-1, -1], height[-1, 0], height[0, 0], height[0, -1]]  # by the angle from which they are in front
+    corner = min(range(4), key=lambda i: corners[i] if np.isfinite(corners[i]) else np.inf)
     for axis, name, values in ((axes.xaxis, grid.across, grid.acrosses), (axes.yaxis, grid.down, grid.downs)):
         texts = tick_labels(values)
         step = max(1, (len(values) - 1) // 2)
         axis.set_ticks(range(0, len(values), step), texts[::step])
         for label in axis.get_ticklabels():  # those of the two axes meet at the front corner
-            label.set_horizontalalignment("left" if axis is axes.xaxis else "right")
+            label.set_horizontalalignment("left" if (axis is axes.xaxis) == (corner % 2 == 0) else "right")
         axis.set_label_text(_SHORT.get(name, name), fontsize=8)
         axis.labelpad = 2
     found = height[np.isfinite(height)]
@@ -58,5 +60,5 @@ def _dress(axes: Any, grid: Grid, height: Any, *, log: bool) -> None:
         axis._axinfo["grid"].update(color=(0.5, 0.5, 0.5, 0.4), linewidth=0.4)
         axis.line.set_color("black")
         axis.set_tick_params(labelsize=8, pad=-1)
-    axes.view_init(elev=28, azim=40)
+    axes.view_init(elev=28, azim=40 + 90 * corner)
     axes.set_box_aspect((1, 1, 0.8), zoom=0.95)

@@ -7,6 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.spec.plan import RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,7 +19,7 @@ _PANELS = {
     "p2p_rad": (1e3, "peak to peak, mrad"),
     "period_samples": (1.0, "samples per cycle"),
 }
-_STEPS = 6  # most ratios of samples to cycles that are written in
+_RATIOS = (*range(2, 17), 18, *range(20, 60, 5), *range(60, 200, 20), 500, 1000)
 
 
 @drawing
@@ -33,7 +34,7 @@ def staircase(
 ) -> "Figure":
     """Orbits over the axis ``over`` (by default the one that varies): frequency in Hz and peak to peak in mrad.
 
-    The longest steps of the first panel carry their ratio of samples to cycles, where there is a sample clock.
+    Beside frequencies stand the samples per cycle, where all orbits have one sample rate.
     ``unit_of_step`` gives a bias torque in steps of the wall's torque between counts. ``at`` fixes further axes.
     Raises `MissingError`.
     """
@@ -56,7 +57,8 @@ def staircase(
     for axes, column in zip(places, panels, strict=True):
         _dots(axes, rows, over, column, factor)
     if "period_samples" in rows[0]:
-        _ratios(places[0], rows, over, panels[0], factor)
+        for axes in (axes for axes, column in zip(places, panels, strict=True) if column == "frequency_hz"):
+            _ratios(axes, rows)
     places[-1].set_xlabel(label)
     values = sorted({row[over] for row in rows})
     if values[0] > 0 and is_geometric(values):
@@ -86,21 +88,23 @@ def _dots(axes: "Axes", rows: Rows, over: str, column: str, factor: float) -> No
     axes.set_ylim(0.0, 1.12 * max(_value(row, column) for row in rows))
 
 
-def _ratios(axes: "Axes", rows: Rows, over: str, column: str, factor: float) -> None:
-    """Write samples per cycle at the steps that hold over most values of the axis."""
-    steps: dict[tuple[int, int], list[Row]] = {}
-    for row in rows:
-        if row["basin_fraction"] >= 0.25 and row["period_samples"]:
-            steps.setdefault((row["period_samples"], row["cycles_per_period"]), []).append(row)
-    longest = sorted(steps.items(), key=lambda step: -len(step[1]))[:_STEPS]
-    for (samples, cycles), held in longest:
-        if len(held) < 3:
-            continue
-        xs = [factor * row[over] for row in held]
-        text = f"{samples}" if cycles == 1 else f"{samples}/{cycles}"
-        top = max(_value(row, column) for row in held)
-        axes.annotate(text, (0.5 * (min(xs) + max(xs)), top), textcoords="offset points", xytext=(0, 4), ha="center",
-                      fontsize=8)  # fmt: skip
+def _ratios(axes: "Axes", rows: Rows) -> None:
+    """A second scale beside frequencies: samples per cycle, where all rows have one sample rate."""
+    rates = {row.get(RATE) for row in rows}
+    if len(rates) != 1 or None in rates:
+        return
+    rate = float(rates.pop() or 1.0)
+    twin = axes.secondary_yaxis("right")
+    low, high = axes.get_ylim()
+    least = min(row["frequency_hz"] for row in rows)
+    wanted = [rate / samples for samples in _RATIOS if 0.95 * least < rate / samples < high]
+    places: list[float] = []
+    for place in sorted(wanted, reverse=True):
+        if not places or places[-1] - place > 0.09 * (high - low):
+            places.append(place)
+    twin.set_yticks(places, [f"{rate / place:g}" for place in places])
+    twin.set_ylabel("samples per cycle")
+    twin.spines["right"].set_visible(True)
 
 
 def _unit(stiffness: float, rows: Rows, over: str) -> tuple[float, str]:

@@ -58,7 +58,9 @@ def surface(
     draw_key(figure, axes, norm, ramp(), "worse of the two, 0 to 1", below=mesh)
     if mesh:
         draw_mesh(figure, outer[1], cells, values, norm=norm, log=False)
-    figure.supxlabel("s: size (log peak to peak) is the worse;  p: pitch (frequency);  frame: best of its row", fontsize=8)
+    figure.supxlabel(
+        "s: size (log peak to peak) is the worse;  p: pitch (frequency);  frame: best of its row", fontsize=8
+    )
     return figure
 
 
