@@ -5,7 +5,6 @@ ray is turned by the delay of the hold. Right: peak to peak by method, beside a 
 there is a sweep, its difference from the first method over the grid (Figs 49, 52).
 """
 
-from math import pi
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +13,7 @@ import numpy as np
 from hknob_cli.report.picture import save
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan
-from hknob_cli.theory.relay import Relay, describing_function, response
+from hknob_cli.theory.nyquist import crossing, plant_curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,26 +50,19 @@ def _draw_nyquist(axes: "Axes", plan: DfaPlan) -> None:
     seen = []
     for i, rate in enumerate(rates):
         knob = sample_knob(plan.scene, sample_rate_hz=rate, counts_per_rev=counts)
-        loop = knob.loop
-        scale = knob.period_s**2 / knob.inertia_kg_m2
-        delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
-        found = describing_function(Relay(loop.alpha, loop.beta, 1.0, delay), 1)
-        if not found:
+        found = crossing(knob)
+        if found is None:
             continue
-        omega = found[0].omega
-        bare = Relay(loop.alpha, loop.beta, 1.0, 0.0)
-        point = complex(response(bare, np.array([omega]))[0]) * scale
+        point = found.point
         colour = colormaps["cividis"](0.85 * i / max(len(rates) - 1, 1))
         axes.plot([0.0, 1.7 * point.real], [0.0, 1.7 * point.imag], color=colour, lw=1)
-        label = f"{float(f'{rate:.4g}'):g} Hz: {omega / (2 * pi * knob.period_s):.4g} Hz"
+        label = f"{float(f'{rate:.4g}'):g} Hz: {found.frequency_hz:.4g} Hz"
         axes.plot([point.real], [point.imag], "o", color=colour, label=label)
-        seen.append((point, omega / knob.period_s))
+        seen.append((point, found.omega))
     if seen:
         low, high = min(omega for _, omega in seen), max(omega for _, omega in seen)
         sweep = np.geomspace(0.5 * low, 4.0 * high, 600)
-        inertia = knob.inertia_kg_m2
-        damping, stiffness = loop.alpha * inertia / knob.period_s, loop.beta * inertia / knob.period_s**2
-        curve = 1.0 / (stiffness - inertia * sweep**2 + 1j * damping * sweep)
+        curve = plant_curve(knob, sweep)
         axes.plot(curve.real, curve.imag, color="0.25", lw=1.4)
         reach = 1.5 * max(abs(point) for point, _ in seen)
         axes.set_xlim(-reach, 0.25 * reach)

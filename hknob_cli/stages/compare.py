@@ -75,7 +75,7 @@ class Against:
 
     def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
         """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
-        p2p, frequency = _cycling(self._cells.get(self._key(cell)))
+        p2p, frequency = cycling(self._cells.get(self._key(cell)))
         return {
             "sweep_p2p_rad": p2p,
             "sweep_frequency_hz": frequency,
@@ -85,7 +85,7 @@ class Against:
         }
 
 
-def _cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
+def cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
     """Mean peak to peak and frequency of the trials of a cell that cycle; the cell's own mean counts rest as 0."""
     if row is None or row["p2p_rad"] is None:
         return None, None

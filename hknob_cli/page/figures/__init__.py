@@ -20,13 +20,28 @@ DRAWINGS: dict[str, Drawing] = {}
 
 # The module here that registers each drawing, imported when it is first drawn.
 MODULES: dict[str, str] = {
+    "block_diagram": "relay_loop",
+    "cases": "cases",
     "contact_energy": "contact",
+    "error_time": "error_time",
     "grasp_parameters": "grasp",
+    "grid_difference": "difference",
+    "grid_lines": "lines",
+    "grid_map": "maps",
+    "grid_pair": "maps",
     "grip_forces": "grip",
+    "hardware_grid": "hardware",
+    "law_lines": "laws",
+    "nonlinearity": "relay_loop",
     "normalised_grasp": "grasp",
+    "nyquist": "nyquist",
     "phase_plane": "phase",
     "pulse_terms": "pulse",
+    "saturated_map": "saturated",
     "schematic": "schematic",
+    "stability_table": "verdicts",
+    "staircase": "staircase",
+    "surface": "surface",
     "time_response": "motion",
 }
 

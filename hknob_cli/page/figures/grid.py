@@ -1,0 +1,205 @@
+"""The cells of a result over two of its axes, and how axes, columns and values are written in figures."""
+
+from textwrap import fill
+from typing import Any, NamedTuple
+
+from hknob_cli.report.matrix import labels, short
+from hknob_cli.report.picture import axis_name
+from hknob_cli.results.evidence import MissingError, Result, Rows
+
+Row = dict[str, Any]
+
+_TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict"}
+_CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
+_NAMES: dict[str, tuple[str, float]] = {
+    "p2p_rad": ("peak to peak, mrad", 1e3),
+    "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
+    "amplitude_rad": ("amplitude (half of peak to peak), mrad", 1e3),
+    "rms_rad": ("RMS, mrad", 1e3),
+    "rms_sine_rad": ("RMS as .707/2 of peak to peak, mrad", 1e3),
+    "p2p_counts": ("peak to peak, counts", 1.0),
+    "frequency_hz": ("frequency, Hz", 1.0),
+    "growth_j_per_s2": ("growth of energy, mJ/s\u00b2", 1e3),
+    "growth_std_j_per_s2": ("standard deviation of growth, mJ/s\u00b2", 1e3),
+}
+_ORBIT_MEASURES = ("p2p_rad", "p2p_counts", "frequency_hz", "rms_rad")
+_ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
+MOST = 40  # values of an axis that a map shows
+
+
+class Grid(NamedTuple):
+    """Cells by row (``down``, upward in a figure) and column (``across``), None where there is none.
+
+    An axis that the result lacks is empty, with one value, None.
+    """
+
+    across: str
+    down: str
+    acrosses: list[Any]
+    downs: list[Any]
+    cells: list[list[Row | None]]
+    fixed: str
+
+    @property
+    def rows(self) -> Rows:
+        """All cells there are."""
+        return [cell for line in self.cells for cell in line if cell is not None]
+
+    def values(self, column: str, scale: float = 1.0) -> list[list[float]]:
+        """Values of a column times ``scale``, by row and column; not a number where there is none."""
+        none = float("nan")
+        return [
+            [none if cell is None or cell[column] is None else scale * float(cell[column]) for cell in line]
+            for line in self.cells
+        ]
+
+
+def rows_of(result: Result, where: Row | None = None) -> Rows:
+    """Rows of the result's table of cells: of the first method or law, unless ``where`` says which.
+
+    Raises `MissingError` for a result without cells, and where nothing is left.
+    """
+    if result.stage not in _TABLES:
+        raise MissingError(f"'{result.name}' is of stage {result.stage}, which has no grid")
+    rows = result.rows(_TABLES[result.stage])
+    chosen = dict(where or {})
+    choice = _CHOICES.get(result.stage)
+    if choice and rows:
+        chosen.setdefault(choice, rows[0][choice])
+    for name, value in chosen.items():
+        _known(rows, name, result)
+        rows = [row for row in rows if row[name] == value]
+    if not rows:
+        raise MissingError(f"'{result.name}' has no cell where {chosen}")
+    if "orbit" in rows[0] and "orbit" not in chosen:
+        rows = [row for row in rows if row["orbit"] == 0]
+    return rows
+
+
+def grid(
+    result: Result,
+    *,
+    across: str | None = None,
+    down: str | None = None,
+    at: Row | None = None,
+    where: Row | None = None,
+    columns: tuple[str, ...] = (),
+) -> Grid:
+    """Lay a result out over two axes: ``across`` (by default the first that varies) and ``down`` (the next).
+
+    ``at`` gives values of further axes, ``where`` of other columns, such as a method. Raises `MissingError` if one of
+    these, or of ``columns``, is not there, or a further axis varies.
+    """
+    rows = rows_of(result, where)
+    axes = axes_of(result, rows)
+    for name in (across, down, *(at or {})):
+        if name is not None and name not in axes:
+            raise MissingError(f"'{result.name}' has no axis {name}; it has {', '.join(axes) or 'none'}")
+    for column in columns:
+        _known(rows, column, result)
+    for axis, value in (at or {}).items():
+        nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
+        rows = [row for row in rows if row[axis] == nearest]
+    varying = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
+    order = [*(axis for axis in varying if axis not in (across, down)), *(a for a in axes if a not in varying)]
+    free = [axis for axis in order if axis not in (across, down)]
+    across = across or (free.pop(0) if free else "")
+    down = down or (free.pop(0) if free else "")
+    further = [axis for axis in varying if axis not in (across, down)]
+    if further:
+        raise MissingError(f"'{result.name}' varies over {', '.join(further)}, too: give its value in 'at'")
+    acrosses, downs = (_thin(sorted({row[axis] for row in rows})) if axis else [None] for axis in (across, down))
+    found = {(row.get(down), row.get(across)): row for row in rows}
+    cells = [[found.get((d, a)) for a in acrosses] for d in downs]
+    fixed = ", ".join(f"{axis_name(axis)}: {short(rows[0][axis], 6)}" for axis in axes if axis not in (across, down))
+    return Grid(across, down, acrosses, downs, cells, fixed)
+
+
+def axes_of(result: Result, rows: Rows) -> list[str]:
+    """Axes of a result in the order of its columns. Raises `MissingError`."""
+    axes = set(result.axes)
+    return [name for name in rows[0] if name in axes] if rows else []
+
+
+def column_label(
+    result: Result, column: str, scale: float | None = None, label: str | None = None
+) -> tuple[str, float]:
+    """How a column is written on an axis, with its unit, and the factor from its SI values."""
+    if label is not None and scale is not None:
+        return label, scale
+    name, factor = _NAMES.get(column, ("", 1.0))
+    if not name:
+        name = _plain(result, column)
+    return label or name, factor if scale is None else scale
+
+
+def axis_label(axis: str, room: int = 60) -> str:
+    """Name of a grid axis with its unit, in lines of ``room`` characters; empty for none."""
+    return fill(axis_name(axis), room) if axis else ""
+
+
+def tick_labels(values: list[Any]) -> list[str]:
+    """Values of an axis in a few digits; empty for none."""
+    return [""] if values == [None] else labels([float(value) for value in values])
+
+
+def number(value: float, digits: int = 3, *, sign: bool = False, short: bool = False) -> str:
+    """A number in a cell, with a true minus sign: 0.0361, 3.6e-4, \u22125; ``short``: one digit and a power."""
+    if value != value:
+        return ""
+    if value == 0:
+        return "0"
+    text = f"{value:{'+' if sign else ''}#.{digits}g}".rstrip(".") if not short else f"{value:.0e}"
+    if "e+" in text:
+        text = f"{value:{'+' if sign else ''}.0f}"
+    elif "e-" in text:
+        mantissa, power = text.split("e-")
+        text = f"{mantissa.rstrip('.')}e\u2212{int(power)}"
+    return text.replace("-", "\u2212")
+
+
+def cell_text(cell: Row | None, value: float, column: str, digits: int = 3) -> str:
+    """What a map writes into a cell: its value, how trials end that do not cycle; in brackets out of a law's domain."""
+    if cell is None:
+        return ""
+    words = ends(cell) if column in _ORBIT_MEASURES else ()
+    text = "" if value == 0 and words else number(value, digits)
+    if len(text) > digits + 4:
+        text = number(value, digits, short=True)
+    if text and cell.get("in_domain") is False:
+        text = f"({text})"
+    return "\n".join(filter(None, [text, " ".join(words)])) or "none"
+
+
+def ends(cell: Row) -> tuple[str, ...]:
+    """Words for the trials of a cell that do not end in a cycle."""
+    return tuple(word for word, column in _ENDS if cell.get(column))
+
+
+def notes(grids: list[Grid], column: str) -> str:
+    """What the marks in the cells of these maps mean; empty if there are none."""
+    cells = [cell for one in grids for cell in one.rows]
+    words = {word for cell in cells for word in ends(cell)} if column in _ORBIT_MEASURES else set()
+    meaning = {"rest": "rest: trials that come to rest", "div": "div: that diverge", "?": "?: undecided"}
+    said = [text for word, text in meaning.items() if word in words]
+    if any(cell.get("in_domain") is False for cell in cells):
+        said.append("in brackets: outside the domain of the method")
+    return ";  ".join(said)
+
+
+def _thin(values: list[Any]) -> list[Any]:
+    """Every nth value, so that a map stays readable and small."""
+    return values[:: 1 + (len(values) - 1) // MOST]
+
+
+def _known(rows: Rows, column: str, result: Result) -> None:
+    if rows and column not in rows[0]:
+        raise MissingError(f"'{result.name}' has no column {column}; it has {', '.join(rows[0])}")
+
+
+def _plain(result: Result, column: str) -> str:
+    """Name of a column without its unit, with the unit of the file's metadata."""
+    schema = result.table(_TABLES[result.stage]).schema
+    at = schema.get_field_index(column)
+    unit = ((schema.field(at).metadata or {}) if at >= 0 else {}).get(b"unit", b"").decode()
+    return column.replace("_", " ") + (f", {unit}" if unit not in ("", "1") else "")

@@ -1,0 +1,27 @@
+"""Ticks of logarithmic scales: few enough to be read, and in plain numbers where these are short."""
+
+from math import ceil, floor, log10
+
+_RAISED = str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
+
+
+def log_ticks(low: float, high: float, most: int = 6) -> tuple[list[float], list[str]]:
+    """At most about ``most`` ticks between two values above 0, and their texts: powers of ten, or 1, 2, 5 of each."""
+    first, last = floor(log10(low)), ceil(log10(high))
+    for steps in ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,)):
+        ticks = [step * 10.0**power for power in range(first, last + 1) for step in steps]
+        ticks = [tick for tick in ticks if 0.999 * low <= tick <= 1.001 * high]
+        if len(ticks) <= most:
+            break
+    ticks = ticks[:: max(1, ceil(len(ticks) / most))] if len(ticks) > most else ticks
+    return ticks, [plain(tick) for tick in ticks]
+
+
+def plain(value: float) -> str:
+    """0.01 to 10000 as they are, beyond as a power of ten."""
+    if 0.009 < value < 20000:
+        return f"{value:g}"
+    power = floor(log10(value) + 1e-9)
+    mantissa = value / 10.0**power
+    raised = f"10{str(power).translate(_RAISED)}"
+    return raised if abs(mantissa - 1.0) < 1e-6 else f"{mantissa:g}\u00b7{raised}"
