@@ -4,7 +4,9 @@ A computation returns a float (a flag counts as 1 or 0), or None where the quant
 `MissingError` where the evidence lacks what it needs. Its docstring says what it computes, and in which unit.
 """
 
+import pkgutil
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 from hknob_cli.results.evidence import Evidence
@@ -24,3 +26,8 @@ def compute(name: str, evidence: Evidence, arguments: dict[str, Any]) -> float |
     """Value of a computation. Raises `MissingError`, and `TypeError` for arguments it does not take."""
     value = CHECKS[name](evidence, **arguments)
     return None if value is None else float(value)
+
+
+# Each module beside this one registers its own.
+for _module in pkgutil.iter_modules(__path__):
+    import_module(f"{__name__}.{_module.name}")
