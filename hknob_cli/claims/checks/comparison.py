@@ -23,8 +23,8 @@ def difference(
 ) -> float | None:
     """A statistic of (result - sweep) / sweep over the cells, %.
 
-    ``quantity``: `p2p`, `frequency`, or `amplitude` (half of peak to peak, against the sweep's peak to peak: unlike with
-    unlike). ``file`` and ``where`` pick a method or a law. Cells that rest on either side do not count; of several
+    ``quantity``: `p2p`, `frequency`, or `amplitude` (half of peak to peak, against the sweep's peak to peak: unlike
+    with unlike). ``file`` and ``where`` pick a method or a law. Cells that rest on either side do not count; of several
     cycles in a cell the one nearest to the sweep does.
     """
     return one_number(
@@ -68,7 +68,7 @@ def agreement(
 def accuracy_ratio(
     evidence: Evidence, result: str, against: str, where: Where | None = None, file: str = "cells"
 ) -> float | None:
-    """Mean size of the relative differences in frequency over that of those in peak to peak; below 1: pitch is nearer."""
+    """Mean size of the differences in frequency over that of those in peak to peak; below 1: pitch is nearer."""
     pitch, size = (
         one_number(_differences(evidence, result, against, quantity, where, file), "mean_size")
         for quantity in ("frequency", "p2p")
@@ -89,7 +89,7 @@ def of_two_cells(
 def _differences(
     evidence: Evidence, result: str, against: str, quantity: str, where: Where | None, file: str
 ) -> list[float]:
-    """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, and `MissingError`."""
+    """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
     from hknob_cli.stages.compare import nearest
 
     if quantity not in QUANTITIES:

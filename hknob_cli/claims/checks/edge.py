@@ -32,7 +32,7 @@ def relay_gain(evidence: Evidence) -> float:  # noqa: ARG001 - it needs no resul
 
 @check
 def harmonic_balance(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
-    """Largest |1 + N(A) G(jw) e^{-jwT/2}| at the cycles of one harmonic, G of the scene, M = K q / 2: 0 if they solve it."""
+    """Largest |1 + N(A) G(jw) e^{-jwT/2}| at the cycles of one harmonic, M = K q / 2: 0 if they solve it."""
     residuals = []
     for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
         if row["amplitude_rad"]:
@@ -61,7 +61,7 @@ def _plant(edge: "WorkingEdge", omega: float) -> complex:
 
 @check
 def net_torque(evidence: Evidence, result: str, side: str, where: Where | None = None) -> float | None:
-    """Torque of wall and push on the knob, just ``outside`` or ``inside`` the edge, in torque steps K q; mean of the cells.
+    """Torque of wall and push, just ``outside`` or ``inside`` the edge, in torque steps K q; mean of the cells.
 
     That is the plant's input u of sec. 7.2 with the push in it; positive: out of the wall.
     """
@@ -129,7 +129,7 @@ def swing_at(evidence: Evidence, result: str, frequency_hz: float, where: Where 
 def damped_natural_frequency(
     evidence: Evidence, result: str, damping_factor: float, where: Where | None = None
 ) -> float | None:
-    """Damped natural frequency of the scene's knob in the wall with ``damping_factor`` times its damping, over that with 1."""
+    """Damped natural frequency of the knob in the wall with ``damping_factor`` times its damping, over that with 1."""
     edge = edge_of(evidence, result, rows_of(evidence, result, "cells", where, needs=[])[0])
 
     def pitch(damping: float) -> float:

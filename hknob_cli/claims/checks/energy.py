@@ -1,5 +1,6 @@
 """Where the wall's energy comes from: parts of its work in limit cycles, and in single contacts."""
 
+import itertools
 from math import floor
 
 from hknob_cli.claims.checks import check
@@ -42,7 +43,7 @@ def orbits_at_wall(evidence: Evidence, result: str, where: Where | None = None) 
     rows = _cycles(evidence, result, where)
     total = sum(row["basin_fraction"] for row in rows)
     there = sum(row["basin_fraction"] for row in rows if row["min_rad"] < 0.0 < row["max_rad"])
-    return 100.0 * there / total
+    return float(100.0 * there / total)
 
 
 @check
@@ -55,7 +56,7 @@ def orbits_over_edges(evidence: Evidence, result: str, most: int, where: Where |
         quantum = edge_of(evidence, result, row).quantum_rad
         if floor(row["max_rad"] / quantum) - floor(row["min_rad"] / quantum) <= most:
             few += row["basin_fraction"]
-    return 100.0 * few / total
+    return float(100.0 * few / total)
 
 
 def _cycles(evidence: Evidence, result: str, where: Where | None) -> Rows:
@@ -67,7 +68,7 @@ def _cycles(evidence: Evidence, result: str, where: Where | None) -> Rows:
 def contact_gain(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
     """Energy that the wall adds in the recorded contact, J."""
     track = motion(evidence, result, where)
-    return sum(now.torque * (then.angle - now.angle) for now, then in zip(track, track[1:], strict=False))
+    return sum(now.torque * (then.angle - now.angle) for now, then in itertools.pairwise(track))
 
 
 @check
@@ -86,7 +87,7 @@ def _held_gain(evidence: Evidence, result: str, to: str) -> float:
     stiffness = evidence[to].scene.wall.stiffness
     torque, added = 0.0, 0.0
     track = motion(evidence, result)
-    for now, then in zip(track, track[1:], strict=False):
+    for now, then in itertools.pairwise(track):
         if now.event == "sample":
             torque = max(0.0, -stiffness * now.angle)
         added += torque * (then.angle - now.angle)

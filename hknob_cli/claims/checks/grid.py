@@ -1,5 +1,6 @@
 """What the cells of a grid say: values, shares, trends, slopes and spreads."""
 
+import itertools
 from math import log
 
 from hknob_cli.claims.checks import check
@@ -61,7 +62,7 @@ def trend(
     return percent(
         sign * (after - before) > 0.0
         for line in _lines(evidence, result, column, along, where, average, file)
-        for (_, before), (_, after) in zip(line, line[1:], strict=False)
+        for (_, before), (_, after) in itertools.pairwise(line)
     )
 
 
@@ -76,7 +77,7 @@ def slope(
     statistic: str = "mean",
     file: str = "cells",
 ) -> float | None:
-    """Exponent of a column as a power of an axis, by least squares on log axes; a statistic over the other axes' values.
+    """Exponent of a column as a power of an axis, by least squares on log axes; a statistic over the other axes.
 
     ``average``: of its mean over the other axes. Values that are not positive have no logarithm and are left out.
     """
@@ -111,7 +112,7 @@ def spread_along(
     average: bool = False,
     file: str = "cells",
 ) -> float | None:
-    """Largest over least value of a column along an axis; a statistic over the other axes' values. Rests do not count."""
+    """Largest over least value of a column along an axis, rests left out; a statistic over the other axes."""
     many = _lines(evidence, result, column, along, where, average, file)
     positive = ([value for _, value in line if value > 0.0] for line in many)
     return one_number((max(values) / min(values) for values in positive if values), statistic)
@@ -168,9 +169,7 @@ def paired_trend(
             series.setdefault(tuple(row[axis] for axis in others), []).append(sign * row[column])
     if first_only:
         return percent(values[0] < min(values[1:]) for values in series.values())
-    return percent(
-        after > before for values in series.values() for before, after in zip(values, values[1:], strict=False)
-    )
+    return percent(after > before for values in series.values() for before, after in itertools.pairwise(values))
 
 
 @check

@@ -1,5 +1,6 @@
 """Recorded motions: contacts with the wall, what is left of them, and when the torque switches."""
 
+import itertools
 from math import floor, pi
 from typing import NamedTuple
 
@@ -39,7 +40,7 @@ def contacts(evidence: Evidence, result: str, where: Where | None = None) -> flo
     """Number of times a recorded knob enters the wall."""
     track = motion(evidence, result, where)
     inside = [point.angle < 0.0 for point in track]
-    return inside[0] + sum(now and not before for before, now in zip(inside, inside[1:], strict=False))
+    return inside[0] + sum(now and not before for before, now in itertools.pairwise(inside))
 
 
 @check
@@ -69,7 +70,7 @@ def reading_offset(evidence: Evidence, result: str, statistic: str = "mean") -> 
     rows = rows_of(evidence, result, "trajectories", needs=[*_NEEDS, COUNTS])
     quantum, stiffness = 2.0 * pi / rows[0][COUNTS], evidence[result].scene.wall.stiffness
     track = motion(evidence, result)
-    pairs = [(now, then) for now, then in zip(track, track[1:], strict=False) if now.torque > 0.0]
+    pairs = [(now, then) for now, then in itertools.pairwise(track) if now.torque > 0.0]
     if statistic != "mean":
         offsets = (now.torque / stiffness + point.angle for now, then in pairs for point in (now, then))
         found = one_number(offsets, statistic)
@@ -81,12 +82,12 @@ def reading_offset(evidence: Evidence, result: str, statistic: str = "mean") -> 
 
 @check
 def staircase_asymmetry(evidence: Evidence, result: str) -> float | None:
-    """Largest distance, counts, between the angles of a torque step on the way in and on the way out of a recorded wall."""
+    """Largest distance, counts, between the angles of a torque step on the way into and out of a recorded wall."""
     rows = rows_of(evidence, result, "trajectories", needs=[*_NEEDS, COUNTS])
     quantum, stiffness = 2.0 * pi / rows[0][COUNTS], evidence[result].scene.wall.stiffness
     track = motion(evidence, result)
     ways: tuple[dict[int, float], dict[int, float]] = ({}, {})
-    for before, now in zip(track, track[1:], strict=False):
+    for before, now in itertools.pairwise(track):
         if abs(now.torque - before.torque) > 0.5 * stiffness * quantum:
             step = round(max(now.torque, before.torque) / (stiffness * quantum))
             ways[now.velocity > 0.0].setdefault(step, now.angle)
@@ -112,7 +113,7 @@ def switches_at_samples(evidence: Evidence, result: str, after: float, where: Wh
 def switch_distance(
     evidence: Evidence, result: str, after: float, statistic: str = "least", where: Where | None = None
 ) -> float | None:
-    """How far past the count edge the torque changes, % of the peak to peak; ``after``: s, when the motion is steady."""
+    """How far past the count edge the torque changes, % of peak to peak; ``after``: s, when the motion is steady."""
     return one_number((100.0 * one.distance for one in _switches(evidence, result, after, where)), statistic)
 
 

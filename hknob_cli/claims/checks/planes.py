@@ -45,9 +45,9 @@ def _explained(points: list[list[float]], values: list[float]) -> float | None:
 def trough(
     evidence: Evidence, result: str, where: Where | None = None, statistic: str = "median", column: str = "p2p_rad"
 ) -> float | None:
-    """Sample rate of the least of max(log p2p, frequency), each scaled to 0...1; a statistic over resolutions, Hz (Fig. 70).
+    """Sample rate, Hz, of the least of max(log p2p, frequency), each scaled to 0...1; a statistic over resolutions.
 
-    A cell at rest has no logarithm and is left out.
+    That is the bottom of the notional surface of Fig. 70. A cell at rest has no logarithm and is left out.
     """
     rows = [
         row

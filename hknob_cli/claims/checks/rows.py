@@ -23,7 +23,8 @@ def rows_of(evidence: Evidence, result: str, file: str, where: Where | None = No
     """Rows of a result's table that ``where`` asks for, and that have all columns of ``needs``.
 
     ``where``: by column, a value (numbers as printed, to 0.5 %), a list of them, or bounds (`at_least`, `at_most`,
-    `above`, `below`). Raises `MissingError` where there is no such result, column or row, `UsageError` for an unknown bound.
+    `above`, `below`). Raises `MissingError` where there is no such result, column or row, and `UsageError` for an
+    unknown bound.
     """
     asked = where or {}
     table = evidence[result].table(file)
