@@ -25,6 +25,12 @@ def leak_share(
 
 
 @check
+def least_leak_share(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+    """Least share of the wall's work in a cycle, %, that any of entry, exit and staircase has in any orbit."""
+    return one_number((leak_share(evidence, result, [part], where, "least") for part in PARTS), "least")
+
+
+@check
 def work_over_loss(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
     """Largest size of (work of the wall - losses) / work over a cycle, of all orbits, %."""
     rows = _cycles(evidence, result, where)
