@@ -32,7 +32,6 @@ def test_contacts_and_what_is_left(made: Made) -> None:
     ]
     evidence = made("a", {"trajectories": track})
     assert compute("contacts", evidence, {"result": "a"}) == 2
-    assert compute("speed_kept", evidence, {"result": "a"}) == pytest.approx(50.0)
     assert compute("left_after", evidence, {"result": "a", "seconds": 2e-3}) == pytest.approx(25.0)
     assert compute("left_after", evidence, {"result": "a", "seconds": 1.0}) is None
 

@@ -172,15 +172,6 @@ def paired_trend(
     return percent(after > before for values in series.values() for before, after in itertools.pairwise(values))
 
 
-@check
-def peak_at(
-    evidence: Evidence, result: str, column: str, along: str, where: Where | None = None, file: str = "cells"
-) -> float | None:
-    """Axis value where the mean of a column over the other axes is largest, in the axis' unit."""
-    (line,) = _lines(evidence, result, column, along, where, True, file)
-    return max(line, key=lambda point: point[1])[0] if line else None
-
-
 def _sign(direction: str) -> float:
     if direction not in ("up", "down"):
         raise UsageError(f"direction: must be up or down, got '{direction}'")

@@ -44,13 +44,6 @@ def contacts(evidence: Evidence, result: str, where: Where | None = None) -> flo
 
 
 @check
-def speed_kept(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
-    """Speed at the end of a recording over that at its start, %."""
-    track = motion(evidence, result, where)
-    return 100.0 * abs(track[-1].velocity / track[0].velocity) if track[0].velocity else None
-
-
-@check
 def left_after(evidence: Evidence, result: str, seconds: float, where: Where | None = None) -> float | None:
     """Peak to peak of what is left of a motion so many seconds after first contact, over its depth in the wall, %."""
     track = motion(evidence, result, where)
