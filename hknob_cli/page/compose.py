@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.claims.checks import CHECKS, compute
+from hknob_cli.claims.checks import compute, known
 from hknob_cli.errors import UsageError
 from hknob_cli.page import ink
 from hknob_cli.page.book import Chapter, Drawn, Page, Source
@@ -81,8 +81,8 @@ def _filled(sentence: Sentence, evidence: Evidence) -> str:
     """A sentence with its numbers; empty where one of them is missing."""
     values = {}
     for name, (check, arguments, form) in sentence.values.items():
-        if check not in CHECKS:
-            raise UsageError(f"summary: {name}: {nearest(check, sorted(CHECKS)).replace('key', 'check')}")
+        if check not in known():
+            raise UsageError(f"summary: {name}: {nearest(check, sorted(known())).replace('key', 'check')}")
         try:
             value = compute(check, evidence, arguments)
         except MissingError:

@@ -17,6 +17,7 @@ Anchor = Annotated[str, Field(pattern=r"^fig-[a-z0-9.-]+$", max_length=40)]
 Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
 Draw = Literal[
     "block_diagram",
+    "cases",
     "contact_energy",
     "error_time",
     "grasp_parameters",

@@ -1,0 +1,119 @@
+"""One result beside a sweep, like with like, cell by cell: differences, agreement, ratios."""
+
+from typing import Any
+
+from hknob_cli.claims.checks import check
+from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
+from hknob_cli.errors import UsageError
+from hknob_cli.results.evidence import Evidence, MissingError, Rows
+
+QUANTITIES = {"p2p": "p2p_difference", "amplitude": "amplitude_difference", "frequency": "frequency_difference"}
+_NEEDS = ("p2p_rad", "frequency_hz")
+
+
+@check
+def difference(
+    evidence: Evidence,
+    result: str,
+    against: str,
+    quantity: str = "p2p",
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """A statistic of (result - sweep) / sweep over the cells, %.
+
+    ``quantity``: `p2p`, `frequency`, or `amplitude` (half of peak to peak, against the sweep's peak to peak: unlike
+    with unlike). ``file`` and ``where`` pick a method or a law. Cells that rest on either side do not count; of several
+    cycles in a cell the one nearest to the sweep does.
+    """
+    return one_number(
+        (100.0 * value for value in _differences(evidence, result, against, quantity, where, file)), statistic
+    )
+
+
+@check
+def ratio(
+    evidence: Evidence,
+    result: str,
+    against: str,
+    quantity: str = "p2p",
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """A statistic of result / sweep over the cells that cycle on both sides; arguments as in `difference`."""
+    return one_number(
+        (1.0 + value for value in _differences(evidence, result, against, quantity, where, file)), statistic
+    )
+
+
+@check
+def agreement(
+    evidence: Evidence,
+    result: str,
+    against: str,
+    least: float,
+    largest: float,
+    quantity: str = "p2p",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Share of the cells, %, where the difference to the sweep is between ``least`` and ``largest`` (%)."""
+    found = _differences(evidence, result, against, quantity, where, file)
+    return percent(least <= 100.0 * value <= largest for value in found)
+
+
+@check
+def accuracy_ratio(
+    evidence: Evidence, result: str, against: str, where: Where | None = None, file: str = "cells"
+) -> float | None:
+    """Mean size of the differences in frequency over that of those in peak to peak; below 1: pitch is nearer."""
+    pitch, size = (
+        one_number(_differences(evidence, result, against, quantity, where, file), "mean_size")
+        for quantity in ("frequency", "p2p")
+    )
+    return None if pitch is None or not size else pitch / size
+
+
+@check
+def of_two_cells(
+    evidence: Evidence, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
+) -> float | None:
+    """A column in one cell over the same in another, of the same or another sweep; means where several fit."""
+    first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")
+    second = one_number((row[column] for row in rows_of(evidence, to, "cells", to_where, needs=[column])), "mean")
+    return None if first is None or not second else first / second
+
+
+def _differences(
+    evidence: Evidence, result: str, against: str, quantity: str, where: Where | None, file: str
+) -> list[float]:
+    """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
+    from hknob_cli.stages.compare import nearest
+
+    if quantity not in QUANTITIES:
+        raise UsageError(f"quantity: must be one of {', '.join(QUANTITIES)}, got '{quantity}'")
+    axes = evidence[result].axes
+    rows = rows_of(evidence, result, file, where, needs=[*axes, *_NEEDS])
+    column = QUANTITIES[quantity]
+    return [row[column] for row in nearest(_beside(evidence, rows, result, against), axes) if row[column] is not None]
+
+
+def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:
+    """The rows with the sweep's values and the differences; what rests has none."""
+    from hknob_cli.stages.compare import Against
+
+    values: dict[str, Any] = {axis: sorted({row[axis] for row in rows}) for axis in evidence[result].axes}
+    sweep = Against(str(evidence[against].folder), values)
+    own = Against(str(evidence[result].folder), values) if evidence[result].stage == "sweep" else None
+    joined = []
+    for row in rows:
+        p2p, frequency = (row[name] or None for name in _NEEDS)
+        if own:
+            cycling = own.columns(row, p2p_rad=None, frequency_hz=None)
+            p2p, frequency = (cycling[f"sweep_{name}"] for name in _NEEDS)
+        joined.append({**row, **sweep.columns(row, p2p_rad=p2p, frequency_hz=frequency)})
+    if all(row["sweep_p2p_rad"] is None for row in joined):
+        raise MissingError(f"'{against}' cycles in no cell of '{result}'")
+    return joined
