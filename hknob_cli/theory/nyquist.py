@@ -1,7 +1,7 @@
 """The Nyquist picture of a relay with the hold's delay: the plant's curve, and where each sample rate meets it.
 
-The describing function of a relay, 4M/(pi A), has a real negative inverse; the half sample of delay of a zero-order hold
-turns it counter-clockwise by omega T/2 (Hasser, sec. 7.2, Figs 45, 46).
+The describing function of a relay, 4M/(pi A), has a real negative inverse; the half sample of delay of a zero-order
+hold turns it counter-clockwise by omega T/2 (Hasser, sec. 7.2, Figs 45, 46).
 """
 
 from math import pi
@@ -50,5 +50,4 @@ def plant_curve(knob: SampledKnob, omega: NDArray[np.float64]) -> NDArray[np.com
     inertia = knob.inertia_kg_m2
     damping = knob.loop.alpha * inertia / knob.period_s
     stiffness = knob.loop.beta * inertia / knob.period_s**2
-    value: NDArray[np.complex128] = 1.0 / (stiffness - inertia * omega**2 + 1j * damping * omega)
-    return value
+    return np.asarray(1.0 / (stiffness - inertia * omega**2 + 1j * damping * omega), dtype=np.complex128)

@@ -15,16 +15,16 @@ _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts"}
 
 
 @drawing
-def cases(evidence: Evidence, of: list[str], *, names: list[str] | None = None) -> "Figure":
+def cases(evidence: Evidence, of: str | list[str], *, names: list[str] | None = None) -> "Figure":
     """Orbits of every cell of the results, a row a cell: peak to peak (mrad), and frequency (Hz); dots by basin share.
 
     The mean over the trials is written beside its bar. Raises `MissingError` where none has a limit cycle.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    of = [of] if isinstance(of, str) else of
+    results = [of] if isinstance(of, str) else of
     rows: list[tuple[str, Row, Rows]] = []
-    for result, name in zip((evidence[one] for one in of), names or of, strict=True):
+    for result, name in zip((evidence[one] for one in results), names or results, strict=True):
         orbits = result.rows("orbits")
         axes = axes_of(result, orbits)
         for cell in result.rows("cells"):
@@ -32,7 +32,7 @@ def cases(evidence: Evidence, of: list[str], *, names: list[str] | None = None) 
             place = ", ".join(_SHORT.get(axis, axis + " {}").format(short(cell[axis], 6)) for axis in axes)
             rows.append((f"{name}\n{place}", cell, own))
     if not any(cell["p2p_rad"] for _, cell, _ in rows):
-        raise MissingError(f"{', '.join(of)}: no limit cycle")
+        raise MissingError(f"{', '.join(results)}: no limit cycle")
     figure = ink.figure(0.5 * len(rows) + 0.9)
     panels = figure.subplots(1, 2, sharey=True)
     for axes_, column, scale, label in (
@@ -42,8 +42,9 @@ def cases(evidence: Evidence, of: list[str], *, names: list[str] | None = None) 
         for y, (_, cell, orbits) in enumerate(reversed(rows)):
             for row in orbits:
                 if row[column]:
-                    axes_.plot([scale * row[column]], [y], marker="o", markersize=3.0 + 6.0 * row["basin_fraction"] ** 0.5,
-                               color=ink.COLOURS[0], markeredgewidth=0)  # fmt: skip
+                    size = 3.0 + 6.0 * row["basin_fraction"] ** 0.5
+                    dot = {"color": ink.COLOURS[0], "markeredgewidth": 0, "markersize": size}
+                    axes_.plot([scale * row[column]], [y], marker="o", **dot)
             mean = scale * (cell[column] or 0.0)
             if mean > 0:
                 axes_.plot([mean], [y], marker="|", markersize=18, color="black", linestyle="none")

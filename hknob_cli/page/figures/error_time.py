@@ -1,7 +1,7 @@
 """Error against run time of a bench: small panels, one a scene, on one scale.
 
-Methods are told apart by marker, families by colour and line style. A hollow marker is a method as it comes, a thin line
-with small markers another treatment of friction. Runs without an error on the scale stand at the top.
+Methods are told apart by marker, families by colour and line style. A hollow marker is a method as it comes, a thin
+line with small markers another treatment of friction. Runs without an error on the scale stand at the top.
 """
 
 from math import ceil
@@ -93,7 +93,7 @@ def _key(figure: "Figure", rows: Rows) -> None:
 
     there = {row["method"] for row in rows}
     handles = [
-        Line2D([], [], linestyle=style.line, linewidth=1.0, marker=style.marker, color=style.colour, label=style.label,
+        Line2D([], [], ls=style.line, linewidth=1.0, marker=style.marker, color=style.colour, label=style.label,
                markersize=8 if style.marker == "*" else 5)
         for method, style in STYLES.items() if method in there
     ]  # fmt: skip

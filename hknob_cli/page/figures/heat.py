@@ -112,12 +112,14 @@ def draw_key(
     key = figure.colorbar(ScalarMappable(norm, colours), ax=axes, location=place, pad=0.02, **options)
     key.set_label(label, fontsize=8.5)
     if type(norm).__name__ == "LogNorm":
-        key.set_ticks(*log_ticks(norm.vmin or 1.0, norm.vmax or 1.0, most=most))
+        ticks, texts = log_ticks(norm.vmin or 1.0, norm.vmax or 1.0, most=most)
+        key.set_ticks(ticks, labels=texts)
         key.ax.minorticks_off()
     key.ax.tick_params(labelsize=8)
     key.ax.grid(visible=False)
-    key.solids.set(edgecolor="face", linewidth=0.4)
-    key.outline.set_visible(False)  # type: ignore[operator]
+    if key.solids is not None:
+        key.solids.set(edgecolor="face", linewidth=0.4)
+    key.outline.set_visible(False)
 
 
 def height_of(grid: Grid, *, extra: float = 0.75) -> float:

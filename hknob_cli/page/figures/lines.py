@@ -1,4 +1,4 @@
-"""Lines of a column over one axis, one line a value of the other, or their mean (Hasser, Figs 29, 30, 33-35, 39, 40, 66)."""
+"""Lines of a column over one axis, one a value of the other, or their mean (Hasser, Figs 30, 34, 39, 40, 66)."""
 
 from math import sqrt
 from typing import TYPE_CHECKING
@@ -39,8 +39,9 @@ def grid_lines(
     """A column over the axis ``over``, one line for each value of the axis ``lines``.
 
     ``log``: the axes that are logarithmic, of "x" and "y". ``mean_over``: the mean of the lines, with its values, and
-    the cells faint behind. ``values`` writes the values beside their points, where there is room. ``error``: column of a standard deviation, over the root of the column ``trials`` if given.
-    A value not above 0 on a logarithmic axis is hollow, at its size. For rows see `grid`. Raises `MissingError`.
+    the cells faint behind. ``values`` writes the values beside their points, where there is room. ``error``: column of
+    a standard deviation, over the root of the column ``trials`` if given. A value not above 0 on a logarithmic axis is
+    hollow, at its size. For rows see `grid`. Raises `MissingError`.
     """
     result = evidence[of]
     needed = tuple(filter(None, (column, error, trials)))
@@ -54,7 +55,7 @@ def grid_lines(
     _scales(axes, cells, log)
     series = [_points(cells, line, table[i]) for i, line in enumerate(cells.cells)]
     if mean_over:
-        _mean(axes, cells, series, log="y" in log)
+        _mean(axes, series, log="y" in log)
     else:
         for i, (points, text) in enumerate(zip(series, tick_labels(cells.downs), strict=True)):
             _line(axes, points, i, text, log="y" in log, error=error, trials=trials, factor=factor)
@@ -134,7 +135,7 @@ def _write(axes: "Axes", series: list[Points], *, room: float) -> None:
                 axes.annotate(number(y), (x, y), textcoords="offset points", xytext=(4, 3), fontsize=8)
 
 
-def _mean(axes: "Axes", cells: Grid, series: list[Points], *, log: bool) -> None:
+def _mean(axes: "Axes", series: list[Points], *, log: bool) -> None:
     """The mean of the lines, thick, each value written; the single cells faint."""
     xs, ys = [], []
     for x in dict.fromkeys(x for points in series for x, _, _ in points):
@@ -151,6 +152,6 @@ def _mean(axes: "Axes", cells: Grid, series: list[Points], *, log: bool) -> None
     axes.plot(xs, ys, marker="o", markersize=5, label="mean", color=ink.COLOURS[0])
     for x, y in zip(xs, ys, strict=True):
         axes.annotate(number(y), (x, 1.0), xycoords=("data", "axes fraction"), textcoords="offset points",
-                      xytext=(0, 6), ha="center", fontsize=8)  # fmt: skip
-    axes.annotate("mean", (0.0, 1.0), xycoords="axes fraction", textcoords="offset points", xytext=(-6, 6), ha="right",
+                      xytext=(0, 8), ha="center", fontsize=8)  # fmt: skip
+    axes.annotate("mean", (0.0, 1.0), xycoords="axes fraction", textcoords="offset points", xytext=(-6, 8), ha="right",
                   fontsize=8)  # fmt: skip

@@ -20,10 +20,11 @@ _REACH = 1.35  # of a ray, beyond its crossing
 
 @drawing
 def nyquist(evidence: Evidence, of: str, *, rates: list[float] | None = None, zoom: bool | None = None) -> "Figure":
-    """The plant's curve in rad/(N m), a ray a sample rate (Hz, by default all of the result's), circles where they meet.
+    """The plant's curve in rad/(N m), a ray a sample rate (Hz, by default all the result has), circles where they meet.
 
-    The key gives each rate and the pitch where its ray meets the curve. Dashed: the inverse of the describing function without delay. ``zoom``: a second panel for the crossings near the
-    origin, by default with three rates or more. Raises `MissingError` where the scene has no sample clock.
+    The key gives each rate and the pitch where its ray meets the curve. Dashed: the inverse of the describing function
+    without delay. ``zoom``: a second panel for the crossings near the origin, by default with three rates or more.
+    Raises `MissingError` where the scene has no sample clock.
     """
     from hknob_cli.scene.sampled_knob import sample_knob
     from hknob_cli.theory.nyquist import crossing
@@ -40,6 +41,7 @@ def nyquist(evidence: Evidence, of: str, *, rates: list[float] | None = None, zo
         raise MissingError(f"'{of}' has no crossing below the Nyquist frequency")
     both = len(found) > 2 if zoom is None else zoom
     figure = ink.figure(4.6 if both else 3.9)
+    figure.set_layout_engine("constrained", h_pad=0.08)
     panels = figure.subplots(1, 2 if both else 1, squeeze=False)[0]
     _panel(panels[0], knobs[0], found, found)
     if both:
@@ -48,7 +50,6 @@ def nyquist(evidence: Evidence, of: str, *, rates: list[float] | None = None, zo
         panels[1].set_title("the same, near the origin")
     handles, texts = panels[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3, handlelength=3.4)
-    figure.get_layout_engine().set(h_pad=0.08)  # type: ignore[union-attr]
     return figure
 
 

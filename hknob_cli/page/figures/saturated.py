@@ -36,7 +36,7 @@ def saturated_map(
     cells = grid(evidence[of], across=across, down=down, at=at, where=where, columns=(column,))
     signs = [[value if value != value else (1.0 if value > limit else -1.0) for value in line]
              for line in cells.values(column)]  # fmt: skip
-    texts = []
+    texts: list[list[str]] = []
     for i, line in enumerate(cells.cells):
         texts.append([])
         for j, cell in enumerate(line):

@@ -1,4 +1,4 @@
-"""The notional optimisation: the worse of size and pitch, each from 0 to 1 over the grid (Hasser, sec. 10.7, Fig. 70)."""
+"""The notional optimisation: the worse of size and pitch, from 0 to 1 over the grid (Hasser, sec. 10.7, Fig. 70)."""
 
 from math import log
 from typing import TYPE_CHECKING

@@ -1,7 +1,7 @@
 """Which method is right where: a table of the verdicts of a bench, scene by method, a symbol for each setting."""
 
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
@@ -53,7 +53,7 @@ def stability_table(
     axes.grid(visible=False)
     labels = [STYLES[name].label if name in STYLES else name for name in across]
     names = [fill(label, 13) for label in labels] if words else [name.replace("_", " ") for name in across]
-    turned = {} if words else {"rotation": 50, "ha": "left", "rotation_mode": "anchor"}
+    turned: dict[str, Any] = {} if words else {"rotation": 50, "ha": "left", "rotation_mode": "anchor"}
     axes.set_xticks([j + 0.5 for j in range(len(across))], names, fontsize=8, **turned)
     axes.xaxis.tick_top()
     axes.set_yticks(
