@@ -32,8 +32,9 @@ class ReportWork(Work):
         return "report.html", *(f"figures/{name}.svg" for name in figures)
 
     def others(self, job: Job) -> tuple[str, ...]:
-        """Claims, where there is no ledger."""
-        return () if job.plan.claims else ("claims.parquet",)
+        """Claims, where there is no ledger; figures of an earlier page."""
+        figures = {f"figures/{path.name}" for path in (job.out / "figures").glob("*.svg")} - set(self.texts(job))
+        return *sorted(figures), *(() if job.plan.claims else ("claims.parquet",))
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """The ledger, and the printed tables that its claims read."""

@@ -105,7 +105,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
-            for stale in ours[len(paths) :]:
+            for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
         drawn = work.draw(job, tables, pictures) if job.plot else []
     return tables, [*paths, *drawn], current is None

@@ -1,5 +1,6 @@
 """From a report's plan and finished results to the page: figures drawn, sentences filled in, sources listed."""
 
+import contextlib
 import hashlib
 import json
 import re
@@ -16,6 +17,7 @@ from hknob_cli.results.evidence import Evidence, MissingError, Result
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 
+_NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]
 
 
@@ -47,12 +49,11 @@ def compose(
             progress(done := done + 1, total)
         paragraphs = tuple(part.strip() for part in chapter.text.split("\n\n") if part.strip())
         drawn.append(Chapter(_slug(chapter), chapter.title, paragraphs, tuple(figures)))
-    sentences = [text for item in plan.summary if (text := _filled(item, evidence))]
     shown = [figure.id for chapter in chapters for figure in chapter.figures]
     return Page(
         name=plan.name,
         title=plan.title,
-        sentences=tuple(sentences if plan.summary else sentences_of(evidence)),
+        sentences=tuple(_said(plan.summary, evidence) if plan.summary else sentences_of(evidence)),
         lead=plan.lead if plan.chapters else tuple(shown[:3]),
         claims=judgement.rows,
         claims_of=judgement.text,
@@ -67,32 +68,40 @@ def compose(
 def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     """A figure with its SVG; where a result is missing, with the reason instead."""
     of: Any = figure.of[0] if len(figure.of) == 1 else list(figure.of)
-    svg, missing = "", ""
+    svg, caption, missing = "", "", ""
     try:
+        caption = _filled(figure.caption, evidence)
         svg = ink.svg(draw(figure.draw, evidence, of, figure.options), name=figure.id, title=figure.alt, mark=mark)
     except MissingError as error:
         missing = str(error)
     except TypeError as error:
         raise UsageError(f"figure {figure.id}: {figure.draw}: {error}") from error
-    return Drawn(figure.id, figure.title, figure.caption, svg, figure.alt, figure.of, missing)
+    return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing)
 
 
 def _filled(sentence: Sentence, evidence: Evidence) -> str:
-    """A sentence with its numbers; empty where one of them is missing."""
+    """A text with its numbers. Raises `MissingError` where one of them is missing."""
     values = {}
-    for name, (check, arguments, form) in sentence.values.items():
+    for name, (check, arguments, scale, form) in sentence.values.items():
         if check not in known():
-            raise UsageError(f"summary: {name}: {nearest(check, sorted(known())).replace('key', 'check')}")
+            raise UsageError(f"{name}: {nearest(check, sorted(known())).replace('key', 'check')}")
         try:
             value = compute(check, evidence, arguments)
-        except MissingError:
-            return ""
         except TypeError as error:
-            raise UsageError(f"summary: {name}: {check}: {error}") from None
+            raise UsageError(f"{name}: {check}: {error}") from None
         if value is None:
-            return ""
-        values[name] = format(value, form).replace("-", "\N{MINUS SIGN}")
+            raise MissingError(f"{name} has no value")
+        values[name] = _NOTHING.sub(r"\1", format(scale * value, form)).replace("-", "\N{MINUS SIGN}")
     return sentence.text.format(**values) if values else sentence.text
+
+
+def _said(sentences: tuple[Sentence, ...], evidence: Evidence) -> list[str]:
+    """Sentences with their numbers; those that lack one are left out."""
+    said = []
+    for sentence in sentences:
+        with contextlib.suppress(MissingError):
+            said.append(_filled(sentence, evidence))
+    return said
 
 
 def _source(result: Result) -> Source:

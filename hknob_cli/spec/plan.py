@@ -208,6 +208,13 @@ class BenchPlan(NamedTuple):
     values: dict[str, Any]
 
 
+class Sentence(NamedTuple):
+    """Text, and for each ``{name}`` in it the check, its arguments, a factor and a format; without values as it is."""
+
+    text: str
+    values: dict[str, tuple[str, dict[str, Any], float, str]] = {}  # noqa: RUF012 - never written to
+
+
 class FigurePlan(NamedTuple):
     """A figure of a page: which drawing, ``of`` which results, with which options."""
 
@@ -216,7 +223,7 @@ class FigurePlan(NamedTuple):
     of: tuple[str, ...]
     options: dict[str, Any]
     title: str
-    caption: str
+    caption: Sentence
     alt: str
 
 
@@ -226,13 +233,6 @@ class ChapterPlan(NamedTuple):
     title: str
     text: str
     figures: tuple[FigurePlan, ...]
-
-
-class Sentence(NamedTuple):
-    """A sentence, and by name the check, arguments and format of the values in it."""
-
-    text: str
-    values: dict[str, tuple[str, dict[str, Any], str]]
 
 
 class ReportPlan(NamedTuple):

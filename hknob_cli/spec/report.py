@@ -1,6 +1,7 @@
 """The report's spec: which results go on the page, what is said of them, and in which figures."""
 
 from pathlib import Path
+from string import Formatter
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError, field_validator
@@ -9,7 +10,7 @@ from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
-from hknob_cli.spec.source import Source
+from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import Name
 
 Text = Annotated[str, Field(min_length=1)]
@@ -47,6 +48,7 @@ class ValueSpec(Part):
 
     check: Text
     arguments: Options
+    scale: Annotated[float, Field(allow_inf_nan=False, description="factor, as 1000 for mrad")] = 1.0
     format: Annotated[str, Field(pattern=r"^[+]?(\.[0-9])?[fge]?$", description="Python's, such as .1f")] = ".3g"
 
 
@@ -67,7 +69,8 @@ class FigureSpec(Part):
     ]
     options: Options
     title: Text
-    caption: Text
+    caption: Annotated[Text, Field(description="what to see; with values, {name} in it is replaced as in the summary")]
+    values: Annotated[dict[str, ValueSpec], Field(default_factory=dict)]
     alt: Annotated[str, Field(description="the figure in words, for those who do not see it; default: the title")] = ""
 
 
@@ -120,7 +123,9 @@ def validate_report(source: Source) -> ReportPlan:
         title=spec.title or spec.name,
         results=spec.results,
         claims=str(Path(source.name).parent / spec.claims) if spec.claims else None,
-        summary=tuple(_sentence(item) for item in spec.summary),
+        summary=tuple(
+            Sentence(item, {}) if isinstance(item, str) else _sentence(item.text, item.values) for item in spec.summary
+        ),
         lead=tuple(spec.lead),
         chapters=tuple(
             ChapterPlan(chapter.title, chapter.text, tuple(_figure(figure) for figure in chapter.figures))
@@ -147,32 +152,37 @@ def _anchors(source: Source, spec: ReportSpec) -> list[Fault]:
 
 
 def _names(source: Source, spec: ReportSpec) -> list[Fault]:
-    """Faults of the placeholders of sentences."""
-    from string import Formatter
-
-    faults = []
+    """Faults of the placeholders of sentences and captions."""
+    faults: list[Fault] = []
     for i, item in enumerate(spec.summary):
-        if isinstance(item, str):
-            continue
-        try:
-            used = {name for _, name, _, _ in Formatter().parse(item.text) if name is not None}
-        except ValueError as error:
-            faults.append(source.fault(("summary", i, "text"), f"must be text with {{names}}: {error}"))
-            continue
-        for name in sorted(used ^ set(item.values)):
-            what = "has no value" if name in used else "is not in the text"
-            faults.append(source.fault(("summary", i), f"'{name}' {what}"))
+        if isinstance(item, SentenceSpec):
+            faults += _placeholders(source, ("summary", i), item.text, item.values)
+    for i, chapter in enumerate(spec.chapters):
+        for j, figure in enumerate(chapter.figures):
+            if figure.values:
+                faults += _placeholders(source, ("chapters", i, "figures", j), figure.caption, figure.values)
     return faults
 
 
-def _sentence(item: str | SentenceSpec) -> Sentence:
-    if isinstance(item, str):
-        return Sentence(item, {})
+def _placeholders(source: Source, place: Path_, text: str, values: dict[str, ValueSpec]) -> list[Fault]:
+    """Faults of one text: names in it without a value, and values that it does not name."""
+    try:
+        used = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+    except ValueError as error:
+        return [source.fault(place, f"must be text with {{names}}: {error}")]
+    return [
+        source.fault(place, f"'{name}' {'has no value' if name in used else 'is not in the text'}")
+        for name in sorted(used ^ set(values))
+    ]
+
+
+def _sentence(text: str, values: dict[str, ValueSpec]) -> Sentence:
     return Sentence(
-        item.text, {name: (value.check, value.arguments, value.format) for name, value in item.values.items()}
+        text, {name: (value.check, value.arguments, value.scale, value.format) for name, value in values.items()}
     )
 
 
 def _figure(spec: FigureSpec) -> FigurePlan:
     of = (spec.of,) if isinstance(spec.of, str) else tuple(spec.of)
-    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, spec.caption, spec.alt or spec.title)
+    caption = _sentence(spec.caption, spec.values)
+    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, caption, spec.alt or spec.title)

@@ -161,7 +161,8 @@ class _Reader:
             self.fail(node, path, f"tag {tag!r} is not allowed here; numbers, text, true, false and null are")
             return None
         if tag.endswith(":str"):
-            return str(node.value)
+            # The round-trip parser marks where folded text (">") was broken with a bell.
+            return str(node.value).replace("\a", "") if node.style == ">" else str(node.value)
         try:
             value = self.loader.constructor.construct_object(node)
         except (YAMLError, ValueError, OverflowError) as error:
