@@ -1,6 +1,5 @@
 """The cells of a result over two of its axes, and how axes, columns and values are written in figures."""
 
-from textwrap import fill
 from typing import Any, NamedTuple
 
 from hknob_cli.report.matrix import labels, short
@@ -30,7 +29,7 @@ MOST = 40  # values of an axis that a map shows
 class Grid(NamedTuple):
     """Cells by row (``down``, upward in a figure) and column (``across``), None where there is none.
 
-    An axis that the result lacks is empty, with one value, None.
+    An axis that the result lacks is empty, with one value, None. ``names`` are the axes' names with their units.
     """
 
     across: str
@@ -38,6 +37,7 @@ class Grid(NamedTuple):
     acrosses: list[Any]
     downs: list[Any]
     cells: list[list[Row | None]]
+    names: tuple[str, str]
     fixed: str
 
     @property
@@ -111,8 +111,11 @@ def grid(
     acrosses, downs = (_thin(sorted({row[axis] for row in rows})) if axis else [None] for axis in (across, down))
     found = {(row.get(down), row.get(across)): row for row in rows}
     cells = [[found.get((d, a)) for a in acrosses] for d in downs]
-    fixed = ", ".join(f"{axis_name(axis)}: {short(rows[0][axis], 6)}" for axis in axes if axis not in (across, down))
-    return Grid(across, down, acrosses, downs, cells, fixed)
+    names = axis_label(result, across), axis_label(result, down)
+    fixed = ", ".join(
+        f"{axis_label(result, axis)}: {short(rows[0][axis], 6)}" for axis in axes if axis not in (across, down)
+    )
+    return Grid(across, down, acrosses, downs, cells, names, fixed)
 
 
 def axes_of(result: Result, rows: Rows) -> list[str]:
@@ -133,9 +136,10 @@ def column_label(
     return label or name, factor if scale is None else scale
 
 
-def axis_label(axis: str, room: int = 60) -> str:
-    """Name of a grid axis with its unit, in lines of ``room`` characters; empty for none."""
-    return fill(axis_name(axis), room) if axis else ""
+def axis_label(result: Result, axis: str) -> str:
+    """Name of a grid axis with its unit; empty for none."""
+    name = axis_name(axis) if axis else ""
+    return name if name != axis or not axis else _plain(result, axis)
 
 
 def tick_labels(values: list[Any]) -> list[str]:
@@ -202,4 +206,5 @@ def _plain(result: Result, column: str) -> str:
     schema = result.table(_TABLES[result.stage]).schema
     at = schema.get_field_index(column)
     unit = ((schema.field(at).metadata or {}) if at >= 0 else {}).get(b"unit", b"").decode()
-    return column.replace("_", " ") + (f", {unit}" if unit not in ("", "1") else "")
+    unit = unit.replace("*", "\u00b7").replace("^2", "\u00b2")
+    return column.replace("_", " ").replace(".", " ") + (f", {unit}" if unit not in ("", "1") else "")

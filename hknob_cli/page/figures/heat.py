@@ -5,10 +5,11 @@ background, and says in words why.
 """
 
 from math import isfinite
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
-from hknob_cli.page.figures.grid import Grid, axis_label, tick_labels
+from hknob_cli.page.figures.grid import Grid, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
 
 if TYPE_CHECKING:
@@ -78,8 +79,8 @@ def draw_map(
     axes.tick_params(length=0)
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
-    axes.set_xlabel(axis_label(grid.across))
-    axes.set_ylabel(axis_label(grid.down, room=5 * rows if rows <= 16 else 60) if left else "")
+    axes.set_xlabel(grid.names[0])
+    axes.set_ylabel(fill(grid.names[1], 5 * max(rows, 3) if rows <= 16 else 60) if left else "")
     if max(rows, columns) > 16:
         _sparse(axes, rows, columns)
         return

@@ -1,11 +1,12 @@
 """Lines of a column over one axis, one a value of the other, or their mean (Hasser, Figs 30, 34, 39, 40, 66)."""
 
 from math import sqrt
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.grid import Grid, Row, axis_label, column_label, grid, number, tick_labels
+from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError
@@ -59,7 +60,7 @@ def grid_lines(
     else:
         for i, (points, text) in enumerate(zip(series, tick_labels(cells.downs), strict=True)):
             _line(axes, points, i, text, log="y" in log, error=error, trials=trials, factor=factor)
-    axes.set_xlabel(axis_label(cells.across))
+    axes.set_xlabel(cells.names[0])
     axes.set_ylabel(name)
     axes.margins(x=0.07)
     if "y" in log:
@@ -72,7 +73,7 @@ def grid_lines(
     if "y" in log and any(y < 0 for points in series for _, y, _ in points):
         figure.supxlabel("hollow: the value is negative, its size is shown", fontsize=8)
     if cells.down and (len(cells.downs) > 1 or mean_over):
-        figure.legend(title=axis_label(cells.down, room=20) if not mean_over else None, loc="outside right upper",
+        figure.legend(title=fill(cells.names[1], 20) if not mean_over else None, loc="outside right upper",
                       handlelength=3.2)  # fmt: skip
     return figure
 
