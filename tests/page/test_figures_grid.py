@@ -52,6 +52,12 @@ RUNS: dict[str, tuple[str, ...]] = {
         "grid={sample_rate_hz: 1000, counts_per_rev: 1024, bias.torque: {lin: [2.0e-4, 1.4e-3, 5]}}",
         SMALL[1],
     ),
+    "fine": (
+        "sweep",
+        "hand_on_knob",
+        "grid={sample_rate_hz: {log: [100, 10000, 30]}, counts_per_rev: {log: [128, 8192, 20]}}",
+        "starts={angle: 0.02, phases: 1}",
+    ),
     "dfa": ("dfa", "dfa_hand_on_knob", AXES, "methods=[df1, tsypkin]"),
     "predict": ("predict", "predict_hand_on_knob", AXES),
     "bench": (
@@ -77,6 +83,8 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
     ("grid_map", "row", {"mesh": True}, ("2000",)),
     ("grid_map", "one", {}, ("1000", "1024")),
     ("grid_map", "three", {"at": {"hand.stiffness": 0.08}}, ("hand stiffness, N·m/rad: 0.08", "512")),
+    ("grid_map", "fine", {"mesh": True}, ("15 of 30 and 20 of 20 values", "empty: no limit cycle")),
+    ("hardware_grid", ["fine", "fine"], {}, ("factor: mean 1.0",)),
     ("grid_map", "growth", {"column": "growth_j_per_s2"}, ("growth of energy, mJ/s²", "\u2212")),
     ("grid_map", "dfa", {"where": {"method": "tsypkin"}}, ("peak to peak, mrad",)),
     ("grid_map", "predict", {"where": {"law": "quantum_period"}}, ("in brackets",)),

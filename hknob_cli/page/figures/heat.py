@@ -9,7 +9,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
-from hknob_cli.page.figures.grid import Grid, tick_labels
+from hknob_cli.page.figures.grid import MOST_WRITTEN, Grid, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
 
 if TYPE_CHECKING:
@@ -80,8 +80,8 @@ def draw_map(
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
     axes.set_xlabel(grid.names[0])
-    axes.set_ylabel(fill(grid.names[1], 5 * max(rows, 3) if rows <= 16 else 60) if left else "")
-    if max(rows, columns) > 16:
+    axes.set_ylabel(fill(grid.names[1], 5 * max(rows, 3) if rows <= MOST_WRITTEN else 60) if left else "")
+    if max(rows, columns) > MOST_WRITTEN:
         _sparse(axes, rows, columns)
         return
     for i, j in np.ndindex(rows, columns):
@@ -125,8 +125,8 @@ def draw_key(
 
 def height_of(grid: Grid, *, extra: float = 0.75) -> float:
     """Height of a figure of a map, in inches, with ``extra`` for what is around its cells."""
-    rows = len(grid.downs)
-    return max(1.3, (CELL if rows <= 16 else 0.16) * rows + extra)
+    rows = max(3, len(grid.downs))  # the axis needs room for its name
+    return max(1.3, (CELL if rows <= MOST_WRITTEN else 0.16) * rows + extra)
 
 
 def _sparse(axes: "Axes", rows: int, columns: int) -> None:

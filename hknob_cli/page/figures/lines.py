@@ -8,13 +8,14 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
-from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_MOST_MEANS = 10  # whose values are written above
+_WIDE = 8.0  # span of an axis from which a logarithmic scale is of use
 Points = list[tuple[float, float, Row]]
 
 
@@ -81,7 +82,7 @@ def grid_lines(
 def _scales(axes: "Axes", cells: Grid, log: str) -> None:
     """Scales, and ticks at the values of the axis where they are few."""
     xs = [value for value in cells.acrosses if value is not None]
-    if "x" in log and xs and min(xs) > 0 and is_geometric(xs):
+    if "x" in log and xs and min(xs) > 0 and max(xs) >= _WIDE * min(xs):
         axes.set_xscale("log")
     if 0 < len(xs) <= 10:
         axes.set_xticks(xs, tick_labels(xs))
@@ -151,6 +152,8 @@ def _mean(axes: "Axes", series: list[Points], *, log: bool) -> None:
         axes.plot(*zip(*shown, strict=True) if shown else ([], []), linestyle="none", marker="_", markersize=9,
                   color=ink.COLOURS[-1], label="single cells" if i == 0 else None)  # fmt: skip
     axes.plot(xs, ys, marker="o", markersize=5, label="mean", color=ink.COLOURS[0])
+    if len(xs) > _MOST_MEANS:
+        return
     for x, y in zip(xs, ys, strict=True):
         axes.annotate(number(y), (x, 1.0), xycoords=("data", "axes fraction"), textcoords="offset points",
                       xytext=(0, 8), ha="center", fontsize=8)  # fmt: skip
