@@ -1,6 +1,5 @@
 """The cells of a result over two of its axes, and how axes, columns and values are written in figures."""
 
-from textwrap import fill
 from typing import Any, NamedTuple
 
 from hknob_cli.report.matrix import labels, short
@@ -24,13 +23,14 @@ _NAMES: dict[str, tuple[str, float]] = {
 }
 _ORBIT_MEASURES = ("p2p_rad", "p2p_counts", "frequency_hz", "rms_rad")
 _ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
-MOST = 40  # values of an axis that a map shows
+MOST_WRITTEN = 16  # values of an axis up to which a map has its values written in
+MOST = 24  # values of an axis that a map shows
 
 
 class Grid(NamedTuple):
     """Cells by row (``down``, upward in a figure) and column (``across``), None where there is none.
 
-    An axis that the result lacks is empty, with one value, None.
+    An axis that the result lacks is empty, with one value, None. ``names`` are the axes' names with their units.
     """
 
     across: str
@@ -38,6 +38,7 @@ class Grid(NamedTuple):
     acrosses: list[Any]
     downs: list[Any]
     cells: list[list[Row | None]]
+    names: tuple[str, str]
     fixed: str
 
     @property
@@ -108,11 +109,16 @@ def grid(
     further = [axis for axis in varying if axis not in (across, down)]
     if further:
         raise MissingError(f"'{result.name}' varies over {', '.join(further)}, too: give its value in 'at'")
-    acrosses, downs = (_thin(sorted({row[axis] for row in rows})) if axis else [None] for axis in (across, down))
+    whole = [sorted({row[axis] for row in rows}) if axis else [None] for axis in (across, down)]
+    acrosses, downs = map(_thin, whole)
     found = {(row.get(down), row.get(across)): row for row in rows}
     cells = [[found.get((d, a)) for a in acrosses] for d in downs]
-    fixed = ", ".join(f"{axis_name(axis)}: {short(rows[0][axis], 6)}" for axis in axes if axis not in (across, down))
-    return Grid(across, down, acrosses, downs, cells, fixed)
+    names = axis_label(result, across), axis_label(result, down)
+    said = [f"{axis_label(result, axis)}: {short(rows[0][axis], 6)}" for axis in axes if axis not in (across, down)]
+    if len(acrosses) < len(whole[0]) or len(downs) < len(whole[1]):
+        said.append(f"{len(acrosses)} of {len(whole[0])} and {len(downs)} of {len(whole[1])} values of the axes shown")
+    fixed = ", ".join(said)
+    return Grid(across, down, acrosses, downs, cells, names, fixed)
 
 
 def axes_of(result: Result, rows: Rows) -> list[str]:
@@ -133,14 +139,16 @@ def column_label(
     return label or name, factor if scale is None else scale
 
 
-def axis_label(axis: str, room: int = 60) -> str:
-    """Name of a grid axis with its unit, in lines of ``room`` characters; empty for none."""
-    return fill(axis_name(axis), room) if axis else ""
+def axis_label(result: Result, axis: str) -> str:
+    """Name of a grid axis with its unit; empty for none."""
+    name = axis_name(axis) if axis else ""
+    return name if name != axis or not axis else _plain(result, axis)
 
 
 def tick_labels(values: list[Any]) -> list[str]:
     """Values of an axis in a few digits; empty for none."""
-    return [""] if values == [None] else labels([float(value) for value in values])
+    texts = [""] if values == [None] else labels([float(value) for value in values])
+    return [text.replace("e-0", "e\u2212").replace("e-", "e\u2212").replace("-", "\u2212") for text in texts]
 
 
 def number(value: float, digits: int = 3, *, sign: bool = False, short: bool = False) -> str:
@@ -182,6 +190,8 @@ def notes(grids: list[Grid], column: str) -> str:
     words = {word for cell in cells for word in ends(cell)} if column in _ORBIT_MEASURES else set()
     meaning = {"rest": "rest: trials that come to rest", "div": "div: that diverge", "?": "?: undecided"}
     said = [text for word, text in meaning.items() if word in words]
+    if words and any(max(len(one.acrosses), len(one.downs)) > MOST_WRITTEN for one in grids):
+        said = ["empty: no limit cycle"]
     if any(cell.get("in_domain") is False for cell in cells):
         said.append("in brackets: outside the domain of the method")
     return ";  ".join(said)
@@ -202,4 +212,5 @@ def _plain(result: Result, column: str) -> str:
     schema = result.table(_TABLES[result.stage]).schema
     at = schema.get_field_index(column)
     unit = ((schema.field(at).metadata or {}) if at >= 0 else {}).get(b"unit", b"").decode()
-    return column.replace("_", " ") + (f", {unit}" if unit not in ("", "1") else "")
+    unit = unit.replace("*", "\u00b7").replace("^2", "\u00b2")
+    return column.replace("_", " ").replace(".", " ") + (f", {unit}" if unit not in ("", "1") else "")

@@ -5,10 +5,11 @@ background, and says in words why.
 """
 
 from math import isfinite
+from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
-from hknob_cli.page.figures.grid import Grid, axis_label, tick_labels
+from hknob_cli.page.figures.grid import MOST_WRITTEN, Grid, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
 
 if TYPE_CHECKING:
@@ -68,19 +69,16 @@ def draw_map(
     if getattr(norm, "vmin", None) is not None and type(norm).__name__ == "LogNorm":
         shown = np.where(shown > 0, shown, np.nan)
     rows, columns = shown.shape
-    axes.pcolormesh(
-        np.arange(columns + 1), np.arange(rows + 1), np.ma.masked_invalid(shown), cmap=colours, norm=norm,
-        shading="flat", edgecolors="none", antialiased=False,
-    )  # fmt: skip
+    _fill(axes, shown, norm, colours)
     axes.grid(visible=False)
     axes.set_xticks(np.arange(columns) + 0.5, tick_labels(grid.acrosses), fontsize=8)
     axes.set_yticks(np.arange(rows) + 0.5, tick_labels(grid.downs) if left else [""] * rows, fontsize=8)
     axes.tick_params(length=0)
     for side in ("left", "bottom"):
         axes.spines[side].set_visible(False)
-    axes.set_xlabel(axis_label(grid.across))
-    axes.set_ylabel(axis_label(grid.down, room=5 * rows if rows <= 16 else 60) if left else "")
-    if max(rows, columns) > 16:
+    axes.set_xlabel(grid.names[0])
+    axes.set_ylabel(fill(grid.names[1], 5 * max(rows, 3) if rows <= MOST_WRITTEN else 60) if left else "")
+    if max(rows, columns) > MOST_WRITTEN:
         _sparse(axes, rows, columns)
         return
     for i, j in np.ndindex(rows, columns):
@@ -124,8 +122,35 @@ def draw_key(
 
 def height_of(grid: Grid, *, extra: float = 0.75) -> float:
     """Height of a figure of a map, in inches, with ``extra`` for what is around its cells."""
-    rows = len(grid.downs)
-    return max(1.3, (CELL if rows <= 16 else 0.16) * rows + extra)
+    rows = max(3, len(grid.downs))  # the axis needs room for its name
+    return max(1.3, (CELL if rows <= MOST_WRITTEN else 0.16) * rows + extra)
+
+
+def _fill(axes: "Axes", shown: Any, norm: "Normalize", colours: "Colormap") -> None:
+    """Fill the cells that have a value: one path a colour, runs of a row merged, which keeps the SVG small."""
+    from itertools import groupby
+
+    from matplotlib.colors import to_hex
+    from matplotlib.patches import PathPatch
+    from matplotlib.path import Path
+
+    rows, columns = shown.shape
+    outlines: dict[str, list[tuple[float, float]]] = {}
+    for i in range(rows):
+        inks = [to_hex(colours(norm(float(value)))) if isfinite(value) else "" for value in shown[i]]
+        for colour, run in groupby(range(columns), key=inks.__getitem__):
+            if colour:
+                first, *_ = span = list(run)
+                left, right = first, span[-1] + 1
+                outlines.setdefault(colour, []).extend(
+                    [(left, i), (right, i), (right, i + 1), (left, i + 1), (left, i)]
+                )
+    codes = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    for colour, corners in outlines.items():
+        path = Path(corners, codes * (len(corners) // len(codes)))
+        axes.add_patch(PathPatch(path, facecolor=colour, edgecolor="none", antialiased=False))
+    axes.set_xlim(0, columns)
+    axes.set_ylim(0, rows)
 
 
 def _sparse(axes: "Axes", rows: int, columns: int) -> None:

@@ -1,10 +1,11 @@
 """A closed law beside the simulation: lines and points over one axis (Hasser, sec. 9.3, Figs 62-65)."""
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.grid import Grid, Row, axis_label, column_label, grid, tick_labels
+from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError
@@ -38,7 +39,7 @@ def law_lines(
     cells = grid(result, across=over, down=lines, at=at, where={"law": law}, columns=(column,))
     there: Grid | None = cells
     if len(names) > 1:
-        there = grid(evidence[names[1]], across=cells.across, down=cells.down, at=at, columns=(column,))
+        there = grid(evidence[names[1]], across=cells.across or None, down=cells.down or None, at=at, columns=(column,))
     elif cells.rows and beside not in cells.rows[0]:
         there = None
     name, factor = column_label(result, column)
@@ -70,10 +71,10 @@ def law_lines(
     axes.set_yscale("log")
     axes.set_yticks(*log_ticks(*axes.get_ylim()))
     axes.set_yticks([], minor=True)
-    axes.set_xlabel(axis_label(cells.across))
+    axes.set_xlabel(cells.names[0])
     axes.set_ylabel(name)
     what = [f"lines: {_LAWS.get(law, law.replace('_', ' '))}, thin outside its domain"]
     figure.supxlabel(";  ".join(what + (["points: simulated"] if there is not None else [])), fontsize=8)
     if cells.down:
-        figure.legend(title=axis_label(cells.down, room=20), loc="outside right upper", handlelength=3.4)
+        figure.legend(title=fill(cells.names[1], 20), loc="outside right upper", handlelength=3.4)
     return figure

@@ -1,19 +1,21 @@
 """Lines of a column over one axis, one a value of the other, or their mean (Hasser, Figs 30, 34, 39, 40, 66)."""
 
 from math import sqrt
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.grid import Grid, Row, axis_label, column_label, grid, number, tick_labels
+from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
 from hknob_cli.page.figures.ticks import log_ticks
-from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_MOST_MEANS = 10  # whose values are written above
+_WIDE = 8.0  # span of an axis from which a logarithmic scale is of use
 Points = list[tuple[float, float, Row]]
 
 
@@ -59,7 +61,7 @@ def grid_lines(
     else:
         for i, (points, text) in enumerate(zip(series, tick_labels(cells.downs), strict=True)):
             _line(axes, points, i, text, log="y" in log, error=error, trials=trials, factor=factor)
-    axes.set_xlabel(axis_label(cells.across))
+    axes.set_xlabel(cells.names[0])
     axes.set_ylabel(name)
     axes.margins(x=0.07)
     if "y" in log:
@@ -72,7 +74,7 @@ def grid_lines(
     if "y" in log and any(y < 0 for points in series for _, y, _ in points):
         figure.supxlabel("hollow: the value is negative, its size is shown", fontsize=8)
     if cells.down and (len(cells.downs) > 1 or mean_over):
-        figure.legend(title=axis_label(cells.down, room=20) if not mean_over else None, loc="outside right upper",
+        figure.legend(title=fill(cells.names[1], 20) if not mean_over else None, loc="outside right upper",
                       handlelength=3.2)  # fmt: skip
     return figure
 
@@ -80,7 +82,7 @@ def grid_lines(
 def _scales(axes: "Axes", cells: Grid, log: str) -> None:
     """Scales, and ticks at the values of the axis where they are few."""
     xs = [value for value in cells.acrosses if value is not None]
-    if "x" in log and xs and min(xs) > 0 and is_geometric(xs):
+    if "x" in log and xs and min(xs) > 0 and max(xs) >= _WIDE * min(xs):
         axes.set_xscale("log")
     if 0 < len(xs) <= 10:
         axes.set_xticks(xs, tick_labels(xs))
@@ -150,6 +152,8 @@ def _mean(axes: "Axes", series: list[Points], *, log: bool) -> None:
         axes.plot(*zip(*shown, strict=True) if shown else ([], []), linestyle="none", marker="_", markersize=9,
                   color=ink.COLOURS[-1], label="single cells" if i == 0 else None)  # fmt: skip
     axes.plot(xs, ys, marker="o", markersize=5, label="mean", color=ink.COLOURS[0])
+    if len(xs) > _MOST_MEANS:
+        return
     for x, y in zip(xs, ys, strict=True):
         axes.annotate(number(y), (x, 1.0), xycoords=("data", "axes fraction"), textcoords="offset points",
                       xytext=(0, 8), ha="center", fontsize=8)  # fmt: skip

@@ -38,6 +38,7 @@ def grid_map(
     cells = grid(result, across=across, down=down, at=at, where=where, columns=(column,))
     name, factor = column_label(result, column, scale, label)
     values = cells.values(column, factor)
+    mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
     norm = norm_of([value for line in values for value in line], log=log)
     note = _note([cells], column)
     figure = ink.figure(height_of(cells, extra=(1.35 if mesh else 0.75) + (0.25 if note else 0.0)))

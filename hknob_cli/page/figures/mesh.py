@@ -11,28 +11,30 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.gridspec import SubplotSpec
 
+_MOST = 16  # values of an axis; more are thinned
 _SHORT = {"sample_rate_hz": "rate, Hz", "counts_per_rev": "counts"}
 
 
 def draw_mesh(
     figure: "Figure", place: "SubplotSpec", grid: Grid, values: list[list[float]], *, norm: "Normalize", log: bool
 ) -> None:
-    """Draw values over evenly spaced axes, on a log scale of height if ``log``; a hole where there is no value."""
+    """Draw values over evenly spaced axes, on a log scale of height if ``log``; a hole where there is no value.
+
+    Both axes need two values or more.
+    """
     import numpy as np
 
     axes: Any = figure.add_subplot(place, projection="3d", computed_zorder=False)
     shown = np.array(values, dtype=float)
     height = np.log10(np.where(shown > 0, shown, np.nan)) if log else shown
-    rows, columns = height.shape
-    x, y = np.meshgrid(np.arange(columns), np.arange(rows))
-    if min(rows, columns) > 1:
-        middle = np.mean([height[:-1, :-1], height[1:, :-1], height[:-1, 1:], height[1:, 1:]], axis=0)
-        colours = ramp()(norm(10.0**middle if log else middle))
-        axes.plot_surface(
-            x, y, height, facecolors=colours, rstride=1, cstride=1, shade=False, edgecolor="#808080", linewidth=0.5
-        )
-    else:
-        axes.plot(x.ravel(), y.ravel(), height.ravel(), color="black", marker="o", markersize=3)
+    down, across = (1 + (size - 1) // _MOST for size in height.shape)
+    height = height[::down, ::across]
+    x, y = np.meshgrid(np.arange(shown.shape[1])[::across], np.arange(shown.shape[0])[::down])
+    middle = np.mean([height[:-1, :-1], height[1:, :-1], height[:-1, 1:], height[1:, 1:]], axis=0)
+    colours = ramp()(norm(10.0**middle if log else middle))
+    axes.plot_surface(
+        x, y, height, facecolors=colours, rstride=1, cstride=1, shade=False, edgecolor="#808080", linewidth=0.5
+    )
     _dress(axes, grid, height, log=log)
 
 

@@ -62,7 +62,7 @@ def nonlinearity(
 
     ``panels`` are among "relay", "wall" and "biased". Needs no result.
     """
-    figure = ink.figure(2.5)
+    figure = ink.figure(2.5, ink.WIDTH * len(panels) / 3.0 + 0.2 * (3 - len(panels)))
     shapes = {
         "relay": (-1.0, 1.0, "M", "a relay", "input"),
         "wall": (-1.0, 0.0, "K\u0394\u03b8", "the wall within one count", "angle \u03b8"),

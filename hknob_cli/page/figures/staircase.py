@@ -1,13 +1,14 @@
 """Every orbit over one axis, sized by its share of the trials: steps and coexistence that a mean would hide."""
 
-from typing import TYPE_CHECKING, Any
+from math import inf, pi
+from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError, Rows
-from hknob_cli.spec.plan import RATE
+from hknob_cli.spec.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -51,7 +52,8 @@ def staircase(
     further = [name for name in varying if name != over]
     if over not in names or further:
         raise MissingError(f"'{of}' varies over {', '.join(varying) or 'nothing'}: give 'over' and 'at'")
-    factor, label = _unit(result.scene.wall.stiffness, rows, over) if unit_of_step else (1.0, axis_label(over))
+    steps = _steps(result.scene.wall.stiffness, rows, over) if unit_of_step else None
+    factor, label = steps or (1.0, axis_label(result, over))
     figure = ink.figure(1.9 * len(panels) + 0.7)
     places = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, column in zip(places, panels, strict=True):
@@ -75,8 +77,6 @@ def _value(row: Row, column: str) -> float:
 
 
 def _dots(axes: "Axes", rows: Rows, over: str, column: str, factor: float) -> None:
-    from math import inf
-
     above = inf
     for least, size, text in _SIZES:
         chosen = [row for row in rows if least <= row["basin_fraction"] < above]
@@ -107,11 +107,9 @@ def _ratios(axes: "Axes", rows: Rows) -> None:
     twin.spines["right"].set_visible(True)
 
 
-def _unit(stiffness: float, rows: Rows, over: str) -> tuple[float, str]:
-    """Factor from a torque to steps of the wall's torque, and the axis label."""
-    from math import pi
-
-    if over != "bias.torque" or len({row.get("counts_per_rev") for row in rows}) != 1:
-        return 1.0, axis_label(over)
-    step: Any = stiffness * 2.0 * pi / rows[0]["counts_per_rev"]
+def _steps(stiffness: float, rows: Rows, over: str) -> tuple[float, str] | None:
+    """Factor from a torque to steps of the wall's torque, and the axis label; None for other axes."""
+    if over != "bias.torque" or len({row.get(COUNTS) for row in rows}) != 1:
+        return None
+    step = stiffness * 2.0 * pi / float(rows[0][COUNTS])
     return 1.0 / step, f"bias torque, in steps of the wall's torque (K\u0394\u03b8 = {1e3 * step:.4g} mN\u00b7m)"

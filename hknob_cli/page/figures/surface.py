@@ -50,6 +50,7 @@ def surface(
         found = [(value, j) for j, value in enumerate(line) if value == value]
         if found and len(line) > 1:
             best.add((i, min(found)[1]))
+    mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
     norm = Normalize(0.0, 1.0)
     figure = ink.figure(height_of(cells, extra=1.45 if mesh else 1.0))
     outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.6, 1.0] if mesh else [1.0])

@@ -6,15 +6,28 @@ _RAISED = str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u20
 
 
 def log_ticks(low: float, high: float, most: int = 6) -> tuple[list[float], list[str]]:
-    """At most about ``most`` ticks between two values above 0, and their texts: powers of ten, or 1, 2, 5 of each."""
+    """At most ``most`` ticks between two values above 0, and their texts.
+
+    They are powers of ten, or 1, 2, 5 of each, or, between nearly equal values, even steps.
+    """
     first, last = floor(log10(low)), ceil(log10(high))
     for steps in ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,)):
         ticks = [step * 10.0**power for power in range(first, last + 1) for step in steps]
         ticks = [tick for tick in ticks if 0.999 * low <= tick <= 1.001 * high]
         if len(ticks) <= most:
             break
+    if len(ticks) < 3:
+        ticks = _even(low, high)
     ticks = ticks[:: max(1, ceil(len(ticks) / most))] if len(ticks) > most else ticks
     return ticks, [plain(tick) for tick in ticks]
+
+
+def _even(low: float, high: float) -> list[float]:
+    """Multiples of a round step."""
+    rough = (high - low) / 4.0
+    power = 10.0 ** floor(log10(rough)) if rough > 0 else 1.0
+    step = next(factor * power for factor in (1.0, 2.0, 5.0, 10.0) if factor * power >= 0.999 * rough)
+    return [float(f"{i * step:.12g}") for i in range(ceil(low / step), floor(high / step) + 1)] or [low]
 
 
 def plain(value: float) -> str:
