@@ -4,7 +4,7 @@ from pathlib import Path
 from string import Formatter
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError, field_validator
+from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
@@ -89,7 +89,7 @@ class ReportSpec(Part):
     name: Annotated[Name, Field(description="names the results folder")]
     title: Annotated[Text | None, Field(description="title of the page; default: the name")] = None
     results: Annotated[
-        dict[str, str],
+        dict[str, str] | Annotated[list[str], Field(min_length=1)],
         Field(min_length=1, description="results folders by the name that figures and claims use; or a list of them"),
     ]
     claims: Annotated[str | None, Field(description="ledger of claims, relative to this file")] = None
@@ -100,13 +100,12 @@ class ReportSpec(Part):
     ]
     rerun: Annotated[list[Text], Field(default_factory=list, description="command lines that make the page again")]
 
-    @field_validator("results", mode="before")
-    @classmethod
-    def _by_name(cls, value: Any) -> Any:
-        """A list of folders is named by their last parts."""
-        if isinstance(value, list) and all(isinstance(folder, str) for folder in value):
-            return {Path(folder).name: folder for folder in value}
-        return value
+    @property
+    def folders(self) -> dict[str, str]:
+        """Folders by name; those of a list are named by their last parts."""
+        if isinstance(self.results, dict):
+            return self.results
+        return {Path(folder).name: folder for folder in self.results}
 
 
 def validate_report(source: Source) -> ReportPlan:
@@ -121,7 +120,7 @@ def validate_report(source: Source) -> ReportPlan:
     return ReportPlan(
         name=spec.name,
         title=spec.title or spec.name,
-        results=spec.results,
+        results=spec.folders,
         claims=str(Path(source.name).parent / spec.claims) if spec.claims else None,
         summary=tuple(
             Sentence(item, {}) if isinstance(item, str) else _sentence(item.text, item.values) for item in spec.summary

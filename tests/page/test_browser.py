@@ -1,6 +1,5 @@
 """The page in a real browser: it asks for nothing, works by mouse and keys, and bars nobody."""
 
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -8,24 +7,12 @@ from typing import Any
 import pytest
 
 from hknob_cli.page.layout import lay_out
+from tests.page.opened import PHONE, WIDE, Opened
 from tests.page.sample import page
 
-playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 Axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe
 
-WIDE, PHONE = {"width": 1280, "height": 900}, {"width": 360, "height": 740}
 SHOWN = "#claims tbody:not([hidden])"
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    found = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
-    if found is None:
-        pytest.skip("no Chromium on this machine")
-    with playwright.sync_playwright() as driver:
-        browser = driver.chromium.launch(executable_path=found, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="module")
@@ -33,26 +20,6 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
     path: Path = tmp_path_factory.mktemp("page") / "page.html"
     path.write_text(lay_out(page()), encoding="utf-8")
     return path.as_uri()
-
-
-class Opened:
-    """The page in a tab of its own, with what it asked for and complained of."""
-
-    def __init__(self, browser: Any, address: str, *, at: str = "", **options: Any) -> None:
-        self.context = browser.new_context(offline=True, **{"viewport": WIDE, **options})
-        self.tab = self.context.new_page()
-        self.asked: list[str] = []
-        self.said: list[str] = []
-        self.tab.on("request", lambda request: self.asked.append(request.url))
-        self.tab.on("console", lambda message: self.said.append(message.text))
-        self.tab.on("pageerror", lambda error: self.said.append(str(error)))
-        self.tab.goto(address + at)
-
-    def __enter__(self) -> "Opened":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.context.close()
 
 
 @pytest.fixture

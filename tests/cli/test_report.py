@@ -1,0 +1,146 @@
+"""``hknob report`` through the installed command: pages that list what is on them, pages that do not, and faults."""
+
+import json
+import re
+from pathlib import Path
+
+import pyarrow.parquet as pq
+import pytest
+
+from tests.conftest import SPEC
+
+GRID = SPEC.replace("[1000]", "[500, 1000]").replace("[1024]", "[512, 1024]")
+PLAIN = "kind: report\nname: page\nresults: [results/small]\n"
+VALUE = "{check: cell_statistic, with: {result: mine, column: p2p_rad, statistic: largest}, scale: 1000.0}"
+FULL = """\
+kind: report
+name: page
+title: A page
+results: {mine: results/small}
+claims: claims.yaml
+summary:
+  - Two cells and more.
+  - {text: "Peak to peak up to {most} mrad.", values: {most: VALUE}}
+lead: [fig-size]
+chapters:
+  - title: Size
+    text: |
+      First.
+
+      Second.
+    figures:
+      - {id: fig-size, draw: grid_map, of: mine, with: {column: p2p_rad}, title: Size, caption: "What to see."}
+      - {id: fig-gone, draw: grid_map, of: other, title: Gone, caption: "Nothing."}
+""".replace(
+    "VALUE", "{check: cell_statistic, with: {result: mine, column: p2p_rad, statistic: largest}, scale: 1000.0}"
+)
+CLAIMS = """\
+text: a text
+claims:
+  - id: large
+    place: section 1
+    says: it is large
+    check: cell_statistic
+    with: {result: mine, column: p2p_rad, statistic: largest}
+    holds: {at_least: 0.001}
+    because: a milliradian is large
+    figure: fig-size
+"""
+
+
+@pytest.fixture
+def swept(hknob, spec_file, tmp_path: Path) -> Path:
+    assert hknob("sweep", spec_file(GRID)).returncode == 0
+    (tmp_path / "claims.yaml").write_text(CLAIMS)
+    return tmp_path
+
+
+def test_a_list_of_results_is_enough(hknob, spec_file, swept: Path) -> None:
+    done = hknob("report", spec_file(PLAIN, "page.yaml"))
+    assert done.returncode == 0, done.stderr
+    assert "wrote results/page/report.html" in done.stdout
+    page = (swept / "results" / "page" / "report.html").read_text()
+    assert "small: 4 cells: peak to peak from" in page
+    assert page.count("<figure id=") == 2
+    assert {path.name for path in (swept / "results" / "page").iterdir()} == {"report.html", "figures", ".hknob.lock"}
+    assert "up to date" in hknob("report", spec_file(PLAIN, "page.yaml"), "--dry-run").stdout
+
+
+def test_chapters_sentences_and_claims(hknob, spec_file, swept: Path) -> None:
+    done = hknob("report", spec_file(FULL, "page.yaml"), "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary["verdicts"]["reproduced"] == 1
+    out = swept / "results" / "page"
+    page = (out / "report.html").read_text()
+    assert re.search(r"Peak to peak up to [\d.]+ mrad\.", page)
+    assert "<p>First.</p>" in page
+    assert "No picture here: no result &#39;other&#39;" in page
+    assert (out / "figures" / "fig-size.svg").read_text().startswith("<!-- hknob report page ")
+    assert "no result 'other'" in (out / "figures" / "fig-gone.svg").read_text()
+    assert pq.read_table(out / "claims.parquet").column("verdict").to_pylist() == ["reproduced"]
+
+
+def test_the_same_work_gives_the_same_bytes_and_changes_are_seen(hknob, spec_file, swept: Path) -> None:
+    spec = spec_file(FULL, "page.yaml")
+    out = swept / "results" / "page"
+    hknob("report", spec)
+    files = sorted(path for path in out.rglob("*") if path.suffix in {".html", ".svg", ".parquet"})
+    before = [path.read_bytes() for path in files]
+    hknob("report", spec, "--force")
+    assert [path.read_bytes() for path in files] == before
+    (out / "figures" / "fig-size.svg").unlink()
+    assert json.loads(hknob("report", spec, "--json").stdout)["status"] == "computed"
+    assert [path.read_bytes() for path in files] == before
+    (swept / "claims.yaml").write_text(CLAIMS.replace("0.001", "1.0"))
+    assert json.loads(hknob("report", spec, "--json").stdout)["verdicts"]["contradicted"] == 1
+
+
+def test_figures_of_an_earlier_page_go_and_foreign_ones_are_refused(hknob, spec_file, swept: Path) -> None:
+    figures = swept / "results" / "page" / "figures"
+    hknob("report", spec_file(FULL, "page.yaml"))
+    assert hknob("report", spec_file(FULL.replace("fig-gone", "fig-else"), "page.yaml")).returncode == 0
+    assert {path.name for path in figures.iterdir()} == {"fig-size.svg", "fig-else.svg"}
+    (figures / "mine.svg").write_text("<svg/>")
+    refused = hknob("report", spec_file(FULL, "page.yaml"))
+    assert (refused.returncode, "mine.svg: not written by hknob" in refused.stderr) == (3, True)
+    (figures / "mine.svg").unlink()
+    (swept / "results" / "page" / "report.html").write_text("<p>mine</p>")
+    refused = hknob("report", spec_file(FULL, "page.yaml"), "--force")
+    assert (refused.returncode, "report.html: not written by hknob" in refused.stderr) == (3, True)
+
+
+BAD = {
+    "no results": ("results: {mine: results/small}", "results: {}", "results: must have at least 1 items"),
+    "no such folder": (
+        "results/small",
+        "results/none",
+        "results: results/none has no tables; run the stage 'mine' first",
+    ),
+    "no ledger": ("claims.yaml", "nowhere.yaml", "nowhere.yaml: No such file"),
+    "unknown drawing": (
+        "draw: grid_map, of: mine",
+        "draw: gridmap, of: mine",
+        "figures[0].draw: must be 'block",
+    ),
+    "same id": ("fig-gone", "fig-size", "chapters[0].figures[1].id: must be unique, got 'fig-size' again"),
+    "id": ("id: fig-size", "id: top", "chapters[0].figures[0].id: must match pattern"),
+    "lead": ("lead: [fig-size]", "lead: [fig-other]", "lead[0]: must be the id of a figure, got 'fig-other'"),
+    "no value": ("{most} mrad", "{least} mrad", "summary[1]: 'least' has no value"),
+    "open brace": ("{most} mrad", "{most mrad", "summary[1]: must be text with {names}"),
+    "unknown check": ("check: cell_statistic", "check: cell_statistics", "did you mean 'cell_statistic'?"),
+    "wrong argument": ("statistic: largest", "statistics: largest", "unexpected keyword argument 'statistics'"),
+    "wrong option": ("with: {column: p2p_rad}", "with: {colour: red}", "figure fig-size: grid_map: "),
+    "unknown key": ("title: A page", "titel: A page", "titel: unknown key; did you mean 'title'?"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_reports(hknob, spec_file, swept: Path, name: str) -> None:
+    old, new, wanted = BAD[name]
+    assert old in FULL
+    done = hknob("report", spec_file(FULL.replace(old, new), "page.yaml"))
+    assert done.returncode == 2, done.stderr
+    assert wanted in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (swept / "results" / "page").exists()
