@@ -13,7 +13,20 @@ from pathlib import Path
 from hknob_cli import __version__
 
 ROOT = Path(__file__).parent.parent
-COMPUTING = ("printed", "spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
+COMPUTING = (
+    "printed",
+    "spec",
+    "scene",
+    "engine",
+    "theory",
+    "rivals",
+    "measure",
+    "results",
+    "recordings",
+    "apparatus",
+    "identify",
+    "stages",
+)
 SHOWING = ("claims", "page")
 
 

@@ -1,0 +1,29 @@
+"""What an estimator says: parameters with standard errors, how well they explain the motion, and what is wrong."""
+
+from typing import NamedTuple
+
+PARAMETERS = ("inertia", "damping", "stiffness", "coulomb")
+
+
+class Estimate(NamedTuple):
+    """A value and its standard error, in SI units; ``identifiable`` False where the data cannot tell it."""
+
+    value: float
+    std: float
+    identifiable: bool = True
+
+
+class Fit(NamedTuple):
+    """A fit of one motion.
+
+    ``parameters`` by name (inertia kg·m², damping N·m·s/rad, stiffness N·m/rad, coulomb N·m; of a fourth-order model
+    finger_inertia, finger_damping, finger_stiffness, pad_damping, pad_stiffness beside inertia of the knob); ``vaf``:
+    share of the variance of the angle accounted for, 1 at best; ``white``: p-value of the residuals being white;
+    ``flags``: what is wrong with it, in words, empty where nothing is.
+    """
+
+    estimator: str
+    parameters: dict[str, Estimate]
+    vaf: float
+    white: float | None = None
+    flags: tuple[str, ...] = ()

@@ -1,0 +1,1 @@
+"""Recordings of a knob: torque in, angle out, grip force beside; read, checked, written."""
