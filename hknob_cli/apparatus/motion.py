@@ -172,28 +172,38 @@ def _crossing(a: Array, z: Array, c: Array, g: Array, offset: float, width: floa
 
 
 def increment(a: Array, t: float) -> Array:
-    """D(t), shape (n, n): the integral of exp(A s) over [0, t], by its series and doubling."""
-    one = np.eye(len(a))
-    size = float(np.abs(a).sum(axis=1).max()) * t
-    doublings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0.5 else 0
-    at = a * (t / 2.0**doublings)
-    term = d = one * (t / 2.0**doublings)
-    for k in range(2, 20):
-        term = term @ at / k
-        d = d + term
-    for _ in range(doublings):
-        d = d + d @ (one + a @ d)
-    return d
+    """D(t), shape (n, n): the integral of exp(A s) over [0, t]."""
+    return _exponential(a, t)[0]
 
 
 def increments(a: Array, t: float, count: int) -> Array:
     """D(0), D(t), D(2 t), ... D(count t), shape (count + 1, n, n): D(s + t) = D(s) + exp(A s) D(t)."""
     table = np.zeros((count + 1, *a.shape))
-    table[1:2] = increment(a, t)
+    table[1:2], forward = _exponential(a, t)
     known = 1
     while known < count:
         more = min(known, count - known)
-        forward = np.eye(len(a)) + a @ table[known]
         table[known + 1 : known + more + 1] = table[known] + forward @ table[1 : more + 1]
         known += more
+        forward = forward @ forward
     return table
+
+
+def _exponential(a: Array, t: float) -> tuple[Array, Array]:
+    """D(t) and exp(A t), by the series of a short time and doubling.
+
+    The exponential is squared on its own: I + A D would lose the fast modes of a stiff fingerpad to rounding.
+    """
+    one = np.eye(len(a))
+    size = float(np.abs(a).sum(axis=1).max()) * t
+    doublings = max(0, int(np.ceil(np.log2(size))) + 1) if size > 0.5 else 0
+    short = t / 2.0**doublings
+    at = a * short
+    term = total = one
+    for k in range(2, 20):
+        term = term @ at / k
+        total = total + term
+    d, e = total * short, one + at @ total
+    for _ in range(doublings):
+        d, e = d + e @ d, e @ e
+    return d, e
