@@ -13,7 +13,8 @@ class Rig:
     Printed (Chapters 3 and 4, Appendices A and C): ``sample_rate_hz``; ``counts_per_rev`` of the encoder (0: no
     quantisation), which rounds down; the inertia (kg·m²) of the turning parts with the small (17.8 mm) and the medium
     (29.9 mm) knob; ``coulomb_nm``, friction of motor and bearings; ``amplifier_s``, time constant of a first-order lag,
-    a quarter of the 200 µs in which the current settles.
+    a quarter of the 200 µs in which the current settles. The inertias are for hands of fourth order; a hand of second
+    order has hand and apparatus in one, as tabled.
 
     Assumed, since not printed: ``torque_error``, by which share the torque exceeds the commanded one;
     ``angle_noise_rad``, rms of the encoder before it rounds; ``grip_noise_n``, rms of the grip cell;
@@ -57,10 +58,8 @@ class Rig:
 
     @classmethod
     def ideal(cls) -> "Rig":
-        """An apparatus without any nuisance but the encoder's steps."""
-        return cls(
-            coulomb_nm=0.0, amplifier_s=0.0, angle_noise_rad=0.0, grip_noise_n=0.0, posture_rad=0.0
-        )  # the others are off by default
+        """An apparatus without any nuisance but the encoder's steps; those that are off by default stay off."""
+        return cls(coulomb_nm=0.0, amplifier_s=0.0, angle_noise_rad=0.0, grip_noise_n=0.0, posture_rad=0.0)
 
     @property
     def interval_s(self) -> float:

@@ -1,5 +1,7 @@
 """Recordings of the experiments: what is in them, and that they are the same every time, whatever else is recorded."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,6 +12,7 @@ from hknob_cli.apparatus.pulse import Pulse, peak_per_torque, scaled_pulse
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
+from hknob_cli.printed.hands import apparatus_inertia
 from hknob_cli.recordings.trial import Key, Trial
 from tests.apparatus.reference import pulse_response
 
@@ -122,10 +125,8 @@ def test_every_nuisance_does_what_it_says() -> None:
     hand, pulse, key = mean_hand(1, 2.4), Pulse(7e-3), Key("S1", "1", 2.4, 1, 1)
 
     def angle(**changes: float) -> np.ndarray:
-        fields = {name: getattr(ideal, name) for name in ideal.__dataclass_fields__} | changes
-        return record_trial(Rig(**fields), hand, pulse, key, stream(0, Purpose.BENCH)).angle_rad
+        return record_trial(replace(Rig.ideal(), **changes), hand, pulse, key, stream(0, Purpose.BENCH)).angle_rad
 
-    ideal = Rig.ideal()
     plain = angle()
     assert angle(counts_per_rev=0) == pytest.approx(plain, abs=STEP)
     assert angle(counts_per_rev=0, torque_error=0.1) == pytest.approx(1.1 * angle(counts_per_rev=0), rel=1e-12)
@@ -149,6 +150,11 @@ def test_a_fourth_order_hand_hides_its_finger() -> None:
     bare = mean_hand(1, 14.2)._replace(inertia=19.8e-7)
     two = pulse_response(bare, four.time_s - 5e-3, scaled_pulse(1, 14.2).torque_nm, 0.02)
     assert 0.0 < np.abs(four.angle_rad - two).max() < 0.005
+
+
+def test_the_rigs_knobs_are_those_of_the_printed_apparatus() -> None:
+    assert Rig().small_knob_kg_m2 == pytest.approx(apparatus_inertia(1), rel=1e-15)
+    assert Rig().medium_knob_kg_m2 == pytest.approx(apparatus_inertia(3), rel=1e-15)
 
 
 def test_bad_numbers_are_said() -> None:
