@@ -1,0 +1,100 @@
+"""The five experiments, recorded: subjects, grips, blocks and trials as in Chapters 4 and 5."""
+
+from collections.abc import Iterator, Sequence
+from typing import Literal
+
+from hknob_cli.apparatus.hand import Hand, SecondOrder, split
+from hknob_cli.apparatus.hand_recording import record_trial
+from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, numbers, trial_hand
+from hknob_cli.apparatus.pulse import scaled_pulse
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.streams import Purpose, stream
+from hknob_cli.errors import UsageError
+from hknob_cli.recordings.trial import Key, Trial
+
+Subjects = int | Sequence[int] | None
+
+
+def record_experiments(
+    rig: Rig,
+    *,
+    experiments: Sequence[int] = (1, 2, 3, 4, 5),
+    subjects: Subjects = None,
+    blocks: int = 3,
+    trials: int = 3,
+    seed: int = 0,
+    grips: Sequence[float] | None = None,
+    variation: Variation | None = None,
+    model: Literal["second", "fourth"] = "second",
+) -> list[Trial]:
+    """Record trials, ordered by experiment, subject, block, grip (the lightest first) and trial, as they were run.
+
+    ``subjects``: how many in every experiment, or their numbers from 1; by default as printed, 9 in the first and 5 in
+    the others. ``grips`` (N): of those in the tables; by default all six. ``model``: "fourth" gives the hand finger and
+    fingerpad of its own (`split`). What is left out changes nothing of the rest. Raises `UsageError` for what is not in
+    the tables, or numbers below 1.
+    """
+    return [
+        record_trial(
+            rig,
+            _held(trial_hand(place, seed=seed, variation=variation), place, rig, model),
+            scaled_pulse(place.experiment, place.grip_n),
+            key_of(place),
+            stream(seed, Purpose.RECORDING, *numbers(place)),
+        )
+        for place in places(experiments, subjects, blocks, trials, grips)
+    ]
+
+
+def truths(
+    *,
+    experiments: Sequence[int] = (1, 2, 3, 4, 5),
+    subjects: Subjects = None,
+    blocks: int = 3,
+    trials: int = 3,
+    seed: int = 0,
+    grips: Sequence[float] | None = None,
+    variation: Variation | None = None,
+) -> dict[Key, SecondOrder]:
+    """The J, B, K behind each trial of `record_experiments`, by its key, for the same arguments."""
+    return {
+        key_of(place): trial_hand(place, seed=seed, variation=variation)
+        for place in places(experiments, subjects, blocks, trials, grips)
+    }
+
+
+def key_of(place: Place) -> Key:
+    """Key of the trial at a place: subject "S1", "S2", ..., experiment "1" to "5"."""
+    return Key(f"S{place.subject}", str(place.experiment), place.grip_n, place.block, place.trial)
+
+
+def places(
+    experiments: Sequence[int], subjects: Subjects, blocks: int, trials: int, chosen: Sequence[float] | None
+) -> Iterator[Place]:
+    """Every trial's place, in the order in which they are run. Raises `UsageError` for numbers below 1."""
+    if blocks < 1 or trials < 1:
+        raise UsageError(f"blocks and trials must be >= 1, got {blocks} and {trials}")
+    for experiment in experiments:
+        forces = grips(experiment) if chosen is None else tuple(sorted(chosen))
+        for subject in _subjects(experiment, subjects):
+            for block in range(1, blocks + 1):
+                for grip in forces:
+                    for trial in range(1, trials + 1):
+                        yield Place(experiment, subject, grip, block, trial)
+
+
+def _subjects(experiment: int, subjects: Subjects) -> Sequence[int]:
+    if subjects is None:
+        subjects = EXPERIMENTS[experiment].subjects
+    if isinstance(subjects, int):
+        subjects = range(1, subjects + 1)
+    if not subjects or min(subjects) < 1:
+        raise UsageError(f"subjects must be numbers from 1, at least one, got {list(subjects)}")
+    return subjects
+
+
+def _held(hand: SecondOrder, place: Place, rig: Rig, model: str) -> Hand:
+    if model == "second":
+        return hand
+    small = EXPERIMENTS[place.experiment].knob_mm < 20.0
+    return split(hand, knob_kg_m2=rig.small_knob_kg_m2 if small else rig.medium_knob_kg_m2)

@@ -1,0 +1,61 @@
+"""One recorded trial: a squeeze that fires the pulse, the exact motion, and what the sensors make of it."""
+
+import numpy as np
+
+from hknob_cli.apparatus.hand import Hand
+from hknob_cli.apparatus.motion import follow, mechanism
+from hknob_cli.apparatus.pulse import Pulse
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.recordings.trial import Array, Key, Trial
+
+_REACH = 6.0  # standard deviations of the grip cell's noise: the ramp starts that far below the threshold
+
+
+def record_trial(rig: Rig, hand: Hand, pulse: Pulse, key: Key, rng: np.random.Generator) -> Trial:
+    """Record a pulse on a hand, from before its onset, which is at ``rig.before_s``, to after it.
+
+    Torque of a row is commanded from that sample to the next; angle and grip are read just before. The angle is a whole
+    number of counts, rounded down. ``rng`` is drawn from in an order that does not depend on the hand.
+    """
+    before, after = (round(time * rig.sample_rate_hz) for time in (rig.before_s, rig.after_s))
+    samples = before + after + 1
+    pushed = min(round(pulse.duration_s * rig.sample_rate_hz), after)
+    posture, loaded = rig.posture_rad * rng.uniform(-1.0, 1.0), rig.preload * rng.uniform(-1.0, 1.0)
+    noise = rng.standard_normal(samples)
+    body = mechanism(hand, coulomb=rig.coulomb_nm, lag_s=rig.amplifier_s)
+    start = body.rest(loaded * rig.coulomb_nm)
+    actual = (1.0 + rig.torque_error) * pulse.torque_nm
+    stretches = [(0.0, before), (actual, pushed), (0.0, after - pushed)]
+    states = follow(body, start, [one for one in stretches if one[1] > 0], rig.interval_s)
+    torque = np.zeros(samples)
+    torque[before : before + pushed] = pulse.torque_nm
+    angle = posture + states[:, 0] + rig.angle_noise_rad * noise
+    measured = None
+    grip = squeeze(rig, key.grip_target_n, before, samples, rng)
+    if rig.torque_noise_nm is not None:
+        acting = states[:, -1] if rig.amplifier_s > 0.0 else (1.0 + rig.torque_error) * torque
+        measured = acting + rig.torque_noise_nm * rng.standard_normal(samples)
+    return Trial(
+        key=key,
+        time_s=np.arange(samples) / rig.sample_rate_hz,
+        torque_nm=torque,
+        angle_rad=np.floor(angle / rig.count_rad) * rig.count_rad if rig.count_rad else angle,
+        grip_n=grip,
+        measured_torque_nm=measured,
+    )
+
+
+def squeeze(rig: Rig, target_n: float, before: int, samples: int, rng: np.random.Generator) -> Array:
+    """Measured grip force (N): a ramp with noise, cut so that sample ``before`` is the first at the threshold or above.
+
+    The ramp goes on through the pulse, which is over before a hand can answer. Nothing is held for a target of 0.
+    """
+    threshold, rate = rig.trigger_share * target_n, target_n / rig.grip_ramp_s * rig.interval_s
+    if rate == 0.0:
+        return rig.grip_noise_n * rng.standard_normal(samples)
+    climb = int(np.ceil(2.0 * _REACH * rig.grip_noise_n / rate)) + 1
+    total = before + climb + samples
+    steps = np.arange(total) - before - climb // 2
+    force = threshold + rate * steps + rig.grip_noise_n * rng.standard_normal(total)
+    fired = before + int((force[before:] >= threshold).argmax())
+    return force[fired - before : fired - before + samples]
