@@ -26,6 +26,10 @@ class DfaWork(Work):
         """Differences, where there is no sweep to compare with."""
         return () if job.plan.against else ("differences.parquet",)
 
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The sweep it is compared with, if any."""
+        return *super().reads(job), *([Path(job.plan.against)] if job.plan.against else [])
+
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""
         return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}

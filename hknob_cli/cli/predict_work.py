@@ -26,8 +26,9 @@ class PredictWork(Work):
         return () if job.plan.against else ("differences.parquet",)
 
     def reads(self, job: Job) -> tuple[Path, ...]:
-        """The known case that the constant is taken from, if any."""
-        return (job.plan.case_file,) if job.plan.case_file else ()
+        """The sweep it is compared with, and the known case that the constant is taken from, if any."""
+        against = [Path(job.plan.against)] if job.plan.against else []
+        return *super().reads(job), *against, *([job.plan.case_file] if job.plan.case_file else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep that the laws are compared with, and the known case, if any."""

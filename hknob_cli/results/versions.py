@@ -14,7 +14,7 @@ from hknob_cli import __version__
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = ("printed", "spec", "scene", "engine", "theory", "rivals", "measure", "results", "stages")
-SHOWING = ("claims", "page")
+SHOWING = ("claims", "report", "page", "cli/report_work.py")
 
 
 @cache
@@ -29,6 +29,8 @@ def source_digest(folders: tuple[str, ...] = COMPUTING) -> str:
 
 
 def _files(folder: Path) -> Iterable[Path]:
+    if folder.is_file():
+        return [folder]
     return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js"})
 
 
