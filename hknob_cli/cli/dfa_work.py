@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.dfa import describe_dfa, dfa_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import DfaStage
@@ -36,6 +36,8 @@ class DfaWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.against:
+            compare_scenes(job)
         table = DfaStage(job.plan, notify=partial(note, job)).run()
         if not job.plan.against:
             return (table,)

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.predict import predict
@@ -38,6 +38,8 @@ class PredictWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.against:
+            compare_scenes(job)
         predictions, passivity = predict(job.plan)
         if not job.plan.against:
             return predictions, passivity

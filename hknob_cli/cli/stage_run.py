@@ -171,3 +171,11 @@ def note(job: Job, text: str) -> None:
     """A message, unless they are unwanted."""
     if not job.quiet:
         say(text)
+
+
+def compare_scenes(job: Job) -> None:
+    """Say what a sweep that a job is compared with has different. Raises `UsageError`."""
+    from hknob_cli.stages.compare import scene_differences
+
+    if found := scene_differences(job.plan.against, job.plan.scene, job.plan.axes):
+        note(job, f"{job.plan.name}: the sweep in {job.plan.against} is of another scene: {'; '.join(found)}")

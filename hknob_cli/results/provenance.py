@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
+from hknob_cli.spec.plan import Scene
 
 KEY = b"hknob.provenance"
 
@@ -65,6 +66,16 @@ def _tables(values: dict[str, Any]) -> list[int]:
         elif isinstance(value, dict):
             found |= set(_tables(value))
     return sorted(found)
+
+
+def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
+    """The scene that a file was computed for, in SI numbers; None if it has none that can be read."""
+    from hknob_cli.spec.scene import SceneSpec
+
+    try:
+        return SceneSpec.model_validate(json.loads((metadata or {})[KEY])["spec"]["scene"]).plain()
+    except (KeyError, ValueError, TypeError):
+        return None
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

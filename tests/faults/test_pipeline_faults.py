@@ -174,7 +174,7 @@ BAD = {
         "stages: {a: {spec: s.yaml, set: {scene.wall.stiffness: -1}}}\n",
         "set scene.wall.stiffness=-1: scene.wall.stiffness: must be >= 0, got -1",
     ),
-    "reserved name": ("stages: {pytask.lock: {spec: s.yaml}}\n", 'stages."pytask.lock": must be another name'),
+    "reserved name": ("stages: {pytask.lock: {spec: s.yaml}}\n", 'stages["pytask.lock"]: must be another name'),
     "bad name": ("stages: {'../a': {spec: s.yaml}}\n", "must match pattern"),
     "empty from": ("stages: {a: {spec: s.yaml, set: {against: {from: []}}}}\n", "must be {from: STAGE}, a list"),
 }
