@@ -59,8 +59,10 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff format .
 	@$(BIN)/mypy
 
-schemas: $(VENV)/.run ## regenerate schemas/ from the models
-	@for kind in sweep dfa predict bench report pipeline; do $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+schemas: $(VENV)/.run ## regenerate schemas/ and docs/page.md from the program
+	@for kind in sweep dfa predict bench report pipeline claims; do \
+	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
+	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/page.md
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench

@@ -7,11 +7,10 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from hknob_cli.claims.bounds import Bounds, Real
-from hknob_cli.claims.checks import known
+from hknob_cli.claims.checks import check_fault
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.faults import fault_at
-from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.scene import Part
 
 Text = Annotated[str, Field(min_length=1)]
@@ -87,8 +86,10 @@ def load_ledger(path: Path) -> Ledger:
         if claim.id in seen:
             faults.append(source.fault(("claims", i, "id"), f"must be unique; claim {seen[claim.id] + 1} has it, too"))
         seen.setdefault(claim.id, i)
-        if claim.check is not None and claim.check not in known():
-            faults.append(source.fault(("claims", i, "check"), nearest(claim.check, sorted(known()))))
+        for reading in claim.all_readings if claim.check else ():
+            wrong = check_fault(str(claim.check), {**claim.arguments, **reading.arguments})
+            if wrong:
+                faults.append(source.fault(("claims", i, "check"), wrong))
     if faults:
         raise SpecError(faults)
     return ledger

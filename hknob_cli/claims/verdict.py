@@ -30,6 +30,9 @@ COLUMNS = (
     Column("verdict", _TEXT, "", "reproduced, differs, contradicted or not testable"),
     Column("tolerance", _TEXT, "", "when the claim counts as reproduced, and when it only differs"),
     Column("because", _TEXT, "", "why this tolerance; why it is not testable, where it is not"),
+    Column("agreeing", pa.int64(), "1", "readings that the print allows and in which the claim is reproduced"),
+    Column("allowed", pa.int64(), "1", "readings that the print allows"),
+    Column("data", _TEXT, "", "results that the reading used was computed from"),
     Column("readings", _TEXT, "", "every reading tried, with its value"),
     Column("finding", _TEXT, "", "what is known beside the number"),
     Column("check", _TEXT, "", "computation that checks it"),
@@ -68,6 +71,9 @@ def judge_claim(claim: Claim, evidence: Evidence) -> dict[str, Any]:
         "verdict": best.verdict if best else NOT_TESTABLE,
         "tolerance": _tolerance(claim),
         "because": claim.untestable or missing or claim.because or "",
+        "agreeing": sum(judged.verdict == REPRODUCED for judged in allowed),
+        "allowed": len(allowed),
+        "data": ", ".join(_data(claim, best)) if best else "",
         "readings": "; ".join(_said(claim, judged) for judged in readings) if claim.readings else "",
         "finding": claim.finding or "",
         "check": claim.check or "",
@@ -82,14 +88,20 @@ def _read(claim: Claim, reading: Reading, evidence: Evidence) -> Judged:
         computed = compute(claim.check, evidence, {**claim.arguments, **reading.arguments})
     except MissingError as error:
         return Judged(reading, None, NOT_TESTABLE, str(error))
-    except TypeError as error:
-        raise UsageError(f"claim {claim.id}: {claim.check}: {error}") from None
+    except UsageError as error:
+        raise UsageError(f"claim {claim.id}: {error}") from error
     if computed is None:
         return Judged(reading, None, NOT_TESTABLE, "the computation has no value here")
     if claim.holds.hold(computed, claim.printed):
         return Judged(reading, computed, REPRODUCED)
     near = claim.near is not None and claim.near.hold(computed, claim.printed)
     return Judged(reading, computed, DIFFERS if near else CONTRADICTED)
+
+
+def _data(claim: Claim, judged: Judged) -> list[str]:
+    """Names of the results that a reading is computed from."""
+    arguments = {**claim.arguments, **judged.reading.arguments}
+    return list(dict.fromkeys(str(arguments[key]) for key in ("result", "to", "against") if arguments.get(key)))
 
 
 def _rank(claim: Claim, judged: Judged) -> tuple[int, float]:

@@ -28,6 +28,10 @@ class BenchWork(Work):
 
     def inputs(self, _job: Job) -> dict[str, str]:
         """What else the runs depend on: the rivals' versions, and the kind of machine."""
+        return self.surroundings()
+
+    def surroundings(self) -> dict[str, str]:
+        """The same."""
         return {**{f"{name}_version": _version(name) for name in RIVALS}, "machine": machine()}
 
     def compute(self, job: Job) -> Tables:

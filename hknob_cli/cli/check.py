@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hknob_cli.cli.console import reporting, say
+from hknob_cli.cli.job import Job
 from hknob_cli.cli.options import Sets
 from hknob_cli.errors import ExitCode, UsageError
 
@@ -31,15 +32,24 @@ def _counted(count: int, what: str) -> str:
 
 def _checked(path: Path, sets: tuple[str, ...]) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
-    from hknob_cli.spec.load import PIPELINE, kind_of, load, load_pipeline
+    from hknob_cli.cli.job import work_of
+    from hknob_cli.spec.load import PIPELINE, is_ledger, kind_of, load, load_pipeline
 
-    if kind_of(path) == PIPELINE:
+    kind = kind_of(path)
+    if kind == PIPELINE:
         from hknob_cli.cli.pipeline_steps import chosen, jobs_of
 
         pipeline = load_pipeline(path, sets)
-        jobs_of(chosen(pipeline, None), Path("results") / pipeline.name)
+        for job in jobs_of(chosen(pipeline, None), Path("results") / pipeline.name).values():
+            work_of(job.kind).verify(job)
         return f"pipeline '{pipeline.name}', {_counted(len(pipeline.stages), 'stage')}"
+    if kind is None and is_ledger(path):
+        from hknob_cli.claims.ledger import load_ledger
+
+        return f"ledger, {_counted(len(load_ledger(path).claims), 'claim')}"
     plan = load(path, sets)
+    job = Job(kind=str(kind), plan=plan, out=Path("results") / plan.name)
+    work_of(job.kind).verify(job)
     return f"{plan.values['kind']} '{plan.name}', {_size(plan)}"
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.dfa import describe_dfa, dfa_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import DfaStage
@@ -26,12 +26,18 @@ class DfaWork(Work):
         """Differences, where there is no sweep to compare with."""
         return () if job.plan.against else ("differences.parquet",)
 
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The sweep it is compared with, if any."""
+        return *super().reads(job), *([Path(job.plan.against)] if job.plan.against else [])
+
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""
         return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.against:
+            compare_scenes(job)
         table = DfaStage(job.plan, notify=partial(note, job)).run()
         if not job.plan.against:
             return (table,)

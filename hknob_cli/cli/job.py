@@ -14,6 +14,11 @@ WORK = {
 }
 
 
+def work_of(kind: str) -> Any:
+    """The `stage_run.Work` of a kind; loads it."""
+    return import_module(WORK[kind]).WORK
+
+
 class Job(NamedTuple):
     """One stage to run: its kind, plan, and the options every stage takes."""
 
@@ -33,4 +38,4 @@ class Job(NamedTuple):
         """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""
         from hknob_cli.cli.stage_run import run_stage
 
-        run_stage(self, import_module(WORK[self.kind]).WORK)
+        run_stage(self, work_of(self.kind))

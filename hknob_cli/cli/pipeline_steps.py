@@ -4,18 +4,18 @@ import copy
 import json
 import time
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.job import WORK, Job
+from hknob_cli.cli.job import Job, work_of
 from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import PipelinePlan, StagePlan
+from hknob_cli.spec.plan import PipelinePlan, ReportPlan, StagePlan
 
 Said = Callable[[str, str], None]
+_MANY = "results"  # of a report: results by name, also where there is one
 
 
 def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
@@ -71,7 +71,7 @@ def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Sa
     files: dict[str, tuple[Path, ...]] = {}
     for stage in stages:
         if stage.folder is not None:
-            files[stage.name] = tuple(sorted(stage.folder.glob("*.parquet")))
+            files[stage.name] = (stage.folder,)
             continue
         steps.append(_step(stage, jobs[stage.name], files, root, said))
         files[stage.name] = steps[-1].writes
@@ -81,12 +81,16 @@ def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Sa
 def _job(stage: StagePlan, places: dict[str, Path], **options: Any) -> Job:
     """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
     folders: dict[str, Any] = {
-        path: str(places[found]) if isinstance(found, str) else {name: str(places[name]) for name in found}
+        path: str(places[found])
+        if isinstance(found, str) and path != _MANY
+        else {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
         for path, found in stage.inputs.items()
     }
     linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
     assert stage.spec is not None
     plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ")
+    if isinstance(plan, ReportPlan) and "rerun" not in plan.values:
+        plan = plan._replace(rerun=(f"hknob run {Path(stage.where.split(':')[0]).name}",))
     if linked:
         # Results say which stage an input is from, not where it happens to lie.
         names = {
@@ -115,20 +119,25 @@ def _replaced(values: dict[str, Any], links: dict[str, Any]) -> dict[str, Any]:
 
 
 def _step(stage: StagePlan, job: Job, files: dict[str, tuple[Path, ...]], root: Path, said: Said) -> Step:
-    work: Work = import_module(WORK[job.kind]).WORK
+    work: Work = work_of(job.kind)
+    linked = {root / name for name in stage.needs}
 
-    def run() -> None:
+    def run() -> bool:
         begin = time.perf_counter()
         said(stage.name, "")
         _, _, computed = make(job, work)
-        said(stage.name, f"computed in {time.perf_counter() - begin:.1f} s" if computed else "as it was")
+        said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
+        return computed
 
     return Step(
         stage.name,
-        reads=(*((stage.spec,) if stage.spec else ()), *work.reads(job)),
+        reads=(*((stage.spec,) if stage.spec else ()), *(path for path in work.reads(job) if path not in linked)),
         needs=tuple(path for name in stage.needs for path in files[name]),
-        writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job))),
-        values={"settings": json.dumps(job.overrides), "program": json.dumps(work.versions(), sort_keys=True)},
+        writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
+        values={
+            "settings": json.dumps(job.overrides),
+            "program": json.dumps({**work.versions(), **work.surroundings()}, sort_keys=True),
+        },
         root=root,
         run=run,
     )

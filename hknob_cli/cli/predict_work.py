@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.stages import compare
 from hknob_cli.stages.predict import predict
@@ -26,8 +26,9 @@ class PredictWork(Work):
         return () if job.plan.against else ("differences.parquet",)
 
     def reads(self, job: Job) -> tuple[Path, ...]:
-        """The known case that the constant is taken from, if any."""
-        return (job.plan.case_file,) if job.plan.case_file else ()
+        """The sweep it is compared with, and the known case that the constant is taken from, if any."""
+        against = [Path(job.plan.against)] if job.plan.against else []
+        return *super().reads(job), *against, *([job.plan.case_file] if job.plan.case_file else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep that the laws are compared with, and the known case, if any."""
@@ -37,6 +38,8 @@ class PredictWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.against:
+            compare_scenes(job)
         predictions, passivity = predict(job.plan)
         if not job.plan.against:
             return predictions, passivity

@@ -1,7 +1,9 @@
 """The work of ``hknob report``."""
 
 import hashlib
+import re
 from collections import Counter
+from html import escape, unescape
 from pathlib import Path
 from typing import Any
 
@@ -11,16 +13,27 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work
 from hknob_cli.errors import UsageError
-from hknob_cli.page.compose import Judgement, compose
+from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
+from hknob_cli.results import store
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import showing_versions
 
+_FIGURE = re.compile(r'<figure id="([^"]+)"')
+_MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')
+
 
 class ReportWork(Work):
     """One page of results, and the claims judged by them."""
+
+    def verify(self, job: Job) -> None:
+        """Drawings, computations and their arguments."""
+        if wrong := plan_faults(job.plan):
+            raise UsageError("\n".join(wrong))
+        if job.plan.claims:
+            load_ledger(Path(job.plan.claims))
 
     def files(self, job: Job) -> tuple[str, ...]:
         """The claims, where there is a ledger."""
@@ -37,20 +50,33 @@ class ReportWork(Work):
         return *sorted(figures), *(() if job.plan.claims else ("claims.parquet",))
 
     def reads(self, job: Job) -> tuple[Path, ...]:
-        """The ledger, and the printed tables that its claims read."""
-        return (Path(job.plan.claims), *map(file_of, NUMBERS)) if job.plan.claims else ()
+        """The results, the ledger, and the printed tables that its claims read."""
+        ledger = (Path(job.plan.claims), *map(file_of, NUMBERS)) if job.plan.claims else ()
+        return *map(Path, job.plan.results.values()), *ledger
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Every table of every result, the ledger, and the printed tables."""
         digests: dict[str, str] = {}
         for name, folder in job.plan.results.items():
             tables = sorted(Path(folder).glob("*.parquet"))
+            if Path(folder).resolve() == job.out.resolve():
+                raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:
                 raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
             digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
-        for path in self.reads(job):
+        for path in self.reads(job)[len(job.plan.results) :]:
             digests[path.name] = _sha256(path)
         return digests
+
+    def folders(self, job: Job) -> tuple[str, ...]:
+        """That of the figures, where the spec does not list them."""
+        return () if job.plan.chapters else ("figures",)
+
+    def is_whole(self, job: Job, ours: str) -> bool:
+        """Whether the figures are there that the page has, where the spec does not list them."""
+        page = (job.out / "report.html").read_text(encoding="utf-8")
+        figures = [job.out / "figures" / f"{name}.svg" for name in _FIGURE.findall(page)]
+        return store.are_current(figures, ours)
 
     def versions(self) -> dict[str, str]:
         """What draws and judges, too."""
@@ -79,19 +105,24 @@ class ReportWork(Work):
         rows = tables[0].to_pylist() if tables else []
         counts = Counter(row["verdict"] for row in rows)
         keys = ("claim", "place", "printed", "computed", "unit", "reading", "verdict")
+        drawn = {path.stem: _why_missing(path) for path in sorted((job.out / "figures").glob("*.svg"))}
         return {
             "results": list(job.plan.results),
-            "figures": [figure.id for chapter in job.plan.chapters for figure in chapter.figures],
+            "figures": list(drawn),
+            "missing": {name: why for name, why in drawn.items() if why},
             "verdicts": {verdict: counts[verdict] for verdict in VERDICTS},
             "claims": [{key: row[key] for key in keys} for row in rows],
         }
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """How many claims have which verdict, and those contradicted by name."""
-        lines = [f"{job.plan.name}: {len(summary['results'])} results, {len(summary['figures'])} figures"]
+        counts = [(len(summary["results"]), "result"), (len(summary["figures"]), "figure")]
+        said = ", ".join(f"{count} {what}{'' if count == 1 else 's'}" for count, what in counts)
+        lines = [f"{job.plan.name}: {said}"]
+        lines += [f"no picture {name}: {why}" for name, why in summary["missing"].items()]
         if summary["claims"]:
-            counts = ", ".join(f"{count} {verdict}" for verdict, count in summary["verdicts"].items())
-            lines.append(f"{len(summary['claims'])} claims: {counts}")
+            verdicts = ", ".join(f"{count} {verdict}" for verdict, count in summary["verdicts"].items())
+            lines.append(f"{len(summary['claims'])} claims: {verdicts}")
             against = [row["claim"] for row in summary["claims"] if row["verdict"] == "contradicted"]
             lines += [f"contradicted: {', '.join(against)}"] if against else []
         return "\n".join(lines)
@@ -108,12 +139,16 @@ def _sha256(path: Path) -> str:
         raise UsageError(f"{path}: {error.strerror or error}") from None
 
 
+def _why_missing(path: Path) -> str:
+    """Why there is no picture in a file of `_empty`; empty where there is one."""
+    found = _MISSING.search(path.read_text(encoding="utf-8")[:1000])
+    return unescape(found[1]) if found else ""
+
+
 def _empty(why: str, mark_text: str) -> str:
     """An SVG in place of a figure that cannot be drawn."""
-    words = why.replace("&", "&amp;").replace("<", "&lt;")
-    return (
-        f'{mark_text}<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 40"><text y="24">{words}</text></svg>\n'
-    )
+    head = '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 400 40">'
+    return f'{mark_text}{head}<text y="24">{escape(why, quote=False)}</text></svg>\n'
 
 
 WORK = ReportWork()

@@ -1,7 +1,6 @@
 """``hknob run``: a pipeline of stages, of which only what is out of date runs."""
 
 import json
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -56,7 +55,7 @@ def run(
 
         options = {"overrides": list(sets or ()), "until": until}
         root = out or _root(pipeline, tuple(sets or ()))
-        request = fresh.asked(pipeline, options)
+        request = fresh.asked(pipeline, root, options)
         if not (force or dry_run or explain):
             done = fresh.finished(root, request)
             if done is not None:
@@ -76,9 +75,7 @@ def run(
         work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose)
         steps = steps_of(stages, work, root, said)
         if dry_run or explain:
-            with tempfile.TemporaryDirectory() as nowhere:
-                place = root if root.is_dir() else Path(nowhere)
-                outcomes = build(steps, place, force=force, dry=True)
+            outcomes = build(steps, root, force=force, dry=True)
             _say_plan(plan.name, outcomes, explain=explain, as_json=as_json)
             return
         with store.hold(root, []):
@@ -94,7 +91,14 @@ def run(
                 for step, outcome in zip(steps, outcomes, strict=True)
             ]
             if all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes):
-                up_to_date = [{**row, "status": Fate.UP_TO_DATE.value} for row in table]
+                up_to_date = [
+                    {
+                        **row,
+                        "status": Fate.UP_TO_DATE.value,
+                        "files": [fresh.relative(Path(file), root) for file in row["files"]],
+                    }
+                    for row in table
+                ]
                 fresh.write_record(root, plan.name, request, up_to_date)
         _report(plan.name, root, table, as_json=as_json)
         _fail(outcomes)
@@ -116,11 +120,15 @@ def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> Non
     for stage in stages:
         counts[stage["status"]] = counts.get(stage["status"], 0) + 1
     said = ", ".join(f"{count} {status}" for status, count in counts.items())
+    if not stages:
+        print(f"{name}: no stage to run")
+        return
     print(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
     print(f"results: {root}")
-    for file in (file for stage in stages for file in stage["files"]):
-        if file.endswith(".html") and Path(file).exists():
-            print(f"page: {file}")
+    for stage in stages:
+        for file in stage["files"] if stage["status"] in ("computed", "up to date") else ():
+            if file.endswith(".html"):
+                print(f"page: {file}")
 
 
 def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: bool) -> None:
@@ -136,6 +144,11 @@ def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: b
             print(f"{one.name}: {one.fate.value}" + (f", because {one.why[0]}{more}" if one.why else ""))
 
 
+def _is_of_pytask(error: BaseException | None) -> bool:
+    """Whether pytask itself found the fault: a file that a step needs, or should have made, is not there."""
+    return type(error).__module__.startswith(("pytask", "_pytask"))
+
+
 def _fail(outcomes: "list[Outcome]") -> None:
     """Say which stages failed and why, and raise for the first."""
     from hknob_cli.pipeline.build import Fate
@@ -143,7 +156,8 @@ def _fail(outcomes: "list[Outcome]") -> None:
     failed = [one for one in outcomes if one.fate is Fate.FAILED]
     for one in failed:
         say(f"{one.name}: failed: {one.error}")
-        if one.error is not None and not isinstance(one.error, (HknobError, OSError, MemoryError)):
+        expected = isinstance(one.error, (HknobError, OSError, MemoryError)) or _is_of_pytask(one.error)
+        if one.error is not None and not expected:
             raise one.error
     waiting = [one.name for one in outcomes if one.fate is Fate.NOT_REACHED]
     if waiting:

@@ -10,11 +10,17 @@ from hknob_cli.cli.console import reporting
 
 def schema(
     kind: Annotated[
-        str, typer.Argument(help="Kind of spec: sweep, dfa, predict, bench, report, pipeline.", show_default=False)
+        str, typer.Argument(help="Kind: sweep, dfa, predict, bench, report, pipeline, claims.", show_default=False)
     ],
 ) -> None:
     """Print the JSON Schema of a kind of spec."""
     with reporting():
-        from hknob_cli.spec.schema import json_schema
+        from hknob_cli.spec.schema import json_schema, titled
 
-        typer.echo(json.dumps(json_schema(kind), indent=2))
+        if kind == "claims":
+            from hknob_cli.claims.ledger import Ledger
+
+            found = titled(Ledger.model_json_schema(), "hknob ledger of claims")
+        else:
+            found = json_schema(kind)
+        typer.echo(json.dumps(found, indent=2))

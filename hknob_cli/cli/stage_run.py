@@ -18,6 +18,9 @@ Tables = tuple[pa.Table, ...]
 class Work:
     """What differs between stages. This is the base: a stage that has nothing but tables."""
 
+    def verify(self, job: Job) -> None:
+        """Look for what only the stage can tell is wrong with a plan. Raises `UsageError`."""
+
     def files(self, job: Job) -> tuple[str, ...]:
         """Names of the result files, one a table."""
         raise NotImplementedError
@@ -34,9 +37,13 @@ class Work:
         """Names of files that this stage writes for other specs, and that would be stale beside these results."""
         return ()
 
-    def reads(self, _job: Job) -> tuple[Path, ...]:
-        """Files that the result depends on beside the spec and the results of other stages."""
-        return ()
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """Files, and folders of results, that the result depends on beside the spec."""
+        return provenance.tables_of(job.plan.values)
+
+    def surroundings(self) -> dict[str, str]:
+        """What of this machine the result depends on beside `versions`, by name."""
+        return {}
 
     def inputs(self, _job: Job) -> dict[str, str]:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
@@ -49,6 +56,14 @@ class Work:
     def compute(self, job: Job) -> Tables:
         """Result tables. Raises `ComputationError`."""
         raise NotImplementedError
+
+    def folders(self, _job: Job) -> tuple[str, ...]:
+        """Names of folders in which `compose` writes more than `texts`."""
+        return ()
+
+    def is_whole(self, _job: Job, _mark: str) -> bool:
+        """Whether all is there that `compose` writes beside `texts`; those have this mark."""
+        return True
 
     def compose(self, _job: Job, _tables: Tables, _stamp: bytes) -> dict[str, str]:
         """The texts by name; ``_stamp`` is the provenance of the results."""
@@ -104,6 +119,8 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         tables = work.compute(job) if current is None else current
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
+            for folder in work.folders(job):
+                (job.out / folder).mkdir(exist_ok=True)
             store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
@@ -116,6 +133,7 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
 
     Raises `RefusedError` where a file in the way is not ours.
     """
+    work.verify(job)
     stamp = provenance.describe(
         stage=job.kind,
         values=job.plan.values,
@@ -128,7 +146,8 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
     for_others = [job.out / file for file in (*work.pictures(job), *work.others(job))]
     store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
     current = None if job.force else store.read_current(tables, stamp)
-    if current is not None and not store.are_current(texts, mark(job.kind, job.plan.name, stamp)):
+    ours = mark(job.kind, job.plan.name, stamp)
+    if current is not None and not (store.are_current(texts, ours) and work.is_whole(job, ours)):
         current = None
     return stamp, [*tables, *texts], current
 
@@ -152,3 +171,11 @@ def note(job: Job, text: str) -> None:
     """A message, unless they are unwanted."""
     if not job.quiet:
         say(text)
+
+
+def compare_scenes(job: Job) -> None:
+    """Say what a sweep that a job is compared with has different. Raises `UsageError`."""
+    from hknob_cli.stages.compare import scene_differences
+
+    if found := scene_differences(job.plan.against, job.plan.scene, job.plan.axes):
+        note(job, f"{job.plan.name}: the sweep in {job.plan.against} is of another scene: {'; '.join(found)}")

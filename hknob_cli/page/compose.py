@@ -7,14 +7,13 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.claims.checks import compute, known
+from hknob_cli.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.errors import UsageError
 from hknob_cli.page import ink
 from hknob_cli.page.book import Chapter, Drawn, Page, Source
 from hknob_cli.page.defaults import chapters_of, sentences_of
-from hknob_cli.page.figures import draw
+from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
@@ -65,6 +64,23 @@ def compose(
     )
 
 
+def plan_faults(plan: ReportPlan) -> list[str]:
+    """What is wrong with the drawings and computations that a plan names, and with their arguments, and where."""
+    found: list[str] = []
+    for figure in (figure for chapter in plan.chapters for figure in chapter.figures):
+        wrong = argument_fault(drawing_of(figure.draw), figure.options, before=2)
+        found += [f"{figure.where}: {figure.draw}: {wrong}"] if wrong else []
+        found += _value_faults(figure.caption)
+    for sentence in plan.summary:
+        found += _value_faults(sentence)
+    return found
+
+
+def _value_faults(sentence: Sentence) -> list[str]:
+    wrong = {name: check_fault(check, given) for name, (check, given, _, _) in sentence.values.items()}
+    return [f"{sentence.where}: {name}: {text}" for name, text in wrong.items() if text]
+
+
 def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     """A figure with its SVG; where a result is missing, with the reason instead."""
     of: Any = figure.of[0] if len(figure.of) == 1 else list(figure.of)
@@ -74,8 +90,11 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
         svg = ink.svg(draw(figure.draw, evidence, of, figure.options), name=figure.id, title=figure.alt, mark=mark)
     except MissingError as error:
         missing = str(error)
-    except TypeError as error:
-        raise UsageError(f"figure {figure.id}: {figure.draw}: {error}") from error
+    except UsageError as error:
+        raise UsageError(f"{figure.where or figure.id}: {error}") from error
+    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+        what = f"{figure.draw} of {', '.join(figure.of) or 'nothing'} cannot be drawn with {figure.options}"
+        raise UsageError(f"{figure.where or figure.id}: {what}: {error}") from error
     return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing)
 
 
@@ -83,12 +102,12 @@ def _filled(sentence: Sentence, evidence: Evidence) -> str:
     """A text with its numbers. Raises `MissingError` where one of them is missing."""
     values = {}
     for name, (check, arguments, scale, form) in sentence.values.items():
-        if check not in known():
-            raise UsageError(f"{name}: {nearest(check, sorted(known())).replace('key', 'check')}")
         try:
             value = compute(check, evidence, arguments)
-        except TypeError as error:
-            raise UsageError(f"{name}: {check}: {error}") from None
+        except MissingError:
+            raise
+        except UsageError as error:
+            raise UsageError(f"{sentence.where}: {name}: {error}") from error
         if value is None:
             raise MissingError(f"{name} has no value")
         values[name] = _NOTHING.sub(r"\1", format(scale * value, form)).replace("-", "\N{MINUS SIGN}")

@@ -19,7 +19,7 @@ def _chapter(result: Result) -> ChapterPlan:
 def _figure(result: Result, draw: str, what: str, caption: str, **options: Any) -> FigurePlan:
     slug = "".join(letter if letter.isalnum() else "-" for letter in f"{result.name}-{what}".lower()).strip("-")
     title = f"{result.name}: {what}"
-    return FigurePlan(f"fig-{slug}"[:40].rstrip("-"), draw, (result.name,), options, title, Sentence(caption), title)
+    return FigurePlan(f"fig-{slug}", draw, (result.name,), options, title, Sentence(caption), title)
 
 
 def _wide(result: Result, file: str) -> list[str]:

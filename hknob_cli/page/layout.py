@@ -58,6 +58,7 @@ class _Row(NamedTuple):
     computed: str
     readings: tuple[tuple[str, bool], ...]
     figure: _Figure | None
+    data: tuple[_Origin, ...]
 
 
 def lay_out(page: Page) -> str:
@@ -74,7 +75,8 @@ def lay_out(page: Page) -> str:
         keep_trailing_newline=True,
     )
     figures = _figures(page)
-    rows = [_row(claim, figures) for claim in page.claims]
+    origins = _origins(page)
+    rows = [_row(claim, figures, origins) for claim in page.claims]
     counts = Counter(row.kind for row in rows)
     return environment.get_template("page.html.j2").render(
         page=page,
@@ -107,11 +109,14 @@ def _kind(verdict: str) -> str:
     return verdict.replace(" ", "-") if verdict in VERDICTS else "not-testable"
 
 
+def _origins(page: Page) -> dict[str, _Origin]:
+    """Results by name, with the anchors of their entries."""
+    anchors = _anchors(page.sources)
+    return {source.name: _Origin(source.name, anchor) for source, anchor in zip(page.sources, anchors, strict=True)}
+
+
 def _figures(page: Page) -> dict[str, _Figure]:
-    origins = {
-        source.name: _Origin(source.name, anchor)
-        for source, anchor in zip(page.sources, _anchors(page.sources), strict=True)
-    }
+    origins = _origins(page)
     drawn = [figure for chapter in page.chapters for figure in chapter.figures]
     figures = {}
     for number, figure in enumerate(drawn, 1):
@@ -128,7 +133,7 @@ def _figures(page: Page) -> dict[str, _Figure]:
     return figures
 
 
-def _row(claim: dict[str, Any], figures: dict[str, _Figure]) -> _Row:
+def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, _Origin]) -> _Row:
     used = f"{claim['reading']}: "
     said = _BETWEEN_READINGS.split(_HYPHEN_MINUS.sub(MINUS, claim["readings"])) if claim["readings"] else []
     return _Row(
@@ -141,6 +146,7 @@ def _row(claim: dict[str, Any], figures: dict[str, _Figure]) -> _Row:
         numeral(claim["computed"]),
         tuple((reading, bool(claim["reading"]) and reading.startswith(used)) for reading in said),
         figures.get(claim["figure"]),
+        tuple(origins.get(name, _Origin(name, "")) for name in claim["data"].split(", ") if name),
     )
 
 

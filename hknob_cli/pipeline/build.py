@@ -2,6 +2,8 @@
 
 import contextlib
 import io
+import shutil
+import tempfile
 from collections.abc import Iterator, Sequence
 from enum import Enum
 from pathlib import Path
@@ -12,7 +14,6 @@ from hknob_cli.pipeline.fresh import LOCK
 from hknob_cli.pipeline.step import FileNode, Step
 
 _CONFIG = ".pytask.toml"
-_LOCK_VERSION = "1"
 _VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
 
 
@@ -43,11 +44,11 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
     """
     import pytask
 
-    _drop_unusable(root / LOCK)
-    config = root / _CONFIG
-    config.write_text("[tool.pytask.ini_options]\n")
     tasks: Any = list(steps)
-    with _silence() as said:
+    with _place(root, dry=dry) as place, _silence() as said:
+        _drop_unusable(place / LOCK)
+        config = place / _CONFIG
+        config.write_text("[tool.pytask.ini_options]\n")
         session = pytask.build(
             tasks=tasks,
             config=config,  # its folder is where the record is
@@ -65,18 +66,31 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
     return [_outcome(step, reports.get(step.name), force=force) for step in steps]
 
 
+@contextlib.contextmanager
+def _place(root: Path, *, dry: bool) -> Iterator[Path]:
+    """Where pytask keeps its record; for a plan, which writes nothing, a copy of it."""
+    if not dry:
+        yield root
+        return
+    with tempfile.TemporaryDirectory() as copy:
+        for name in (LOCK, f"{LOCK}.journal"):
+            with contextlib.suppress(OSError):
+                shutil.copyfile(root / name, Path(copy) / name)
+        yield Path(copy)
+
+
 def _drop_unusable(lock: Path) -> None:
     """Remove a record that is torn or of another version; the steps then find their own results as they are."""
-    import tomllib
+    from _pytask.lockfile import LockfileState
 
+    journal = lock.with_name(f"{lock.name}.journal")
     try:
-        usable = tomllib.loads(lock.read_text()).get("lock-version") == _LOCK_VERSION
-    except FileNotFoundError:
-        return
-    except ValueError:
-        usable = False
-    if not usable:
-        lock.unlink()
+        LockfileState.from_path(lock, lock.parent)
+    except Exception:  # whatever it is that cannot be read
+        lock.unlink(missing_ok=True)
+        journal.unlink(missing_ok=True)
+    if journal.exists() and not journal.stat().st_size:
+        journal.unlink()
 
 
 def _outcome(step: Step, report: Any, *, force: bool) -> Outcome:
@@ -87,7 +101,7 @@ def _outcome(step: Step, report: Any, *, force: bool) -> Outcome:
     error = report.exc_info[1] if report.exc_info else None
     kinds = pytask.TaskOutcome
     if report.outcome == kinds.SUCCESS:
-        return Outcome(step.name, Fate.COMPUTED)
+        return Outcome(step.name, Fate.COMPUTED if step.computed else Fate.UP_TO_DATE)
     if report.outcome in (kinds.SKIP_UNCHANGED, kinds.PERSISTENCE):
         return Outcome(step.name, Fate.UP_TO_DATE)
     if report.outcome == kinds.WOULD_BE_EXECUTED:

@@ -6,6 +6,7 @@ there is nothing to do.
 """
 
 import json
+import os
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -17,9 +18,14 @@ RECORD = "pipeline.json"
 LOCK = "pytask.lock"
 
 
-def asked(spec: Path, options: dict[str, Any]) -> dict[str, Any]:
+def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     """What a run depends on beside the files of its steps."""
-    return {"spec_sha256": digest(spec), **options, "versions": showing_versions()}
+    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": showing_versions()}
+
+
+def relative(path: Path, root: Path) -> str:
+    """A path as the record has it: from its own folder, so that both can be moved together."""
+    return Path(os.path.relpath(path, root)).as_posix()
 
 
 def write_record(root: Path, name: str, request: dict[str, Any], stages: list[dict[str, Any]]) -> None:
@@ -34,7 +40,7 @@ def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
     try:
         record: dict[str, Any] = json.loads((root / RECORD).read_text())
         lock = tomllib.loads((root / LOCK).read_text())
-        if record["asked"] != request or (root / f"{LOCK}.journal").exists():
+        if record["asked"] != request or not isinstance(record["name"], str) or (root / f"{LOCK}.journal").exists():
             return None
         entries = {task["id"]: task for task in lock["task"]}
         for stage in record["stages"]:
@@ -43,6 +49,7 @@ def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
                 value = name.startswith(f"{stage['name']}: ")
                 if not value and digest(root / name) != state:
                     return None
-    except (OSError, ValueError, KeyError, TypeError):
+            stage["files"] = [str(root / file) for file in stage["files"]]
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
     return record

@@ -11,10 +11,18 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+_RESULTS = (".parquet", ".svg")
+
 
 def digest(path: Path) -> str | None:
-    """SHA-256 of a file's content; None if it is not there."""
+    """SHA-256 of a file's content, or of a folder's results by name and content; None if it is not there."""
     try:
+        if path.is_dir():
+            whole = hashlib.sha256()
+            for file in sorted(path.iterdir()):
+                if file.suffix in _RESULTS:
+                    whole.update(f"{file.name} {digest(file)}\n".encode())
+            return whole.hexdigest()
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:
@@ -22,7 +30,10 @@ def digest(path: Path) -> str | None:
 
 
 class FileNode:
-    """A file that a step reads or writes, named from the folder of the record; its state is its content's digest."""
+    """A file, or a folder of results, that a step reads or writes.
+
+    It is named from the folder of the record, and its state is the digest of its content.
+    """
 
     def __init__(self, path: Path, root: Path) -> None:
         self.file = path.absolute()
@@ -77,7 +88,8 @@ class ValueNode:
 class Step:
     """One stage to run: what it ``reads``, what it ``writes``, the ``values`` it depends on by name, and how to run it.
 
-    ``needs`` are the files of other steps; ``root`` is the folder of the record; ``run`` raises `HknobError`.
+    ``needs`` are the files of other steps; ``root`` is the folder of the record. ``run`` says whether anything had to
+    be computed, which ``computed`` keeps, and raises `HknobError`.
     """
 
     def __init__(
@@ -89,7 +101,7 @@ class Step:
         writes: tuple[Path, ...],
         values: dict[str, str],
         root: Path,
-        run: Callable[[], None],
+        run: Callable[[], bool],
     ) -> None:
         self.name = name
         self.reads = reads
@@ -102,6 +114,7 @@ class Step:
         self.report_sections: list[tuple[str, str, str]] = []
         self.attributes: dict[Any, Any] = {}
         self.function = run
+        self.computed = False
 
     @cached_property
     def depends_on(self) -> dict[str, Any]:
@@ -126,4 +139,4 @@ class Step:
 
     def execute(self, **_inputs: Any) -> None:
         """Run it."""
-        self.run()
+        self.computed = self.run()

@@ -1,5 +1,6 @@
 """Finished results by name: what figures are drawn from and claims are checked against."""
 
+import contextlib
 import json
 from functools import cached_property
 from pathlib import Path
@@ -54,9 +55,10 @@ class Result:
         """Stage, spec as run, inputs and versions. Raises `MissingError` where the folder has no result."""
         for file in self.files:
             metadata = self.table(file).schema.metadata or {}
-            if KEY in metadata:
+            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError):
                 record: dict[str, Any] = json.loads(metadata[KEY])
-                return record
+                if isinstance(record["spec"].get("grid") or {}, dict):
+                    return record
         raise MissingError(f"no result '{self.name}' in {self.folder}")
 
     @property
@@ -67,8 +69,7 @@ class Result:
     @property
     def axes(self) -> list[str]:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
-        grid = self.provenance["spec"].get("grid") or {}
-        return list(grid)
+        return list(self.provenance["spec"].get("grid") or {})
 
     @cached_property
     def scene(self) -> Scene:

@@ -2,9 +2,11 @@
 
 import hashlib
 import json
+from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
+from hknob_cli.spec.plan import Scene
 
 KEY = b"hknob.provenance"
 
@@ -29,23 +31,51 @@ def describe(
         "name": values.get("name"),
         "spec": values,
         "overrides": list(overrides),
-        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **_tables(values), **(inputs or {})},
+        "inputs": {"spec_sha256": hashlib.sha256(spec.encode()).hexdigest(), **_digests(values), **(inputs or {})},
         "versions": versions if versions is not None else computing_versions(),
     }
     return json.dumps(record, sort_keys=True, separators=(",", ":")).encode()
 
 
-def _tables(values: dict[str, Any]) -> dict[str, str]:
-    """Digests of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
-    found: dict[str, str] = {}
+def tables_of(values: dict[str, Any]) -> tuple[Path, ...]:
+    """Files of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
+    numbers = _tables(values)
+    if not numbers:
+        return ()
+    from hknob_cli.printed.tables import file_of
+
+    return tuple(file_of(number) for number in numbers)
+
+
+def _digests(values: dict[str, Any]) -> dict[str, str]:
+    """Digests of those tables by name."""
+    numbers = _tables(values)
+    if not numbers:
+        return {}
+    from hknob_cli.printed.tables import table_digest
+
+    return {f"table_{number}_sha256": table_digest(number) for number in numbers}
+
+
+def _tables(values: dict[str, Any]) -> list[int]:
+    """Numbers of those tables."""
+    found: set[int] = set()
     for key, value in values.items():
         if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
-            from hknob_cli.printed.tables import table_digest
-
-            found |= {f"table_{number}_sha256": table_digest(number) for number in (value["table"], 10)}
+            found |= {value["table"], 10}
         elif isinstance(value, dict):
-            found |= _tables(value)
-    return found
+            found |= set(_tables(value))
+    return sorted(found)
+
+
+def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
+    """The scene that a file was computed for, in SI numbers; None if it has none that can be read."""
+    from hknob_cli.spec.scene import SceneSpec
+
+    try:
+        return SceneSpec.model_validate(json.loads((metadata or {})[KEY])["spec"]["scene"]).plain()
+    except (KeyError, ValueError, TypeError):
+        return None
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

@@ -110,7 +110,9 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
         if found is None:
             raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
         if found != (stage, name):
-            raise RefusedError(f"{path}: holds the {found[0]} '{found[1]}'; choose another --out for '{name}'")
+            raise RefusedError(
+                f"{path}: holds the {found[0]} '{found[1]}'; choose another --out for '{name}', or remove {path.parent}"
+            )
 
 
 def _origin(path: Path) -> tuple[str, str] | None:
@@ -148,7 +150,7 @@ def write(tables: dict[Path, pa.Table], provenance: bytes, texts: dict[Path, str
         for path, half in halves.items():
             half.replace(path)
     except OSError as error:
-        raise ComputationError(f"{next(iter(tables)).parent}: cannot be written: {error.strerror or error}") from None
+        raise ComputationError(f"{next(iter(halves)).parent}: cannot be written: {error.strerror or error}") from None
     finally:
         for half in halves.values():
             with contextlib.suppress(OSError):

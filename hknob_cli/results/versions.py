@@ -27,7 +27,7 @@ COMPUTING = (
     "identify",
     "stages",
 )
-SHOWING = ("claims", "page")
+SHOWING = ("claims", "report", "page", "cli/report_work.py")
 
 
 @cache
@@ -42,6 +42,8 @@ def source_digest(folders: tuple[str, ...] = COMPUTING) -> str:
 
 
 def _files(folder: Path) -> Iterable[Path]:
+    if folder.is_file():
+        return [folder]
     return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js"})
 
 

@@ -52,6 +52,11 @@ def kind_of(path: Path) -> object:
     return yaml.read(path).value.get("kind")
 
 
+def is_ledger(path: Path) -> bool:
+    """Whether a file is a ledger of claims, which has no kind. Raises as `load`."""
+    return isinstance(yaml.read(path).value.get("claims"), list)
+
+
 def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
     """Read and validate a pipeline; of its stages' specs only that they are named.
 

@@ -16,6 +16,7 @@ from hknob_cli.spec.sweep import Name
 
 FROM = "from"
 ALL = "all"
+RESERVED = ("pytask.lock", "pytask.lock.journal", "pytask.lock.tmp", "pipeline.json")  # in the results folder
 
 
 class StageSpec(Part):
@@ -53,6 +54,10 @@ def validate_pipeline(source: Source) -> PipelinePlan:
     faults: list[Fault] = []
     stages: dict[str, StagePlan] = {}
     for name, stage in spec.stages.items():
+        if name in RESERVED:
+            faults.append(
+                source.fault(("stages", name), "must be another name: this is a file of the run", at_key=True)
+            )
         if (stage.spec is None) == (stage.folder is None) or (stage.folder is not None and stage.set):
             faults.append(source.fault(("stages", name), "must have either spec (and set), or folder", at_key=True))
             continue

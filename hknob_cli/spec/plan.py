@@ -209,10 +209,14 @@ class BenchPlan(NamedTuple):
 
 
 class Sentence(NamedTuple):
-    """Text, and for each ``{name}`` in it the check, its arguments, a factor and a format; without values as it is."""
+    """Text, and for each ``{name}`` in it the check, its arguments, a factor and a format; without values as it is.
+
+    ``where`` it is in its file.
+    """
 
     text: str
     values: dict[str, tuple[str, dict[str, Any], float, str]] = {}  # noqa: RUF012 - never written to
+    where: str = ""
 
 
 class FigurePlan(NamedTuple):
@@ -225,6 +229,7 @@ class FigurePlan(NamedTuple):
     title: str
     caption: Sentence
     alt: str
+    where: str = ""
 
 
 class ChapterPlan(NamedTuple):

@@ -114,25 +114,45 @@ def validate_report(source: Source) -> ReportPlan:
         spec = ReportSpec.model_validate(source.value)
     except ValidationError as error:
         raise SpecError([fault_at(source, ReportSpec, item) for item in error.errors(include_url=False)]) from None
-    faults = [*_anchors(source, spec), *_names(source, spec)]
+    faults = [*_same_names(source, spec), *_anchors(source, spec), *_names(source, spec)]
     if faults:
         raise SpecError(faults)
+
+    def where(*path: str | int) -> str:
+        return str(source.fault(path, "")).removesuffix(": ")
+
     return ReportPlan(
         name=spec.name,
         title=spec.title or spec.name,
         results=spec.folders,
         claims=str(Path(source.name).parent / spec.claims) if spec.claims else None,
         summary=tuple(
-            Sentence(item, {}) if isinstance(item, str) else _sentence(item.text, item.values) for item in spec.summary
+            Sentence(item) if isinstance(item, str) else _sentence(item.text, item.values, where("summary", i))
+            for i, item in enumerate(spec.summary)
         ),
         lead=tuple(spec.lead),
         chapters=tuple(
-            ChapterPlan(chapter.title, chapter.text, tuple(_figure(figure) for figure in chapter.figures))
-            for chapter in spec.chapters
+            ChapterPlan(
+                chapter.title,
+                chapter.text,
+                tuple(_figure(one, where("chapters", i, "figures", j)) for j, one in enumerate(chapter.figures)),
+            )
+            for i, chapter in enumerate(spec.chapters)
         ),
         rerun=tuple(spec.rerun) or (f"hknob report {Path(source.name).name}",),
         values=source.value,
     )
+
+
+def _same_names(source: Source, spec: ReportSpec) -> list[Fault]:
+    """Faults of a list of folders of which two have the same last part."""
+    if isinstance(spec.results, dict) or len(spec.folders) == len(spec.results):
+        return []
+    names = [Path(folder).name for folder in spec.results]
+    again = next(i for i, name in enumerate(names) if name in names[:i])
+    return [
+        source.fault(("results", again), f"must have a name of its own: '{names[again]}' is there; use NAME: FOLDER")
+    ]
 
 
 def _anchors(source: Source, spec: ReportSpec) -> list[Fault]:
@@ -145,7 +165,9 @@ def _anchors(source: Source, spec: ReportSpec) -> list[Fault]:
                 faults.append(source.fault(place, f"must be unique, got '{figure.id}' again"))
             seen.add(figure.id)
     for i, name in enumerate(spec.lead):
-        if spec.chapters and name not in seen:
+        if not spec.chapters:
+            faults.append(source.fault(("lead", i), "must be absent without chapters: the page chooses"))
+        elif name not in seen:
             faults.append(source.fault(("lead", i), f"must be the id of a figure, got '{name}'"))
     return faults
 
@@ -166,22 +188,25 @@ def _names(source: Source, spec: ReportSpec) -> list[Fault]:
 def _placeholders(source: Source, place: Path_, text: str, values: dict[str, ValueSpec]) -> list[Fault]:
     """Faults of one text: names in it without a value, and values that it does not name."""
     try:
-        used = {name for _, name, _, _ in Formatter().parse(text) if name is not None}
+        fields = [field for field in Formatter().parse(text) if field[1] is not None]
     except ValueError as error:
         return [source.fault(place, f"must be text with {{names}}: {error}")]
+    used = {str(name) for _, name, _, _ in fields}
+    odd = [name for _, name, form, conversion in fields if form or conversion or not str(name).isidentifier()]
+    if odd:
+        return [source.fault(place, f"must have {{names}} of letters, digits and '_' only, got {{{odd[0]}}}")]
     return [
         source.fault(place, f"'{name}' {'has no value' if name in used else 'is not in the text'}")
         for name in sorted(used ^ set(values))
     ]
 
 
-def _sentence(text: str, values: dict[str, ValueSpec]) -> Sentence:
-    return Sentence(
-        text, {name: (value.check, value.arguments, value.scale, value.format) for name, value in values.items()}
-    )
+def _sentence(text: str, values: dict[str, ValueSpec], where: str) -> Sentence:
+    found = {name: (value.check, value.arguments, value.scale, value.format) for name, value in values.items()}
+    return Sentence(text, found, where)
 
 
-def _figure(spec: FigureSpec) -> FigurePlan:
+def _figure(spec: FigureSpec, where: str) -> FigurePlan:
     of = (spec.of,) if isinstance(spec.of, str) else tuple(spec.of)
-    caption = _sentence(spec.caption, spec.values)
-    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, caption, spec.alt or spec.title)
+    caption = _sentence(spec.caption, spec.values, where)
+    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, caption, spec.alt or spec.title, where)

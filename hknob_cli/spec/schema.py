@@ -12,12 +12,13 @@ def json_schema(kind: str) -> dict[str, Any]:
     """JSON Schema (2020-12) of one kind of spec. Raises `UsageError` for an unknown kind."""
     schema = spec_model(kind).model_json_schema()
     conditions = [_axis_unless(*one) for one in _NOT_NEEDED] if "grid" in schema["properties"] else []
-    return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": f"hknob {kind} spec",
-        **{key: value for key, value in schema.items() if key != "title"},
-        **({"allOf": conditions} if conditions else {}),
-    }
+    return {**titled(schema, f"hknob {kind} spec"), **({"allOf": conditions} if conditions else {})}
+
+
+def titled(schema: dict[str, Any], title: str) -> dict[str, Any]:
+    """A schema with its dialect and a title of its own."""
+    rest = {key: value for key, value in schema.items() if key != "title"}
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": title, **rest}
 
 
 def _axis_unless(axis: str, part: str, value: str) -> dict[str, Any]:

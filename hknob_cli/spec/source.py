@@ -74,6 +74,8 @@ def read(path: Path) -> Source:
 
     Raises `UsageError` if it cannot be read at all, `SpecError` for bad YAML, duplicate keys, foreign tags.
     """
+    if path.is_dir():
+        raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
     try:
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)

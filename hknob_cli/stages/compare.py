@@ -5,7 +5,7 @@ describing functions with the *peak to peak* of its simulations (sec. 7.3), so t
 """
 
 import hashlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +16,8 @@ import pyarrow.parquet as pq
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.results.provenance import origin
-from hknob_cli.spec.plan import Axes, Cell, cells
+from hknob_cli.results.provenance import origin, scene_of
+from hknob_cli.spec.plan import Axes, Cell, Scene, cells
 
 COLUMNS = (
     Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak, mean of the trials that cycle"),
@@ -45,6 +45,32 @@ def sweep_file(folder: str) -> Path:
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
     return hashlib.sha256(sweep_file(folder).read_bytes()).hexdigest()
+
+
+def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
+    """What is different in the sweep's scene, as ``wall.stiffness 0.8, here 0.45``; axes and the bias apart.
+
+    The bias is what describing functions and laws assume, whatever the sweep's is. Raises `UsageError`.
+    """
+    with pq.ParquetFile(sweep_file(folder)) as file:
+        theirs = scene_of(file.schema_arrow.metadata)
+    return list(_differences(theirs, scene, "", {*axes, "bias"})) if theirs is not None else []
+
+
+def _differences(theirs: Any, ours: Any, path: str, left_out: set[str]) -> Iterator[str]:
+    """Differences of two parts of a scene, by dotted path."""
+    for name in ours._fields:
+        where, one, other = f"{path}{name}", getattr(theirs, name), getattr(ours, name)
+        if where in left_out or one == other:
+            continue
+        if hasattr(one, "_fields") and hasattr(other, "_fields"):
+            yield from _differences(one, other, f"{where}.", left_out)
+        else:
+            yield f"{where} {_said(one)}, here {_said(other)}"
+
+
+def _said(value: Any) -> str:
+    return "none" if value is None else "something" if hasattr(value, "_fields") else f"{value}"
 
 
 _INSIDE = "_in_domain"

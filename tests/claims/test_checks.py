@@ -47,7 +47,7 @@ def value(name: str, **arguments: object) -> float | None:
 def test_arithmetic_binds_names_to_places_numbers_and_each_other() -> None:
     where = {"K": [7, "K", "value"], "k": [7, "k", "value"], "n": 2, "sum": "K + k"}
     assert value("arithmetic", expression="n * sum", where=where) == pytest.approx(0.70)
-    with pytest.raises(TypeError, match="unknown name 'later'"):
+    with pytest.raises(UsageError, match="unknown name 'later'"):
         value("arithmetic", expression="a", where={"a": "later", "later": 1})
     with pytest.raises(UsageError, match="table 7 has no number at 'q'"):
         value("arithmetic", expression="q", where={"q": [7, "q", "value"]})
@@ -109,7 +109,7 @@ def test_block_margins_and_totals() -> None:
     assert deviation == pytest.approx(sqrt(2) - 1.4)
     assert value("largest_total_error", table_number=9, total="TOTALS") == 0.25
     assert value("largest_total_error", table_number=9, total="screw", rows=2) == 1.0
-    with pytest.raises(TypeError, match="the last row read of table 9 is 'TOTALS'"):
+    with pytest.raises(UsageError, match="the last row read of table 9 is 'TOTALS'"):
         value("largest_total_error", table_number=9, total="SUM")
 
 

@@ -48,7 +48,7 @@ def test_without_results_nothing_that_needs_one_is_decided(ledger: Ledger) -> No
 def test_an_argument_that_a_computation_lacks_is_a_mistake_of_the_ledger(ledger: Ledger) -> None:
     claim = by_id(ledger, "sec-9.3-constant")
     wrong = claim.model_copy(update={"arguments": {**claim.arguments, "lawn": "green"}, "readings": []})
-    with pytest.raises(UsageError, match=r"sec-9.3-constant: law_constant: .*lawn"):
+    with pytest.raises(UsageError, match=r"sec-9.3-constant: law_constant cannot use .*lawn"):
         judge_claim(wrong, Evidence({}))
 
 

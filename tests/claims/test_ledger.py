@@ -1,5 +1,7 @@
 """The ledger as a file: its faults, each with its place."""
 
+import re
+
 import pytest
 
 from hknob_cli.errors import SpecError, UsageError
@@ -20,7 +22,11 @@ GOOD = """\
 @pytest.mark.parametrize(
     ("old", "new", "fault"),
     [
-        ("check: arithmetic", "check: arithmetik", "7:12: claims[0].check: unknown key; did you mean 'arithmetic'?"),
+        (
+            "check: arithmetic",
+            "check: arithmetik",
+            "7:12: claims[0].check: unknown check 'arithmetik'; did you mean",
+        ),
         (
             "check: arithmetic",
             "check: arithmetic\n    untestable: no",
@@ -57,7 +63,10 @@ def test_every_fault_is_told_at_once(ledger) -> None:
 def test_arguments_a_check_does_not_take_are_faults_of_the_claim(ledger) -> None:
     from hknob_cli.claims.verdict import judge
 
-    for arguments in ("{}", "{expression: 2 + q}", "{expression: 1, wher: {}}", "{expression: 1/0}"):
+    for arguments in ("{expression: 2 + q}", "{expression: 1/0}", "{expression: 5}", "{expression: 1, where: [1]}"):
         claims = ledger(GOOD.replace("{expression: 2 + 2}", arguments))
-        with pytest.raises(UsageError, match="claim sum: arithmetic: "):
+        with pytest.raises(UsageError, match="claim sum: arithmetic cannot use "):
             judge(claims, Evidence({}))
+    for arguments, wrong in (("{}", "needs expression"), ("{expression: 1, wher: {}}", "did you mean 'where'?")):
+        with pytest.raises(UsageError, match=rf"claims\.yaml:7:12: .*{re.escape(wrong)}"):
+            ledger(GOOD.replace("{expression: 2 + 2}", arguments))

@@ -150,3 +150,13 @@ def test_a_law_without_a_frequency_beside_a_sweep(hknob, spec_file, tmp_path: Pa
     done = hknob("predict", spec, "-o", "out3", "--set", "against=wide")
     assert done.returncode == 2
     assert "further axes" in done.stderr
+
+
+def test_a_sweep_of_another_scene_is_said(hknob, spec_file, tmp_path: Path) -> None:
+    hknob("sweep", spec_file(SPEC.replace("0.27", "0.8")), "-o", "sweep")
+    text = SPEC.replace("kind: sweep", "kind: predict").partition("starts:")[0] + "against: sweep\n"
+    done = hknob("predict", spec_file(text, "laws.yaml"), "-o", "laws")
+    assert done.returncode == 0
+    assert "the sweep in sweep is of another scene: wall.stiffness 0.8, here 0.27" in done.stderr
+    same = hknob("predict", spec_file(text.replace("0.27", "0.8").replace("0.001", "0.002"), "laws.yaml"), "-o", "same")
+    assert same.stderr == ""

@@ -129,8 +129,37 @@ BAD = {
     "no value": ("{most} mrad", "{least} mrad", "summary[1]: 'least' has no value"),
     "open brace": ("{most} mrad", "{most mrad", "summary[1]: must be text with {names}"),
     "unknown check": ("check: cell_statistic", "check: cell_statistics", "did you mean 'cell_statistic'?"),
-    "wrong argument": ("statistic: largest", "statistics: largest", "unexpected keyword argument 'statistics'"),
-    "wrong option": ("with: {column: p2p_rad}", "with: {colour: red}", "figure fig-size: grid_map: "),
+    "wrong argument": (
+        "statistic: largest",
+        "statistics: largest",
+        "unknown argument 'statistics'; did you",
+    ),
+    "no argument": (
+        ", column: p2p_rad, statistic",
+        ", statistic",
+        "page.yaml:8:5: summary[1]: most: cell_statistic: needs",
+    ),
+    "wrong statistic": ("statistic: largest", "statistic: middle", "summary[1]: most: "),
+    "odd value": ("statistic: largest", "statistic: [1]", "summary[1]: most: "),
+    "wrong option": (
+        "with: {column: p2p_rad}",
+        "with: {colum: red}",
+        "page.yaml:17:9: chapters[0].figures[0]: grid_map: ",
+    ),
+    "odd option": (
+        "with: {column: p2p_rad}",
+        "with: {scale: [1]}",
+        "chapters[0].figures[0]: grid_map of",
+    ),
+    "of nothing": (
+        "of: mine, with: {column: p2p_rad}",
+        "of: []",
+        "chapters[0].figures[0]: grid_map of",
+    ),
+    "attribute": ("{most} mrad", "{most.__class__} mrad", "must have {names} of letters, digits and '_' only"),
+    "conversion": ("{most} mrad", "{most!r} mrad", "must have {names} of letters, digits and '_' only"),
+    "its own folder": ("results/small", "results/page", "results/page is where the report itself goes"),
+    "ghost": ("lead: [fig-size]\nchapters:", "lead: [fig-size]\nnothing:", "nothing: unknown key"),
     "unknown key": ("title: A page", "titel: A page", "titel: unknown key; did you mean 'title'?"),
 }
 

@@ -177,3 +177,64 @@ def test_a_stage_that_fails_stops_what_hangs_on_it_and_nothing_else(hknob, pipel
     assert "not reached: laws" in done.stderr
     assert (tmp_path / "results" / "two" / "other" / "cells.parquet").exists()
     assert "Traceback" not in done.stderr
+
+
+def test_results_given_as_folders_are_seen_to_change(hknob, pipeline: Path, tmp_path: Path) -> None:
+    """Those of no stage: a folder to compare with, a source, a report's list; a file more in one of them."""
+    hknob("sweep", "specs/sweep.yaml", "-o", "measured")
+    (tmp_path / "specs" / "page.yaml").write_text("kind: report\nname: page\nresults: [measured]\n")
+    pipeline.write_text(
+        "kind: pipeline\nname: two\nstages:\n  source: {folder: ../measured}\n"
+        "  laws: {spec: predict.yaml, set: {against: measured}}\n"
+        "  page: {spec: page.yaml}\n  other: {spec: page.yaml, set: {results: {from: source}}}\n"
+    )
+    everything = {"laws", "page", "other"}
+    assert set(statuses(hknob("run", pipeline, "--json"))) == everything
+    assert set(statuses(hknob("run", pipeline, "--json")).values()) == {"up to date"}
+    hknob("sweep", "specs/sweep.yaml", "-o", "measured", "--set", "starts.phases=3")
+    again = statuses(hknob("run", pipeline, "--json"))
+    assert {name for name, status in again.items() if status == "computed"} == everything
+    (tmp_path / "measured" / "more.parquet").write_bytes((tmp_path / "measured" / "cells.parquet").read_bytes())
+    assert "page: would run" in hknob("run", pipeline, "--dry-run").stdout
+    assert statuses(hknob("run", pipeline, "--json"))["page"] == "computed"
+
+
+def test_the_same_words_elsewhere_are_another_pipeline(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline, "-o", "out")
+    shutil.copytree(pipeline.parent, tmp_path / "moved")
+    (tmp_path / "moved" / "sweep.yaml").write_text(SPEC.replace("0.27", "0.3"))
+    assert statuses(hknob("run", "moved/pipeline.yaml", "-o", "out", "--json"))["grid"] == "computed"
+
+
+def test_a_moved_folder_says_where_its_files_are(hknob, pipeline: Path, tmp_path: Path) -> None:
+    hknob("run", pipeline, "-o", "out/deeper")
+    (tmp_path / "out").rename(tmp_path / "moved")
+    for stage in json.loads(hknob("run", pipeline, "-o", "moved/deeper", "--json").stdout)["stages"]:
+        assert all((tmp_path / file).exists() for file in stage["files"])
+
+
+def test_figures_of_a_page_that_lists_none_are_made_again(hknob, pipeline: Path, tmp_path: Path) -> None:
+    grid = SPEC.replace("[1000]", "[500, 1000]").replace("[1024]", "[512, 1024]")
+    (pipeline.parent / "sweep.yaml").write_text(grid)
+    (pipeline.parent / "page.yaml").write_text("kind: report\nname: page\nresults: [grid]\n")
+    pipeline.write_text(
+        "kind: pipeline\nname: two\nstages:\n  grid: {spec: sweep.yaml}\n"
+        "  page: {spec: page.yaml, set: {results: {from: [grid]}}}\n"
+    )
+    hknob("run", pipeline)
+    figures = sorted((tmp_path / "results/two/page/figures").iterdir())
+    assert len(figures) == 2
+    assert "hknob run pipeline.yaml" in (tmp_path / "results/two/page/report.html").read_text()
+    figures[0].unlink()
+    assert statuses(hknob("run", pipeline, "--json")) == {"grid": "up to date", "page": "computed"}
+    assert figures[0].exists()
+
+
+def test_a_plan_touches_nothing(hknob, pipeline: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    hknob("run", pipeline, "-o", "out", "--dry-run")
+    assert not list((tmp_path / "out").iterdir())
+    hknob("run", pipeline, "-o", "out")
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")}
+    hknob("run", pipeline, "-o", "out", "--explain", "--force")
+    assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == before

@@ -113,7 +113,10 @@ def test_a_second_run_on_one_folder_is_refused(hknob, tmp_path: Path) -> None:
     assert "another run is writing here" in second.stderr
 
 
-@pytest.mark.parametrize("damage", ["", "lock-version = 1\n[[", "\x00\x00", 'lock-version = "99"\ntask = []\n'])
+@pytest.mark.parametrize(
+    "damage",
+    ["", "lock-version = 1\n[[", "\x00\x00", 'lock-version = "99"\ntask = []\n', 'lock-version = "1"\ntask = 3\n'],
+)
 def test_a_damaged_record_costs_no_result(hknob, spec_file, tmp_path: Path, damage: str) -> None:
     spec = spec_file()
     hknob("run", spec, "-o", "out")
@@ -124,7 +127,18 @@ def test_a_damaged_record_costs_no_result(hknob, spec_file, tmp_path: Path, dama
     assert done.returncode == 0, done.stderr
     assert results(tmp_path / "out") == before
     assert (tmp_path / "out" / "sweep" / "cells.parquet").stat().st_mtime_ns == stamp
+    assert "1 up to date" in done.stdout
     assert "up to date" in hknob("run", spec, "-o", "out").stdout
+
+
+@pytest.mark.parametrize("damage", ["", "{}", "[]", '{"name": 3}', "\x00"])
+def test_a_damaged_note_of_the_last_run_costs_nothing(hknob, spec_file, tmp_path: Path, damage: str) -> None:
+    spec = spec_file()
+    hknob("run", spec, "-o", "out")
+    (tmp_path / "out" / "pipeline.json").write_text(damage)
+    (tmp_path / "out" / "pytask.lock.journal").write_text("junk")
+    assert "1 up to date" in hknob("run", spec, "-o", "out").stdout
+    assert not (tmp_path / "out" / "pytask.lock.journal").exists()
 
 
 def test_a_folder_that_cannot_be_written(hknob, spec_file, tmp_path: Path) -> None:
@@ -160,6 +174,7 @@ BAD = {
         "stages: {a: {spec: s.yaml, set: {scene.wall.stiffness: -1}}}\n",
         "set scene.wall.stiffness=-1: scene.wall.stiffness: must be >= 0, got -1",
     ),
+    "reserved name": ("stages: {pytask.lock: {spec: s.yaml}}\n", 'stages["pytask.lock"]: must be another name'),
     "bad name": ("stages: {'../a': {spec: s.yaml}}\n", "must match pattern"),
     "empty from": ("stages: {a: {spec: s.yaml, set: {against: {from: []}}}}\n", "must be {from: STAGE}, a list"),
 }

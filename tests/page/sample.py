@@ -32,7 +32,8 @@ READINGS = (
 
 def claim(**values: Any) -> dict[str, Any]:
     """A row of claims.parquet; what is not given is empty."""
-    empty = {column.name: None if column.name in ("printed", "computed") else "" for column in COLUMNS}
+    numbers = {"printed": None, "computed": None, "agreeing": 0, "allowed": 0}
+    empty = {column.name: numbers.get(column.name, "") for column in COLUMNS}
     return {**empty, "claim": "a", "place": "sec. 1.1", "says": "It buzzes.", "verdict": REPRODUCED, **values}
 
 
@@ -57,6 +58,9 @@ def claims(count: int = 100) -> tuple[dict[str, Any], ...]:
                 verdict=verdict,
                 tolerance="holds: within 5 %; differs: within 10 %" if tested else "",
                 because="three digits are printed" if tested else "the recording is not published",
+                agreeing=1 if tested else 0,
+                allowed=2 if tested else 0,
+                data="main-grid, predict" if tested else "",
                 readings=readings if tested else "",
                 finding="Trials choose among coexisting cycles, and a mean is one number for them all."
                 if i % 4

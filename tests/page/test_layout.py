@@ -122,6 +122,9 @@ def test_a_row_says_what_was_found() -> None:
         verdict="differs",
         readings="c: -16.25 %, contradicted; a; b: -58.12 %, differs; d: 1 %, reproduced (not allowed: odd; see 7.3)",
         figure="one",
+        agreeing=1,
+        allowed=2,
+        data="r, lost",
     )
     drawn = Drawn("one", "Title", "Caption", '<svg viewBox="0 0 10 5"><g id="one-1"></g></svg>', "Words", ("r", "lost"))
     source = Source("r", "sweep", ("r/cells.parquet",), "abc", ("k=1",), {"kind": "sweep"})
@@ -138,7 +141,8 @@ def test_a_row_says_what_was_found() -> None:
         "d: 1 %, reproduced (not allowed: odd; see 7.3)",
     ]
     assert f"<b>a; b: {MINUS}58.12 %, differs</b>" in text
-    assert 'data: <a href="#source-r">r</a>, lost' in text
+    assert "differs<small>in 1 of 2 readings</small>" in text
+    assert 'Data: <a href="#source-r">r</a>, lost' in text
     assert '<a class="id" href="#claim-7.3-x">' in text
     assert 'href="figures/one.svg" download' in text
 

@@ -7,10 +7,13 @@ A computation returns a float (a flag counts as 1 or 0), or None where the quant
 from collections.abc import Callable
 from functools import cache
 from importlib import import_module
+from inspect import Parameter, signature
 from pkgutil import iter_modules
 from typing import Any
 
+from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import Evidence
+from hknob_cli.spec.messages import nearest
 
 Check = Callable[..., float | bool | None]
 
@@ -32,7 +35,32 @@ def known() -> dict[str, Check]:
     return CHECKS
 
 
+def argument_fault(function: Callable[..., Any], given: dict[str, Any], *, before: int) -> str | None:
+    """What is wrong with keyword arguments, whatever their values; None if nothing is.
+
+    The first ``before`` parameters are not the user's.
+    """
+    names = list(signature(function).parameters.values())[before:]
+    allowed = [one.name for one in names]
+    for name in given:
+        if name not in allowed:
+            return nearest(name, allowed).replace("unknown key", f"unknown argument '{name}'")
+    lacking = [one.name for one in names if one.default is Parameter.empty and one.name not in given]
+    return f"needs {', '.join(lacking)}" if lacking else None
+
+
+def check_fault(name: str, given: dict[str, Any]) -> str | None:
+    """What is wrong with a computation's name or arguments; None if nothing is."""
+    if name not in known():
+        return nearest(name, sorted(known())).replace("unknown key", f"unknown check '{name}'")
+    wrong = argument_fault(known()[name], given, before=1)
+    return f"{name}: {wrong}" if wrong else None
+
+
 def compute(name: str, evidence: Evidence, arguments: dict[str, Any]) -> float | None:
-    """Value of a computation. Raises `MissingError`, and `TypeError` for arguments it does not take."""
-    value = known()[name](evidence, **arguments)
-    return None if value is None else float(value)
+    """Value of a computation. Raises `MissingError`, and `UsageError` for arguments that it cannot use."""
+    try:
+        value = known()[name](evidence, **arguments)
+        return None if value is None else float(value)
+    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+        raise UsageError(f"{name} cannot use {arguments}: {error}") from error

@@ -52,8 +52,13 @@ def drawing(function: Drawing) -> Drawing:
     return function
 
 
-def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
-    """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+def drawing_of(name: str) -> Drawing:
+    """The drawing of a name, its module loaded."""
     if name not in DRAWINGS:
         import_module(f"{__name__}.{MODULES[name]}")
-    return DRAWINGS[name](evidence, of, **options)
+    return DRAWINGS[name]
+
+
+def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
+    """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+    return drawing_of(name)(evidence, of, **options)

@@ -56,9 +56,9 @@ class Grid(NamedTuple):
 
 
 def rows_of(result: Result, where: Row | None = None) -> Rows:
-    """Rows of the result's table of cells: of the first method or law, unless ``where`` says which.
+    """Rows of the result's table of cells; ``where`` says of which method or law, where there are several.
 
-    Raises `MissingError` for a result without cells, and where nothing is left.
+    Raises `MissingError` for a result without cells, where nothing is left, and where several are.
     """
     if result.stage not in _TABLES:
         raise MissingError(f"'{result.name}' is of stage {result.stage}, which has no grid")
@@ -66,7 +66,9 @@ def rows_of(result: Result, where: Row | None = None) -> Rows:
     chosen = dict(where or {})
     choice = _CHOICES.get(result.stage)
     if choice and rows:
-        chosen.setdefault(choice, rows[0][choice])
+        several = list(dict.fromkeys(row[choice] for row in rows))
+        if choice not in chosen and len(several) > 1:
+            raise MissingError(f"'{result.name}' has several; choose by where: {{{choice}: ...}}, of {several}")
     for name, value in chosen.items():
         _known(rows, name, result)
         rows = [row for row in rows if row[name] == value]
