@@ -7,14 +7,17 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.compute as compute
 
+from hknob_cli.recordings.faults import MOST
 from hknob_cli.recordings.trial import Array
 from hknob_cli.spec.messages import shown
 
+_MISSING = ["", "na", "nan", "null", "n/a", "none"]
+
 
 class Bad(NamedTuple):
-    """A cell that is wrong: its place in the array, and the value as it is shown."""
+    """A cell that is wrong: its row in the array, and the value as it is shown."""
 
-    index: int
+    row: int
     value: str
 
 
@@ -23,6 +26,15 @@ class Names(NamedTuple):
 
     values: list[str]
     codes: np.ndarray[Any, np.dtype[np.int32]]
+
+    def at(self, row: int) -> str:
+        """Name of a row."""
+        return self.values[int(self.codes[row])]
+
+    def empty(self) -> np.ndarray[Any, np.dtype[np.int64]]:
+        """Rows without a name."""
+        nameless = [code for code, value in enumerate(self.values) if not value]
+        return np.flatnonzero(np.isin(self.codes, nameless)) if nameless else np.empty(0, dtype=np.int64)
 
 
 def numbers(cells: pa.Array) -> Array:
@@ -40,12 +52,16 @@ def numbers(cells: pa.Array) -> Array:
 
 
 def bad_cells(cells: pa.Array, values: Array, *, may_miss: bool = False) -> Iterator[Bad]:
-    """Cells that are not finite numbers; ``may_miss`` allows empty ones."""
-    for index in np.flatnonzero(~np.isfinite(values)):
+    """First cells that are not finite numbers, no more than are listed; ``may_miss`` allows missing ones and NaN."""
+    wrong = np.isinf(values) if may_miss else ~np.isfinite(values)
+    if may_miss and _is_text(cells.type):
+        lower = compute.utf8_lower(compute.utf8_trim_whitespace(cells.cast(pa.string())))
+        missing = compute.is_in(lower, value_set=pa.array(_MISSING)).to_numpy(zero_copy_only=False)
+        wrong |= np.isnan(values) & ~missing & ~cells.is_null().to_numpy(zero_copy_only=False)
+    for index in np.flatnonzero(wrong)[: MOST + 1]:
         cell = cells[int(index)].as_py()
         empty = cell is None or (isinstance(cell, str) and not cell.strip())
-        if not (empty and may_miss):
-            yield Bad(int(index), "nothing" if empty else shown(cell))
+        yield Bad(int(index), "nothing" if empty else shown(cell))
 
 
 def names(cells: pa.Array) -> Names:
@@ -78,4 +94,4 @@ def _parsed(texts: pa.Array) -> pa.Array:
 def _is_text(kind: pa.DataType) -> bool:
     if pa.types.is_dictionary(kind):
         kind = kind.value_type
-    return pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_string_view(kind)
+    return any(test(kind) for test in (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view))

@@ -38,11 +38,16 @@ class Faults:
     def __init__(self, file: str) -> None:
         self.file = file
         self._found: list[RowFault] = []
+        self._of_rows: list[RowFault] = []
         self._said: set[tuple[str, str]] = set()
 
     def add(self, row: int, column: str, message: str) -> None:
         """Note a fault."""
         self._found.append(RowFault(self.file, row, column, message))
+
+    def add_row(self, row: int, message: str) -> None:
+        """Note a fault of a row as a whole, ``row`` as the file counts it."""
+        self._of_rows.append(RowFault(self.file, row, "", message))
 
     def add_once(self, rule: str, row: int, column: str, message: str) -> None:
         """Note a fault that one mistake makes in every row, such as a wrong unit: only the first of a column."""
@@ -50,18 +55,23 @@ class Faults:
             self._said.add((rule, column))
             self.add(row, column, message)
 
+    def has(self, column: str) -> bool:
+        """Whether a fault of ``column`` was noted."""
+        return any(fault.column == column for fault in self._found)
+
     @property
     def full(self) -> bool:
         """Whether there are more than are listed; reading on tells nothing."""
         return len(self._found) > MOST
 
     def listed(self, lost: Sequence[int] = ()) -> list[RowFault]:
-        """All faults by row, where the rows ``lost`` (counted as in the file) were left out in counting the others."""
+        """All faults by row, where the rows ``lost`` (as the file counts them) were left out in counting the others."""
         found = [fault._replace(row=_in_file(fault.row, lost)) for fault in self._found]
+        found += self._of_rows
         return sorted(found, key=lambda fault: fault.row)
 
     def __bool__(self) -> bool:
-        return bool(self._found)
+        return bool(self._found or self._of_rows)
 
 
 def _in_file(row: int, lost: Sequence[int]) -> int:

@@ -3,21 +3,19 @@
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
-from hknob_cli.recordings.cells import Names, bad_cells, names, numbers
+from hknob_cli.recordings.blocks import Block, blocks
 from hknob_cli.recordings.checks import check_trial
-from hknob_cli.recordings.columns import LIMITS, MEASURED_TORQUE, OPTIONAL, REQUIRED, SAMPLES, TEXTS
+from hknob_cli.recordings.columns import MEASURED_TORQUE, OPTIONAL, REQUIRED, SAMPLES
 from hknob_cli.recordings.faults import Faults, RecordingError, RowFault
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
 from hknob_cli.spec.messages import closest
 
-_WHOLE = ("block", "trial")
-_LARGEST_WHOLE = 2.0**53
+_SAMPLES = tuple(column.name for column in (*SAMPLES, MEASURED_TORQUE))
 
 
 def read(paths: Iterable[Path | str]) -> list[Trial]:
@@ -85,30 +83,8 @@ def _trials_of(file: RecordingFile, raw: dict[str, str], faults: Faults, lost: l
     trials = _gathered(file.texts(raw), faults)
     for row, cells, expected in file.lost:
         lost.append(row)
-        faults.add(-row, "", f"has {cells} cells; must have {expected}, as the header")
+        faults.add_row(row, f"has {cells} cells; must have {expected}, as the header")
     return trials
-
-
-class _Block(NamedTuple):
-    """Consecutive rows as numbers and names; ``first`` is the row of the first."""
-
-    first: int
-    numbers: dict[str, Array]
-    names: dict[str, Names]
-
-    def key(self, index: int) -> Key:
-        """Key of a row."""
-        subject, experiment = (self.names[name].values[self.names[name].codes[index]] for name in TEXTS)
-        grip, block, trial = (float(self.numbers[name][index]) for name in ("grip_target_n", *_WHOLE))
-        return Key(subject, experiment, grip, int(block), int(trial))
-
-    def starts(self) -> list[int]:
-        """Rows of this block at which the key changes, and the first."""
-        changes = np.zeros(len(self.numbers["time_s"]), dtype=bool)
-        changes[:1] = True
-        for values in (*(self.numbers[name] for name in ("grip_target_n", *_WHOLE)), *(n.codes for n in self.names.values())):
-            changes[1:] |= values[1:] != values[:-1]
-        return [int(start) for start in np.flatnonzero(changes)]
 
 
 def _gathered(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> list[Trial]:
@@ -116,9 +92,9 @@ def _gathered(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> list[Tr
     trials: list[Trial] = []
     seen: dict[Key, Trial] = {}
     rows = 0
-    for trial in _runs(_blocks(batches, faults), faults.file):
+    for whole in _runs(blocks(batches, faults), faults.file):
+        trial = _with_measured(whole, faults)
         rows += trial.time_s.size
-        trial = _with_measured(trial, faults)  # noqa: PLW2901
         check_trial(trial, faults)
         twin = seen.setdefault(trial.key, trial)
         if twin is not trial:
@@ -134,56 +110,12 @@ def _gathered(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> list[Tr
     return trials
 
 
-def _blocks(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> Iterator[_Block]:
-    """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before."""
-    first = 1
-    for batch in batches:
-        reals: dict[str, Array] = {}
-        texts: dict[str, Names] = {}
-        for name, cells in batch.items():
-            if name in TEXTS:
-                texts[name] = names(cells)
-                empty = [code for code, value in enumerate(texts[name].values) if not value]
-                for index in np.flatnonzero(np.isin(texts[name].codes, empty)) if empty else ():
-                    faults.add(first + int(index), name, "must be text or a whole number, got nothing")
-                continue
-            reals[name] = numbers(cells)
-            if not np.isfinite(reals[name]).all():
-                for bad in bad_cells(cells, reals[name], may_miss=name in OPTIONAL):
-                    faults.add(first + bad.index, name, f"must be a finite number, got {bad.value}")
-            if name in _WHOLE:
-                _check_whole(name, reals[name], first, faults)
-            if name in _WHOLE or (name in LIMITS and name not in {c.name for c in SAMPLES} and name not in OPTIONAL):
-                reals[name] = _filled(reals[name])
-        if faults.full:
-            return
-        if len(reals["time_s"]):
-            yield _Block(first, reals, texts)
-        first += len(reals["time_s"])
-
-
-def _check_whole(name: str, values: Array, first: int, faults: Faults) -> None:
-    with np.errstate(invalid="ignore"):
-        whole = (values == np.floor(values)) & (values >= 0.0) & (values < _LARGEST_WHOLE)
-    for index in np.flatnonzero(np.isfinite(values) & ~whole):
-        faults.add(first + int(index), name, f"must be a whole number >= 0, got {values[index]:g}")
-
-
-def _filled(values: Array) -> Array:
-    """Values with each that is not finite replaced by the one before it, so that a bad cell does not part a trial."""
-    good = np.isfinite(values)
-    if good.all():
-        return values
-    last = np.maximum.accumulate(np.where(good, np.arange(values.size), 0))
-    return np.nan_to_num(values[last], nan=0.0, posinf=0.0, neginf=0.0)
-
-
-def _runs(blocks: Iterable[_Block], source: str) -> Iterator[Trial]:
+def _runs(rows: Iterable[Block], source: str) -> Iterator[Trial]:
     """Rows of one key in a row, as trials."""
     key: Key | None = None
     first = 1
     pieces: list[dict[str, Array]] = []
-    for block in blocks:
+    for block in rows:
         for start, stop in pairwise([*block.starts(), len(block.numbers["time_s"])]):
             here = block.key(start)
             if key is not None and here != key:
@@ -198,11 +130,8 @@ def _runs(blocks: Iterable[_Block], source: str) -> Iterator[Trial]:
 
 def _joined(key: Key, pieces: list[dict[str, Array]], source: str, first: int) -> Trial:
     """Trial of its pieces, in memory of its own."""
-    samples = [np.concatenate([piece[column.name] for piece in pieces]) for column in SAMPLES]
-    measured = None
-    if MEASURED_TORQUE.name in pieces[0]:
-        measured = np.concatenate([piece[MEASURED_TORQUE.name] for piece in pieces])
-    return Trial(key, *samples, measured_torque_nm=measured, source=source, first_row=first)
+    samples = {name: np.concatenate([piece[name] for piece in pieces]) for name in _SAMPLES if name in pieces[0]}
+    return Trial(key=key, **samples, source=source, first_row=first)
 
 
 def _with_measured(trial: Trial, faults: Faults) -> Trial:
@@ -212,7 +141,7 @@ def _with_measured(trial: Trial, faults: Faults) -> Trial:
     holes = np.flatnonzero(np.isnan(trial.measured_torque_nm))
     if holes.size == trial.time_s.size:
         return trial._replace(measured_torque_nm=None)
-    if holes.size:
+    if holes.size and not faults.has(MEASURED_TORQUE.name):
         message = f"nothing in {holes.size} rows of this trial; must be in all of them, or in none"
         faults.add(trial.first_row + int(holes[0]), MEASURED_TORQUE.name, message)
     return trial

@@ -69,18 +69,18 @@ def _repeated(values: Sequence[str], lengths: np.ndarray[Any, np.dtype[np.int64]
     pieces = [value.encode() for value in values]
     sizes = np.repeat(np.array([len(piece) for piece in pieces], dtype=np.int64), lengths)
     ends = np.concatenate([[0], np.cumsum(sizes)])
-    kind = pa.string()
-    if ends[-1] >= 2**31:  # more than offsets of 32 bits reach
-        kind = pa.large_string()
     content = b"".join(piece * int(length) for piece, length in zip(pieces, lengths, strict=True))
-    offsets = ends.astype(np.int32 if kind == pa.string() else np.int64)
-    return pa.Array.from_buffers(kind, len(sizes), [None, pa.py_buffer(offsets), pa.py_buffer(content)])
+    buffers = [None, pa.py_buffer(ends.astype(np.int32)), pa.py_buffer(content)]
+    return pa.Array.from_buffers(pa.string(), len(sizes), buffers)
 
 
 def _measured(trials: Sequence[Trial], lengths: np.ndarray[Any, np.dtype[np.int64]]) -> pa.Array:
     there = np.repeat(np.array([trial.measured_torque_nm is not None for trial in trials]), lengths)
     values = _chained(
-        [np.zeros(trial.time_s.size) if trial.measured_torque_nm is None else trial.measured_torque_nm for trial in trials]
+        [
+            np.zeros(trial.time_s.size) if trial.measured_torque_nm is None else trial.measured_torque_nm
+            for trial in trials
+        ]
     )
     valid = None if there.all() else pa.py_buffer(np.packbits(there, bitorder="little"))
     return _plain(MEASURED_TORQUE.type, values, valid)
