@@ -1,7 +1,7 @@
 """Rows of a recording in blocks: cells made numbers and names, and where one trial ends and the next begins."""
 
 from collections.abc import Iterable, Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -33,7 +33,9 @@ class Block(NamedTuple):
         """Rows of this block at which the key changes, and the first."""
         changes = np.zeros(len(self.numbers["time_s"]), dtype=bool)
         changes[:1] = True
-        for values in (*(self.numbers[name] for name in _NUMBERS), *(column.codes for column in self.names.values())):
+        keys: list[np.ndarray[Any, Any]] = [self.numbers[name] for name in _NUMBERS]
+        keys += [column.codes for column in self.names.values()]
+        for values in keys:
             changes[1:] |= values[1:] != values[:-1]
         return [int(start) for start in np.flatnonzero(changes)]
 
@@ -64,7 +66,8 @@ def blocks(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> Iterator[B
 def _check_whole(name: str, values: Array, first: int, faults: Faults) -> None:
     with np.errstate(invalid="ignore"):
         whole = (values == np.floor(values)) & (values >= 0.0) & (values < _LARGEST_WHOLE)
-    for index in np.flatnonzero(np.isfinite(values) & ~whole)[: MOST + 1]:
+    same = np.concatenate([[False], values[1:] == values[:-1]])  # said once, not in every row of a trial
+    for index in np.flatnonzero(np.isfinite(values) & ~whole & ~same)[: MOST + 1]:
         faults.add(first + int(index), name, f"must be a whole number >= 0, got {values[index]:g}")
 
 

@@ -43,8 +43,7 @@ def _check_time(trial: Trial, faults: Faults) -> None:
 
 def _check_size(column: str, values: Array, first: int, faults: Faults) -> None:
     limit = LIMITS[column]
-    with np.errstate(invalid="ignore"):
-        over = np.flatnonzero(np.abs(values) > limit.most)
+    over = np.flatnonzero((np.abs(values) > limit.most) & ~np.isinf(values))
     if over.size:
         at = int(over[0])
         message = f"must be within {limit.most:g} {limit.unit}, got {values[at]:g}: is it in {limit.likely}?"

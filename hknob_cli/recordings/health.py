@@ -20,9 +20,7 @@ TORQUE_SHARE = 0.2
 RATE_SHARE = 0.01
 
 
-def flags(
-    trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: float | None = None
-) -> tuple[str, ...]:
+def flags(trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: float | None = None) -> tuple[str, ...]:
     """What is suspicious about a trial, a short sentence each with the number found; none if nothing is.
 
     ``counts_per_rev``: encoder counts per revolution, by default guessed from the smallest step of the angle;
@@ -46,7 +44,7 @@ def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
     median = float(np.median(steps))
     gaps = steps[steps > GAP * median]
     if gaps.size:
-        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s, where samples are {median:.3g} s apart"
+        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s; samples are {median:.3g} s apart"
     if sample_rate_hz is not None and abs(median * sample_rate_hz - 1.0) > RATE_SHARE:
         yield f"sampled at {1.0 / median:.4g} Hz, not at {sample_rate_hz:.4g} Hz"
 
@@ -88,15 +86,17 @@ def _motion(trial: Trial, pulse: Pulse, counts_per_rev: float | None) -> Iterato
         return
     if motion < 0.0:
         yield f"pulse of the wrong sign: the angle moves by {motion:.3g} rad against the torque"
-    wander = float(np.ptp(before))
+    wander = float(np.ptp([part.mean() for part in np.array_split(before, min(4, before.size))]))
     if wander > max(REST_SHARE * abs(motion), 2.0 * step):
-        yield f"angle not at rest before the pulse: it moves by {wander:.2g} rad, {wander / abs(motion):.0%} of the motion"
+        share = wander / abs(motion)
+        yield f"angle not at rest before the pulse: it moves by {wander:.2g} rad, {share:.0%} of the motion"
     if step > 0.0 and abs(motion) / step < FEWEST_COUNTS:
         yield f"encoder too coarse: the motion is {abs(motion) / step:.1f} counts, fewer than {FEWEST_COUNTS}"
     way = math.copysign(1.0, motion) * sign
     held = saturation(trial.time_s, way * trial.angle_rad, pulse.onset, step)
     if held:
-        yield f"angle at the end of its range for {_times(held, 'sample')}: it stops short at {way * np.max(way * trial.angle_rad):.4g} rad"
+        end = way * float(np.max(way * trial.angle_rad[pulse.onset :]))
+        yield f"angle at the end of its range, {end:.4g} rad, for {_times(held, 'sample')}: it stops short there"
     freezes = stuck(trial.angle_rad[pulse.onset :])
     if freezes:
         yield f"angle repeats itself during motion {_times(freezes, 'time')}, then jumps: samples were lost"

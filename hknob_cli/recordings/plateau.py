@@ -40,7 +40,7 @@ def saturation(time_s: Array, angle_rad: Array, onset: int, step_rad: float) -> 
 
 
 def stuck(angle_rad: Array) -> int:
-    """Times that two or more changes in a row are zero and the next makes up for them, while motion is several steps."""
+    """Times that two or more changes in a row are zero and the next makes up for them, in a motion of several steps."""
     changes = np.diff(angle_rad)
     step = quantum(angle_rad)
     zero = np.concatenate([[False], changes == 0.0, [False]])
@@ -53,5 +53,6 @@ def stuck(angle_rad: Array) -> int:
         around = np.concatenate([changes[start - 3 : start], changes[end + 1 : end + 4]])
         usual = abs(float(around.mean()))
         jump = abs(float(changes[end]))
-        found += usual > 2.0 * step and jump > 0.5 * (end - start + 1) * usual
-    return int(found)
+        if usual > 2.0 * step and jump > 0.5 * (end - start + 1) * usual:
+            found += 1
+    return found
