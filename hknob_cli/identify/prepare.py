@@ -8,7 +8,7 @@ import numpy as np
 
 from hknob_cli.identify.align import Aligned, UnusableError, align, interval
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.smooth import differentiate, low_pass, smooth
+from hknob_cli.identify.smooth import differentiate, smooth
 from hknob_cli.recordings.health import flags
 from hknob_cli.recordings.trial import Array, Trial
 
@@ -22,8 +22,10 @@ class Preparation(NamedTuple):
     ``average`` the trials of a condition in a block, aligned at the onset. ``decimate``: factor of the filtered
     decimation, 1 for no smoothing; by default what comes closest to 1 kHz, 10 at the dissertation's 10 kHz, which
     prints no factor. ``interpolate`` back to the recorded rate; otherwise the motion stays decimated, its torque
-    averaged over the longer intervals. ``smooth_torque`` by the same filter as the angle, for an estimator that sets
-    torque against acceleration sample by sample; not for one that simulates. ``differentiate``: give velocity and
+    averaged over the longer intervals. ``smooth_torque`` by the filter of the angle, which the dissertation does not
+    mention: for an estimator that sets torque against acceleration sample by sample, which is biased otherwise, for a
+    square pulse has edges and smoothed acceleration none; the torque is then that at the samples, and of no use to an
+    estimator that simulates. ``differentiate``: give velocity and
     acceleration. ``window_s``: what is kept before and after the onset: 2 ms, and 30 ms, for stretch reflexes set in
     20 to 30 ms after it and are no part of a passive hand.
     """
@@ -113,13 +115,19 @@ def _mean(cuts: list[Aligned]) -> Aligned:
 
 
 def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: float | None) -> Motion:
-    """Smoothed, differentiated, cut. Velocity is of the smoothed angle, and is smoothed before its own derivative."""
+    """Smoothed, differentiated, cut.
+
+    Velocity is of the smoothed angle and smoothed again before its own derivative, unless the torque is smoothed: then
+    all terms of the equation of motion pass the same filter, once.
+    """
     factor = how.decimate if how.decimate is not None else max(1, round(1.0 / (dt_s * SMOOTHED_RATE_HZ)))
     angle = smooth(mean.angle_rad, factor)
-    torque = low_pass(mean.torque_nm, factor) if how.smooth_torque else mean.torque_nm
+    torque = smooth(_at_samples(mean.torque_nm), factor) if how.smooth_torque else mean.torque_nm
     velocity = acceleration = None
     if how.differentiate:
-        velocity = smooth(differentiate(angle, dt_s), factor)
+        velocity = differentiate(angle, dt_s)
+        if not how.smooth_torque:
+            velocity = smooth(velocity, factor)
         acceleration = differentiate(velocity, dt_s)
     stride = 1 if how.interpolate else factor
     before = min(math.floor(how.window_s[0] / dt_s + 0.5), mean.onset)
@@ -128,13 +136,19 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
     kept = slice(start, stop, stride)
     return Motion(
         dt_s=dt_s * stride,
-        torque_nm=_held(torque[start:], stride)[: len(angle[kept])],
+        torque_nm=torque[kept] if how.smooth_torque else _held(torque[start:], stride)[: len(angle[kept])],
         angle_rad=angle[kept],
         velocity_rad_s=None if velocity is None else velocity[kept],
         acceleration_rad_s2=None if acceleration is None else acceleration[kept],
         noise_rad=_noise(mean.noise_rad, count, counts),
         averaged=count,
     )
+
+
+def _at_samples(torque: Array) -> Array:
+    """Torque at the samples, of one held between them: the mean of the intervals before and after."""
+    mean: Array = 0.5 * (torque + np.concatenate([torque[:1], torque[:-1]]))
+    return mean
 
 
 def _held(torque: Array, stride: int) -> Array:

@@ -9,6 +9,7 @@ _RUN_UP_S = 5e-4
 _FEWEST_RUN_UP = 3
 _FREE_FALL_S = 5e-3
 _MARGIN = 4.0
+_FAST = 5.0
 
 
 def quantum(angle_rad: Array) -> float:
@@ -40,7 +41,7 @@ def saturation(time_s: Array, angle_rad: Array, onset: int, step_rad: float) -> 
 
 
 def stuck(angle_rad: Array) -> int:
-    """Times that two or more changes in a row are zero and the next makes up for them, in a motion of several steps."""
+    """Times that two changes or more are zero and the next makes up for them, moving over five steps a sample."""
     changes = np.diff(angle_rad)
     step = quantum(angle_rad)
     zero = np.concatenate([[False], changes == 0.0, [False]])
@@ -51,8 +52,8 @@ def stuck(angle_rad: Array) -> int:
         if end - start < 2 or start < 3 or end + 4 > changes.size:
             continue
         around = np.concatenate([changes[start - 3 : start], changes[end + 1 : end + 4]])
-        usual = abs(float(around.mean()))
-        jump = abs(float(changes[end]))
-        if usual > 2.0 * step and jump > 0.5 * (end - start + 1) * usual:
+        usual = float(around.mean())
+        even = bool((around / usual > 0.3).all()) if usual else False  # no noise that happens to repeat itself
+        if even and abs(usual) > _FAST * step and changes[end] / usual > 0.5 * (end - start + 1):
             found += 1
     return found

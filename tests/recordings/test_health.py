@@ -21,6 +21,11 @@ def test_noise_that_averages_out_is_no_motion_before_the_pulse() -> None:
     assert flags(trial(noise_rad=2e-4)) == ()
 
 
+@pytest.mark.parametrize("number", range(20))
+def test_noise_of_some_counts_is_no_lost_sample(number: int) -> None:
+    assert flags(trial(number=number, noise_rad=2e-5, counts=640_000, torque_nm=-0.005)) == ()
+
+
 def flat(sound):
     return sound._replace(torque_nm=np.zeros_like(sound.torque_nm))
 
