@@ -9,6 +9,7 @@ import pyarrow as pa
 from hknob_cli.recordings.cells import Names, bad_cells, names, numbers
 from hknob_cli.recordings.columns import OPTIONAL, TEXTS
 from hknob_cli.recordings.faults import MOST, Faults
+from hknob_cli.recordings.files import NotReadableError
 from hknob_cli.recordings.trial import Array, Key
 
 _WHOLE = ("block", "trial")
@@ -41,10 +42,13 @@ class Block(NamedTuple):
 
 
 def blocks(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> Iterator[Block]:
-    """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before."""
+    """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before.
+
+    Raises `NotReadableError` for names of another type.
+    """
     first = 1
     for batch in batches:
-        texts = {name: names(batch[name]) for name in TEXTS}
+        texts = {name: _names(name, batch[name]) for name in TEXTS}
         for name, column in texts.items():
             for index in column.empty()[: MOST + 1]:
                 faults.add(first + int(index), name, "must be text or a whole number, got nothing")
@@ -61,6 +65,13 @@ def blocks(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> Iterator[B
         if len(reals["time_s"]):
             yield Block(first, reals, texts)
         first += len(reals["time_s"])
+
+
+def _names(column: str, cells: pa.Array) -> Names:
+    try:
+        return names(cells)
+    except pa.ArrowException:
+        raise NotReadableError(f"{column}: is of type {cells.type}; must be text or whole numbers") from None
 
 
 def _check_whole(name: str, values: Array, first: int, faults: Faults) -> None:

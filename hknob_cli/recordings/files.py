@@ -1,5 +1,7 @@
 """Recording files as batches of Arrow columns: CSV or Parquet, by content, in bounded memory."""
 
+import codecs
+import io
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,6 +13,7 @@ from hknob_cli.recordings.columns import TEXTS
 
 BLOCK_BYTES = 8_000_000
 BATCH_ROWS = 100_000
+LONGEST_HEADER = 100_000
 _CODED = pa.dictionary(pa.int32(), pa.string())
 
 
@@ -45,8 +48,10 @@ class RecordingFile:
         try:
             if self.is_parquet:
                 return list(pq.read_schema(self.path).names)
-            with pc.open_csv(self.path, parse_options=pc.ParseOptions(invalid_row_handler=lambda _: "skip")) as stream:
-                return list(stream.schema.names)
+            with pa.input_stream(str(self.path)) as stream:
+                line = stream.read(LONGEST_HEADER).lstrip(b"\r\n").replace(b"\r", b"\n").partition(b"\n")[0]
+            with pc.open_csv(io.BytesIO(line + b"\n")) as header:
+                return list(header.schema.names)
         except UnicodeDecodeError:
             raise NotReadableError("is neither Parquet nor CSV in UTF-8") from None
         except (pa.ArrowException, OSError) as error:
@@ -74,6 +79,7 @@ class RecordingFile:
             if self.is_parquet:
                 yield from self._parquet(raw)
                 return
+            self._check_utf8()
             parse = pc.ParseOptions(invalid_row_handler=self._lose)
             kinds = dict.fromkeys(raw.values(), pa.string())
             convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()))
@@ -85,6 +91,22 @@ class RecordingFile:
                     yield dict(zip(raw, batch.columns, strict=True))
         except (pa.ArrowException, OSError) as error:
             raise NotReadableError(f"cannot be read: {_first_line(error)}") from None
+
+    def _check_utf8(self) -> None:
+        """Raise `NotReadableError` for other bytes; Arrow, where it finds them in a row it gives up, does not."""
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        lines = 1
+        with pa.input_stream(str(self.path)) as stream:
+            while True:
+                chunk = stream.read(BLOCK_BYTES)
+                try:
+                    decoder.decode(chunk, final=not chunk)
+                except UnicodeDecodeError as error:
+                    lines += error.object[: error.start].count(b"\n")
+                    raise NotReadableError(f"line {lines}: is not UTF-8 text; save it as such") from None
+                if not chunk:
+                    return
+                lines += chunk.count(b"\n")
 
     def _lose(self, row: pc.InvalidRow) -> str:
         self.lost.append((row.number - 1, row.actual_columns, row.expected_columns))

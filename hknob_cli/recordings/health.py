@@ -12,6 +12,7 @@ from hknob_cli.recordings.trial import Trial
 FEWEST_BEFORE = 10
 FEWEST_DURING = 10
 FEWEST_COUNTS = 20
+LONGEST_PULSE_S = 0.5  # a hand reacts long before
 GAP = 1.5
 REST_S = 0.02
 GRIP_SHARE = 0.2
@@ -58,6 +59,9 @@ def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
         yield "the recording ends before the pulse does"
     if during < FEWEST_DURING:
         yield f"{_times(during, 'sample')} during the pulse, fewer than {FEWEST_DURING}"
+    lasts = float(trial.time_s[min(pulse.end, trial.time_s.size - 1)] - trial.time_s[pulse.onset])
+    if lasts > LONGEST_PULSE_S:
+        yield f"pulse of {lasts:.3g} s, longer than {LONGEST_PULSE_S:g} s: is time in ms?"
     if pulse.others:
         yield f"{_times(pulse.others, 'further pulse')} after the first, which alone is used"
     inside = slice(pulse.onset, pulse.end)

@@ -70,6 +70,7 @@ SPOILT = {
     "ends": (lambda t: cut(t, 0, 600), "the recording ends before the pulse does"),
     "still": (lambda t: t._replace(angle_rad=np.zeros_like(t.angle_rad)), "the angle does not move in the pulse"),
     "weak": (lambda t: t._replace(measured_torque_nm=0.6 * t.torque_nm), "measured torque is 60% of the commanded"),
+    "milliseconds": (lambda t: t._replace(time_s=1000.0 * t.time_s), "pulse of 20 s, longer than 0.5 s: is time in"),
     "twice": (lambda t: t._replace(torque_nm=t.torque_nm + np.roll(t.torque_nm, 400)), "1 further pulse after the"),
 }  # fmt: skip
 
