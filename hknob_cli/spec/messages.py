@@ -46,9 +46,15 @@ def nearest(key: str, allowed: list[str]) -> str:
     """Hint for an unknown key: the nearest valid one, and all of them."""
     if not allowed:
         return "unknown key"
-    close = difflib.get_close_matches(key, allowed, n=1, cutoff=0.5)
-    hint = f"did you mean '{close[0]}'? " if close else ""
+    close = closest(key, allowed)
+    hint = f"did you mean '{close}'? " if close else ""
     return f"unknown key; {hint}allowed: {', '.join(allowed)}"
+
+
+def closest(name: str, names: list[str]) -> str | None:
+    """The one of ``names`` that is spelled most like ``name``; None if none is."""
+    close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+    return close[0] if close else None
 
 
 def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:

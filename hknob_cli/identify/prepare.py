@@ -1,0 +1,167 @@
+"""From trials to motions, each step optional: average, smooth, differentiate, cut (Hasser, Section 4.2.3)."""
+
+import math
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.identify.align import Aligned, UnusableError, align, interval
+from hknob_cli.identify.motion import Motion
+from hknob_cli.identify.smooth import differentiate, smooth
+from hknob_cli.recordings.health import flags
+from hknob_cli.recordings.trial import Array, Trial
+
+SMOOTHED_RATE_HZ = 1000.0
+_MARGIN_S = 0.02
+
+
+class Preparation(NamedTuple):
+    """How trials become motions; the defaults are the dissertation's, as far as it says.
+
+    ``average`` the trials of a condition in a block, aligned at the onset. ``decimate``: factor of the filtered
+    decimation, 1 for no smoothing; by default what comes closest to 1 kHz, 10 at the dissertation's 10 kHz, which
+    prints no factor. ``interpolate`` back to the recorded rate; otherwise the motion stays decimated, its torque
+    averaged over the longer intervals. ``smooth_torque`` by the filter of the angle, which the dissertation does not
+    mention: for an estimator that sets torque against acceleration sample by sample, which is biased otherwise, for a
+    square pulse has edges and smoothed acceleration none; the torque is then that at the samples, and of no use to an
+    estimator that simulates. ``differentiate``: give velocity and
+    acceleration. ``window_s``: what is kept before and after the onset: 2 ms, and 30 ms, for stretch reflexes set in
+    20 to 30 ms after it and are no part of a passive hand.
+    """
+
+    average: bool = True
+    decimate: int | None = None
+    interpolate: bool = True
+    smooth_torque: bool = False
+    differentiate: bool = True
+    window_s: tuple[float, float] = (0.002, 0.030)
+
+
+class Condition(NamedTuple):
+    """Trials that differ in nothing but their number."""
+
+    subject: str
+    experiment: str
+    grip_target_n: float
+    block: int
+
+
+class Prepared(NamedTuple):
+    """A motion, of which condition and of which trials; ``flags`` say what is suspicious, each with its trial.
+
+    ``motion`` is None where no trial can be used, which a flag explains.
+    """
+
+    condition: Condition
+    trials: tuple[int, ...]
+    motion: Motion | None
+    flags: tuple[str, ...]
+
+
+def conditions(
+    trials: Iterable[Trial], preparation: Preparation | None = None, *, counts_per_rev: float | None = None
+) -> list[Prepared]:
+    """Motions of all conditions in the order of their first trials; one per trial where nothing is averaged.
+
+    ``counts_per_rev``: encoder counts per revolution, for the noise and the flags.
+    """
+    preparation = preparation or Preparation()
+    groups: dict[tuple[Condition, int | None], list[Trial]] = {}
+    for trial in trials:
+        alone = None if preparation.average else trial.key.trial
+        groups.setdefault((Condition(*trial.key[:4]), alone), []).append(trial)
+    return [_prepared(key[0], group, preparation, counts_per_rev) for key, group in groups.items()]
+
+
+def _prepared(condition: Condition, trials: list[Trial], how: Preparation, counts: float | None) -> Prepared:
+    notes: list[str] = []
+    cuts: list[Aligned] = []
+    used: list[int] = []
+    dt_s: float | None = None
+    for trial in trials:
+        number = trial.key.trial
+        notes += [f"trial {number}: {flag}" for flag in flags(trial, counts_per_rev=counts)]
+        try:
+            dt_s = interval(trial) if dt_s is None else dt_s
+            cuts.append(_cut(trial, dt_s, how))
+            used.append(number)
+        except UnusableError as error:
+            notes.append(f"trial {number} left out: {error}")
+    if not cuts or dt_s is None:
+        return Prepared(condition, (), None, tuple(notes))
+    return Prepared(condition, tuple(used), _motion(_mean(cuts), len(cuts), dt_s, how, counts), tuple(notes))
+
+
+def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:
+    """A trial's window, with a margin that takes up the ends of the filter."""
+    before, after = how.window_s
+    found = align(trial, dt_s=dt_s, before_s=before + _MARGIN_S, after_s=after + _MARGIN_S)
+    left = (found.angle_rad.size - 1 - found.onset) * dt_s
+    if left < after - 0.5 * dt_s:
+        raise UnusableError(f"it ends {left:.3g} s after the onset; the window needs {after:g} s")
+    return found
+
+
+def _mean(cuts: list[Aligned]) -> Aligned:
+    """Mean of trials aligned at the onset, where all have samples; its noise is that of the mean."""
+    before = min(cut.onset for cut in cuts)
+    after = min(cut.angle_rad.size - cut.onset for cut in cuts)
+    torque = np.mean([cut.torque_nm[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
+    angle = np.mean([cut.angle_rad[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
+    noises = [cut.noise_rad for cut in cuts if cut.noise_rad is not None]
+    noise = math.sqrt(sum(value**2 for value in noises) / len(noises) / len(cuts)) if noises else None
+    return Aligned(before, torque, angle, noise)
+
+
+def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: float | None) -> Motion:
+    """Smoothed, differentiated, cut.
+
+    Velocity is of the smoothed angle and smoothed again before its own derivative, unless the torque is smoothed: then
+    all terms of the equation of motion pass the same filter, once.
+    """
+    factor = how.decimate if how.decimate is not None else max(1, round(1.0 / (dt_s * SMOOTHED_RATE_HZ)))
+    angle = smooth(mean.angle_rad, factor)
+    torque = smooth(_at_samples(mean.torque_nm), factor) if how.smooth_torque else mean.torque_nm
+    velocity = acceleration = None
+    if how.differentiate:
+        velocity = differentiate(angle, dt_s)
+        if not how.smooth_torque:
+            velocity = smooth(velocity, factor)
+        acceleration = differentiate(velocity, dt_s)
+    stride = 1 if how.interpolate else factor
+    before = min(math.floor(how.window_s[0] / dt_s + 0.5), mean.onset)
+    start = mean.onset - before // stride * stride
+    stop = mean.onset + math.floor(how.window_s[1] / dt_s + 0.5) + 1
+    kept = slice(start, stop, stride)
+    return Motion(
+        dt_s=dt_s * stride,
+        torque_nm=torque[kept] if how.smooth_torque else _held(torque[start:], stride)[: len(angle[kept])],
+        angle_rad=angle[kept],
+        velocity_rad_s=None if velocity is None else velocity[kept],
+        acceleration_rad_s2=None if acceleration is None else acceleration[kept],
+        noise_rad=_noise(mean.noise_rad, count, counts),
+        averaged=count,
+    )
+
+
+def _at_samples(torque: Array) -> Array:
+    """Torque at the samples, of one held between them: the mean of the intervals before and after."""
+    mean: Array = 0.5 * (torque + np.concatenate([torque[:1], torque[:-1]]))
+    return mean
+
+
+def _held(torque: Array, stride: int) -> Array:
+    """Mean of a held torque over intervals of ``stride`` samples, the last one over what there is."""
+    return np.array([torque[at : at + stride].mean() for at in range(0, torque.size, stride)])
+
+
+def _noise(at_rest: float | None, count: int, counts: float | None) -> float | None:
+    """Noise of the averaged angle before smoothing: as at rest, but no less than what the encoder's steps make.
+
+    A step q makes an error of q/sqrt(12) in motion, where each sample falls anywhere in a step; at rest it may not
+    show at all. It is independent between trials, and averages out with them.
+    """
+    step = 0.0 if counts is None else 2.0 * math.pi / counts / math.sqrt(12.0 * count)
+    noise = max(at_rest or 0.0, step)
+    return noise if noise > 0.0 else None

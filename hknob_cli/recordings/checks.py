@@ -1,0 +1,50 @@
+"""What every trial must be: time that rises, magnitudes that a knob and a hand can have."""
+
+import numpy as np
+
+from hknob_cli.recordings.columns import LIMITS, LONGEST_STEP_S, LONGEST_TRIAL_S
+from hknob_cli.recordings.faults import Faults
+from hknob_cli.recordings.trial import Array, Trial
+
+
+def check_trial(trial: Trial, faults: Faults) -> None:
+    """Note what is wrong with a trial; not finite values are noted elsewhere and pass here."""
+    _check_time(trial, faults)
+    for column in ("torque_nm", "angle_rad", "grip_n", "measured_torque_nm"):
+        values: Array | None = getattr(trial, column)
+        if values is not None:
+            _check_size(column, values, trial.first_row, faults)
+    target = trial.key.grip_target_n
+    if target < 0.0:
+        faults.add_once("sign", trial.first_row, "grip_target_n", f"must be >= 0 N, got {target:g}")
+    _check_size("grip_target_n", np.array([target]), trial.first_row, faults)
+
+
+def _check_time(trial: Trial, faults: Faults) -> None:
+    time, first = trial.time_s, trial.first_row
+    steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        at = int(back[0]) + 1
+        how = "stands still" if steps[at - 1] == 0.0 else "runs backwards"
+        more = f" ({back.size} times in this trial)" if back.size > 1 else ""
+        message = f"{how}{more}, {time[at]:.17g} after {time[at - 1]:.17g}; must rise within a trial"
+        faults.add(first + at, "time_s", message)
+    far = np.flatnonzero(steps > LONGEST_STEP_S)
+    if far.size:
+        at = int(far[0]) + 1
+        message = f"step of {steps[at - 1]:g} s; must be <= {LONGEST_STEP_S:g} s: is it in ms?"
+        faults.add_once("unit", first + at, "time_s", message)
+    elif time.size and time[-1] - time[0] > LONGEST_TRIAL_S:
+        at = int(np.flatnonzero(time - time[0] > LONGEST_TRIAL_S)[0])
+        message = f"trial of {time[-1] - time[0]:g} s; must be <= {LONGEST_TRIAL_S:g} s: is it in ms?"
+        faults.add_once("unit", first + at, "time_s", message)
+
+
+def _check_size(column: str, values: Array, first: int, faults: Faults) -> None:
+    limit = LIMITS[column]
+    over = np.flatnonzero((np.abs(values) > limit.most) & ~np.isinf(values))
+    if over.size:
+        at = int(over[0])
+        message = f"must be within {limit.most:g} {limit.unit}, got {values[at]:g}: is it in {limit.likely}?"
+        faults.add_once("unit", first + at, column, message)

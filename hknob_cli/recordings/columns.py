@@ -1,0 +1,45 @@
+"""The columns of a recording: name, type, unit and meaning; what is required, and what a sane value is."""
+
+from typing import NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.results.columns import Column
+
+KEYS = (
+    Column("subject", pa.string(), "", "who held the knob"),
+    Column("experiment", pa.string(), "", "grasp and knob"),
+    Column("grip_target_n", pa.float64(), "N", "target of the grip force"),
+    Column("block", pa.int64(), "1", "block of trials, between which the hand let go"),
+    Column("trial", pa.int64(), "1", "number of the trial in its block"),
+)
+SAMPLES = (
+    Column("time_s", pa.float64(), "s", "time, rising within a trial"),
+    Column("torque_nm", pa.float64(), "N*m", "commanded torque, from this sample to the next, positive as the angle"),
+    Column("angle_rad", pa.float64(), "rad", "measured angle of the knob"),
+    Column("grip_n", pa.float64(), "N", "measured grip force"),
+)
+MEASURED_TORQUE = Column("measured_torque_nm", pa.float64(), "N*m", "measured torque; null where there is no sensor")
+
+TEXTS = ("subject", "experiment")
+REQUIRED = tuple(column.name for column in (*KEYS, *SAMPLES))
+OPTIONAL = (MEASURED_TORQUE.name,)
+
+
+class Limit(NamedTuple):
+    """Largest magnitude that a knob and a hand can have, and the unit that a larger one was probably given in."""
+
+    most: float
+    unit: str
+    likely: str
+
+
+LIMITS = {
+    "angle_rad": Limit(100.0, "rad", "degrees or counts"),
+    "torque_nm": Limit(10.0, "N m", "mN m"),
+    "measured_torque_nm": Limit(10.0, "N m", "mN m"),
+    "grip_n": Limit(1000.0, "N", "mN or grams"),
+    "grip_target_n": Limit(1000.0, "N", "mN or grams"),
+}
+LONGEST_STEP_S = 1.0
+LONGEST_TRIAL_S = 1000.0

@@ -1,0 +1,122 @@
+"""Recording files as batches of Arrow columns: CSV or Parquet, by content, in bounded memory."""
+
+import codecs
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+import pyarrow as pa
+import pyarrow.csv as pc
+import pyarrow.parquet as pq
+
+from hknob_cli.recordings.columns import TEXTS
+
+BLOCK_BYTES = 8_000_000
+BATCH_ROWS = 100_000
+LONGEST_HEADER = 100_000
+_CODED = pa.dictionary(pa.int32(), pa.string())
+
+
+class NotReadableError(Exception):
+    """A file as a whole cannot be read, and why."""
+
+
+class RecordingFile:
+    """A CSV or Parquet file.
+
+    ``names``: the header as it stands. ``lost``: after `texts`, rows with too many or too few cells, which it leaves
+    out, with their number of cells.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Open the header. Raises `NotReadableError`."""
+        self.path = path
+        self.lost: list[tuple[int, int, int]] = []
+        try:
+            with path.open("rb") as stream:
+                head = stream.read(4)
+        except OSError as error:
+            raise NotReadableError(f"cannot be read: {error.strerror or error}") from None
+        if not head:
+            raise NotReadableError("is empty; must have a header and rows")
+        self.is_parquet = head == b"PAR1"
+        if not self.is_parquet and path.suffix.lower() in {".parquet", ".pq"}:
+            raise NotReadableError("is not a Parquet file, though its name says so")
+        self.names = self._header()
+
+    def _header(self) -> list[str]:
+        try:
+            if self.is_parquet:
+                return list(pq.read_schema(self.path).names)
+            with pa.input_stream(str(self.path)) as stream:
+                line = stream.read(LONGEST_HEADER).lstrip(b"\r\n").replace(b"\r", b"\n").partition(b"\n")[0]
+            with pc.open_csv(io.BytesIO(line + b"\n")) as header:
+                return list(header.schema.names)
+        except UnicodeDecodeError:
+            raise NotReadableError("is neither Parquet nor CSV in UTF-8") from None
+        except (pa.ArrowException, OSError) as error:
+            kind = "Parquet" if self.is_parquet else "CSV"
+            raise NotReadableError(f"cannot be read as {kind}: {_first_line(error)}") from None
+
+    def typed(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
+        """Batches of the columns ``raw`` (name to name in the header): reals and, of the keys that are text, codes.
+
+        Raises `pyarrow.ArrowException` where a cell of a CSV file is no number: then ask for `texts`.
+        """
+        if self.is_parquet:
+            yield from self._parquet(raw)
+            return
+        kinds = {there: _CODED if name in TEXTS else pa.float64() for name, there in raw.items()}
+        read = pc.ReadOptions(block_size=BLOCK_BYTES)
+        convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()))
+        with pc.open_csv(self.path, read_options=read, convert_options=convert) as stream:
+            for batch in stream:
+                yield dict(zip(raw, batch.columns, strict=True))
+
+    def texts(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
+        """The same, but the cells of a CSV file as text; slower. Raises `NotReadableError`."""
+        try:
+            if self.is_parquet:
+                yield from self._parquet(raw)
+                return
+            self._check_utf8()
+            parse = pc.ParseOptions(invalid_row_handler=self._lose)
+            kinds = dict.fromkeys(raw.values(), pa.string())
+            convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()))
+            # One thread, for only then are rows numbered.
+            read = pc.ReadOptions(block_size=BLOCK_BYTES, use_threads=False)
+            stream = pc.open_csv(self.path, read_options=read, parse_options=parse, convert_options=convert)
+            with stream:
+                for batch in stream:
+                    yield dict(zip(raw, batch.columns, strict=True))
+        except (pa.ArrowException, OSError) as error:
+            raise NotReadableError(f"cannot be read: {_first_line(error)}") from None
+
+    def _check_utf8(self) -> None:
+        """Raise `NotReadableError` for other bytes; Arrow, where it finds them in a row it gives up, does not."""
+        decoder = codecs.getincrementaldecoder("utf-8")()
+        lines = 1
+        with pa.input_stream(str(self.path)) as stream:
+            while True:
+                chunk = stream.read(BLOCK_BYTES)
+                try:
+                    decoder.decode(chunk, final=not chunk)
+                except UnicodeDecodeError as error:
+                    lines += error.object[: error.start].count(b"\n")
+                    raise NotReadableError(f"line {lines}: is not UTF-8 text; save it as such") from None
+                if not chunk:
+                    return
+                lines += chunk.count(b"\n")
+
+    def _lose(self, row: pc.InvalidRow) -> str:
+        self.lost.append((row.number - 1, row.actual_columns, row.expected_columns))
+        return "skip"
+
+    def _parquet(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
+        with pq.ParquetFile(self.path) as stream:
+            for batch in stream.iter_batches(batch_size=BATCH_ROWS, columns=list(raw.values())):
+                yield {name: batch.column(there) for name, there in raw.items()}
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error).splitlines() or [type(error).__name__])[0]

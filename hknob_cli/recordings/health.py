@@ -1,0 +1,110 @@
+"""What makes a trial suspicious though it is well-formed: no pulse, lost samples, a sensor at its end, a loose grip."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from hknob_cli.recordings.plateau import quantum, saturation, stuck
+from hknob_cli.recordings.pulse import Pulse, find_pulse
+from hknob_cli.recordings.trial import Trial
+
+FEWEST_BEFORE = 10
+FEWEST_DURING = 10
+FEWEST_COUNTS = 20
+LONGEST_PULSE_S = 0.5  # a hand reacts long before
+GAP = 1.5
+REST_S = 0.02
+GRIP_SHARE = 0.2
+REST_SHARE = 0.05
+TORQUE_SHARE = 0.2
+RATE_SHARE = 0.01
+
+
+def flags(trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: float | None = None) -> tuple[str, ...]:
+    """What is suspicious about a trial, a short sentence each with the number found; none if nothing is.
+
+    ``counts_per_rev``: encoder counts per revolution, by default guessed from the smallest step of the angle;
+    ``sample_rate_hz``: the rate it should have been sampled at.
+    """
+    pulse = find_pulse(trial.torque_nm)
+    found = [*_clock(trial, sample_rate_hz)]
+    if pulse is None:
+        return (*found, "no pulse: the commanded torque is zero throughout")
+    found += _pulse(trial, pulse)
+    if pulse.onset and trial.time_s.size > 2:
+        found += _motion(trial, pulse, counts_per_rev)
+    return tuple(found)
+
+
+def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
+    """Gaps in time, and another rate than stated."""
+    steps = np.diff(trial.time_s)
+    if not steps.size:
+        return
+    median = float(np.median(steps))
+    gaps = steps[steps > GAP * median]
+    if gaps.size:
+        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s; samples are {median:.3g} s apart"
+    if sample_rate_hz is not None and abs(median * sample_rate_hz - 1.0) > RATE_SHARE:
+        yield f"sampled at {1.0 / median:.4g} Hz, not at {sample_rate_hz:.4g} Hz"
+
+
+def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
+    """Too few samples, further pulses, torque that was not what was commanded, grip off its target."""
+    during = pulse.end - pulse.onset
+    if pulse.onset < FEWEST_BEFORE:
+        yield f"{_times(pulse.onset, 'sample')} before the pulse, fewer than {FEWEST_BEFORE}"
+    if pulse.end >= trial.time_s.size:
+        yield "the recording ends before the pulse does"
+    if during < FEWEST_DURING:
+        yield f"{_times(during, 'sample')} during the pulse, fewer than {FEWEST_DURING}"
+    lasts = float(trial.time_s[min(pulse.end, trial.time_s.size - 1)] - trial.time_s[pulse.onset])
+    if lasts > LONGEST_PULSE_S:
+        yield f"pulse of {lasts:.3g} s, longer than {LONGEST_PULSE_S:g} s: is time in ms?"
+    if pulse.others:
+        yield f"{_times(pulse.others, 'further pulse')} after the first, which alone is used"
+    inside = slice(pulse.onset, pulse.end)
+    if trial.measured_torque_nm is not None and during > 2:
+        middle = slice(pulse.onset + during // 4, pulse.end - during // 4)
+        measured = float(trial.measured_torque_nm[middle].mean() / trial.torque_nm[middle].mean())
+        if abs(measured - 1.0) > TORQUE_SHARE:
+            yield f"measured torque is {measured:.0%} of the commanded: is the actuator at its limit?"
+    grip, target = float(trial.grip_n[inside].mean()), trial.key.grip_target_n
+    if target > 0.0 and abs(grip - target) > GRIP_SHARE * target:
+        yield f"grip of {grip:.3g} N at the pulse, {grip / target - 1.0:+.0%} off its target of {target:g} N"
+
+
+def _motion(trial: Trial, pulse: Pulse, counts_per_rev: float | None) -> Iterator[str]:
+    """Angle not at rest before, moving the wrong way, at the end of its range, stuck, or in too few steps."""
+    sign = math.copysign(1.0, pulse.torque_nm)
+    step = quantum(trial.angle_rad) if counts_per_rev is None else 2.0 * math.pi / counts_per_rev
+    begin = int(np.searchsorted(trial.time_s, trial.time_s[pulse.onset] - REST_S))
+    before = trial.angle_rad[min(begin, pulse.onset - 1) : pulse.onset + 1]
+    after = sign * (trial.angle_rad[pulse.onset : pulse.end + 1] - before.mean())
+    noise = float(before.std())
+    least = max(3.0 * noise, step)
+    motion = float(after[np.argmax(np.abs(after))])
+    if abs(motion) <= least:
+        yield f"the angle does not move in the pulse: {abs(motion):.2g} rad, noise and step are {least:.2g} rad"
+        return
+    if motion < 0.0:
+        yield f"pulse of the wrong sign: the angle moves by {motion:.3g} rad against the torque"
+    wander = float(np.ptp([part.mean() for part in np.array_split(before, min(4, before.size))]))
+    if wander > max(REST_SHARE * abs(motion), 2.0 * step):
+        share = wander / abs(motion)
+        yield f"angle not at rest before the pulse: it moves by {wander:.2g} rad, {share:.0%} of the motion"
+    if step > 0.0 and abs(motion) / step < FEWEST_COUNTS:
+        yield f"encoder too coarse: the motion is {abs(motion) / step:.1f} counts, fewer than {FEWEST_COUNTS}"
+    way = math.copysign(1.0, motion) * sign
+    held = saturation(trial.time_s, way * trial.angle_rad, pulse.onset, step)
+    if held:
+        end = way * float(np.max(way * trial.angle_rad[pulse.onset :]))
+        yield f"angle at the end of its range, {end:.4g} rad, for {_times(held, 'sample')}: it stops short there"
+    freezes = stuck(trial.angle_rad[pulse.onset :])
+    if freezes:
+        yield f"angle repeats itself during motion {_times(freezes, 'time')}, then jumps: samples were lost"
+
+
+def _times(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"
