@@ -1,0 +1,62 @@
+"""Nonlinear least squares by Levenberg and Marquardt, for few parameters with derivatives at hand."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.recordings.trial import Array
+
+STEPS = 60
+ENOUGH = 1e-14  # share of the sum of squares that a step may still gain
+
+
+class Minimum(NamedTuple):
+    """Parameters (p,), residuals (r,) data less model, derivatives (r, p) of the model, and whether it converged."""
+
+    parameters: Array
+    residuals: Array
+    slopes: Array
+    converged: bool
+
+
+def minimise(
+    data: Array, model: Callable[[Array], tuple[Array, Array]], start: Array, *, lowest: Array | None = None
+) -> Minimum:
+    """The least sum of squares of ``data`` (r,) less ``model(p)``, which gives values (r,) and derivatives (r, p).
+
+    ``lowest`` (p,): lower bounds, -inf where none. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
+    the diagonal of J'J as scale, and bounds by projection.
+    """
+    lowest = np.full(len(start), -np.inf) if lowest is None else lowest
+    at = np.maximum(np.asarray(start, dtype=float), lowest)
+    values, slopes = model(at)
+    residuals = data - values
+    cost = float(residuals @ residuals)
+    ease, converged = 1e-3, False
+    for _ in range(STEPS):
+        normal, pull = slopes.T @ slopes, slopes.T @ residuals
+        free = ((at > lowest) | (pull > 0.0)) & (np.diagonal(normal) > 0.0)
+        scale = np.sqrt(np.diagonal(normal)[free])
+        matrix = normal[np.ix_(free, free)] / np.outer(scale, scale)
+        better = False
+        while ease < 1e12:
+            step = np.zeros_like(at)
+            step[free] = np.linalg.solve(matrix + ease * np.eye(len(scale)), pull[free] / scale) / scale
+            tried = np.maximum(at + step, lowest)
+            values, ahead = model(tried)
+            left = data - values
+            less = float(left @ left)
+            if less < cost:
+                better = True
+                break
+            if float(step @ pull) <= ENOUGH * cost:
+                break
+            ease *= 10.0
+        gain = float(step @ pull)
+        if better:
+            at, residuals, slopes, cost, ease = tried, left, ahead, less, ease * 0.01 if ease > 1e-15 else 0.0
+        if not better or gain <= ENOUGH * cost:
+            converged = gain <= ENOUGH * max(cost, np.finfo(float).tiny) or not better
+            break
+    return Minimum(at, residuals, slopes, converged)
