@@ -21,29 +21,33 @@ class Minimum(NamedTuple):
 
 
 def minimise(
-    data: Array, model: Callable[[Array], tuple[Array, Array]], start: Array, *, lowest: Array | None = None
+    data: Array,
+    model: Callable[[Array], tuple[Array, Array]],
+    start: Array,
+    *,
+    lowest: Array | float = -np.inf,
+    highest: Array | float = np.inf,
 ) -> Minimum:
     """The least sum of squares of ``data`` (r,) less ``model(p)``, which gives values (r,) and derivatives (r, p).
 
-    ``lowest`` (p,): lower bounds, -inf where none. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
+    ``lowest``, ``highest``: bounds, (p,) or one for all. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
     the diagonal of J'J as scale, and bounds by projection.
     """
-    lowest = np.full(len(start), -np.inf) if lowest is None else lowest
-    at = np.maximum(np.asarray(start, dtype=float), lowest)
+    at = np.clip(np.asarray(start, dtype=float), lowest, highest)
     values, slopes = model(at)
     residuals = data - values
     cost = float(residuals @ residuals)
     ease, converged = 1e-3, False
     for _ in range(STEPS):
         normal, pull = slopes.T @ slopes, slopes.T @ residuals
-        free = ((at > lowest) | (pull > 0.0)) & (np.diagonal(normal) > 0.0)
+        free = ((at > lowest) | (pull > 0.0)) & ((at < highest) | (pull < 0.0)) & (np.diagonal(normal) > 0.0)
         scale = np.sqrt(np.diagonal(normal)[free])
         matrix = normal[np.ix_(free, free)] / np.outer(scale, scale)
         better = False
         while ease < 1e12:
             step = np.zeros_like(at)
             step[free] = np.linalg.solve(matrix + ease * np.eye(len(scale)), pull[free] / scale) / scale
-            tried = np.maximum(at + step, lowest)
+            tried = np.clip(at + step, lowest, highest)
             values, ahead = model(tried)
             left = data - values
             less = float(left @ left)
