@@ -28,6 +28,10 @@ REACH = log(1e4)  # how far from its start a parameter may go
 WORST = 1e12  # condition number beyond which the parameters' effects are one
 
 
+# What is searched for: springs and dampers in series, as one, are told well; their ratio, finger to pad, is not.
+SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
+
+
 def network(parameters: Mapping[str, Any]) -> tuple[Any, Any]:
     """Matrix (4, 4) and input (4,) of knob angle, knob velocity, finger angle, finger velocity. Numbers may be complex.
 
@@ -84,28 +88,40 @@ def fourth_order(
     first = dict(start) if start else _first(motion, known)
     if not first:
         return unidentified(NAME, names, "the torque moves nothing: nothing can be identified")
+    searched = tuple(name for name in SOUGHT if known.get(name) is None)
     fixed = {name: value for name, value in known.items() if value is not None}
 
+    def parts(p: Any) -> dict[str, Any]:
+        return {**fixed, **_parts(dict(zip(searched, np.exp(p), strict=True)))}
+
     def answer(p: Array) -> tuple[Array, Array]:
-        values = np.exp(p)
-        systems = [network({**fixed, **dict(zip(names, values, strict=True))})]
-        for k in range(len(names)):
-            nudged = values.astype(complex)
-            nudged[k] *= 1.0 + 1e-30j
-            systems.append(network({**fixed, **dict(zip(names, nudged, strict=True))}))
+        systems = [network(parts(p))]
+        for k in range(len(p)):
+            nudged = p.astype(complex)
+            nudged[k] += 1e-30j
+            systems.append(network(parts(nudged)))
         move, push = hold_matrices(systems, motion.dt_s)
         moves, pushes = move[1:].imag * 1e30, push[1:].imag * 1e30
         return respond_linear(move.real, push.real, motion.torque_nm, moves, pushes)
 
-    begin = np.log([first[name] for name in names])
+    begin = np.log([_sought(first)[name] for name in searched])
     found = nearest(motion, answer, begin, lowest=begin - REACH, highest=begin + REACH)
-    values = np.exp(found.parameters)
+    here = parts(found.parameters)
+    values = np.array([here[name] for name in names])
+    by = np.empty((len(names), len(searched)))
+    for k in range(len(searched)):
+        nudged = found.parameters.astype(complex)
+        nudged[k] += 1e-30j
+        there = parts(nudged)
+        by[:, k] = [np.imag(there[name]) * 1e30 for name in names]
+    covariance = by @ found.covariance @ by.T
     worst = condition(found.slopes)
     with np.errstate(invalid="ignore"):
-        spread = np.sqrt(np.diagonal(found.covariance)) * values
+        spread = np.sqrt(np.diagonal(covariance))
+    stuck = np.abs(found.parameters - begin) > REACH - 1e-6
     estimates, doubts = {}, []
-    for name, value, std, shift in zip(names, values, spread, np.abs(found.parameters - begin), strict=True):
-        ran = shift > REACH - 1e-6
+    for name, value, std, moved in zip(names, values, spread, np.abs(by) > 1e-3 * values[:, None], strict=True):
+        ran = bool(np.any(stuck & moved))
         sure = bool(isfinite(std) and std < value and not ran and worst < WORST)
         estimates[name] = Estimate(float(value), float(std), sure)
         if not sure:
@@ -115,7 +131,6 @@ def fourth_order(
         doubts.append(f"the parameters' effects are numerically one (condition number {worst:.1g})")
     share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
     flags = () if found.converged else ("the search did not converge",)
-    by = np.outer(values, values)
     return Fit(
         NAME,
         estimates,
@@ -124,8 +139,25 @@ def fourth_order(
         (*flags, *misfit(white, share, found.rms_rad, motion.noise_rad), *doubts),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
-        covariance=tuple(map(tuple, (found.covariance * by).tolist())),
+        covariance=tuple(map(tuple, covariance.tolist())),
     )
+
+
+def _parts(sought: Mapping[str, Any]) -> dict[str, Any]:
+    """Finger and pad from series and ratio, beside what else is there."""
+    found = {name: sought[name] for name in ("inertia", "finger_inertia") if name in sought}
+    for kind in ("damping", "stiffness"):
+        whole, ratio = sought[kind], sought[f"{kind}_ratio"]
+        found[f"finger_{kind}"], found[f"pad_{kind}"] = whole * (1.0 + ratio), whole * (1.0 + ratio) / ratio
+    return found
+
+
+def _sought(parts: Mapping[str, float]) -> dict[str, float]:
+    found = {name: parts[name] for name in ("inertia", "finger_inertia") if name in parts}
+    for kind in ("damping", "stiffness"):
+        finger, pad = parts[f"finger_{kind}"], parts[f"pad_{kind}"]
+        found[kind], found[f"{kind}_ratio"] = finger * pad / (finger + pad), finger / pad
+    return found
 
 
 def _first(motion: Motion, known: Mapping[str, float | None]) -> dict[str, float]:

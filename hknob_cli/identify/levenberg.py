@@ -39,14 +39,19 @@ def minimise(
     cost = float(residuals @ residuals)
     ease, converged = 1e-3, False
     for _ in range(STEPS):
-        normal, pull = slopes.T @ slopes, slopes.T @ residuals
-        free = ((at > lowest) | (pull > 0.0)) & ((at < highest) | (pull < 0.0)) & (np.diagonal(normal) > 0.0)
-        scale = np.sqrt(np.diagonal(normal)[free])
-        matrix = normal[np.ix_(free, free)] / np.outer(scale, scale)
+        pull = slopes.T @ residuals
+        lengths = np.sqrt(np.sum(slopes * slopes, axis=0))
+        free = ((at > lowest) | (pull > 0.0)) & ((at < highest) | (pull < 0.0)) & (lengths > 0.0)
+        scale = lengths[free]
+        if not scale.size or not np.all(np.isfinite(scale)):
+            break
+        base, triangle = np.linalg.qr(slopes[:, free] / scale)
+        aim = np.append(base.T @ residuals, np.zeros(len(scale)))
         better = False
         while ease < 1e12:
             step = np.zeros_like(at)
-            step[free] = np.linalg.solve(matrix + ease * np.eye(len(scale)), pull[free] / scale) / scale
+            damped = np.vstack([triangle, np.sqrt(ease) * np.eye(len(scale))])
+            step[free] = np.linalg.lstsq(damped, aim, rcond=None)[0] / scale
             tried = np.clip(at + step, lowest, highest)
             values, ahead = model(tried)
             left = data - values
@@ -56,10 +61,10 @@ def minimise(
                 break
             if float(step @ pull) <= ENOUGH * cost:
                 break
-            ease *= 10.0
+            ease = max(10.0 * ease, 1e-12)
         gain = float(step @ pull)
         if better:
-            at, residuals, slopes, cost, ease = tried, left, ahead, less, ease * 0.01 if ease > 1e-15 else 0.0
+            at, residuals, slopes, cost, ease = tried, left, ahead, less, 0.01 * ease
         if not better or gain <= ENOUGH * cost:
             converged = gain <= ENOUGH * max(cost, np.finfo(float).tiny) or not better
             break
