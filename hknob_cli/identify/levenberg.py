@@ -9,6 +9,7 @@ from hknob_cli.recordings.trial import Array
 
 STEPS = 60
 ENOUGH = 1e-14  # share of the sum of squares that a step may still gain
+ROUNDING = 1e-29  # share of the data's sum of squares that arithmetic leaves
 
 
 class Minimum(NamedTuple):
@@ -37,6 +38,7 @@ def minimise(
     values, slopes = model(at)
     residuals = data - values
     cost = float(residuals @ residuals)
+    rounding = ROUNDING * float(data @ data)
     ease, converged = 1e-3, False
     for _ in range(STEPS):
         pull = slopes.T @ residuals
@@ -65,7 +67,7 @@ def minimise(
         gain = float(step @ pull)
         if better:
             at, residuals, slopes, cost, ease = tried, left, ahead, less, 0.01 * ease
-        if not better or gain <= ENOUGH * cost:
-            converged = gain <= ENOUGH * max(cost, np.finfo(float).tiny) or not better
+        if not better or gain <= ENOUGH * cost or cost <= rounding:
+            converged = True
             break
     return Minimum(at, residuals, slopes, converged)
