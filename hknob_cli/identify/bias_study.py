@@ -41,9 +41,7 @@ class Bias(NamedTuple):
     std_percent: float
 
 
-def bias_study(
-    repeats: int = 50, *, nuisances: dict[str, Sequence[float]] | None = None, seed: int = 1
-) -> list[Bias]:
+def bias_study(repeats: int = 50, *, nuisances: dict[str, Sequence[float]] | None = None, seed: int = 1) -> list[Bias]:
     """Biases by Monte Carlo, ``repeats`` conditions each of three averaged trials of 10 kHz and 640,000 counts.
 
     ``nuisances``: levels by name, of `NUISANCES`. The least squares get the angle smoothed and differentiated; output
@@ -91,9 +89,7 @@ def differentiated(motion: Motion, factor: int) -> Motion:
     )
 
 
-def _at(
-    grip_n: float, plant: Plant, nuisance: str, level: float, repeats: int, rng: np.random.Generator
-) -> list[Bias]:
+def _at(grip_n: float, plant: Plant, nuisance: str, level: float, repeats: int, rng: np.random.Generator) -> list[Bias]:
     noise = {"noise_rad": level, "decimation": QUIET_RAD}.get(nuisance, 0.0)
     factor = int(level) if nuisance == "decimation" else DECIMATION
     true = plant._replace(coulomb=level if nuisance == "coulomb_nm" else 0.0)

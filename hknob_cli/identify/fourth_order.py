@@ -26,7 +26,7 @@ FINGER_INERTIA = 3.0e-7  # Section 4.4.1: "a generous estimate"
 SPLIT = 10.0  # Section 4.4.1: K1 = 10 K2, B1 = 10 B2
 REACH = log(1e4)  # how far from its start a parameter may go
 WORST = 1e12  # condition number beyond which the parameters' effects are one
-
+BENT = 2.0  # how many times too small a standard error may be, by the profile of the sum of squares
 
 # What is searched for: springs and dampers in series, as one, are told well; their ratio, finger to pad, is not.
 SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
@@ -77,8 +77,9 @@ def fourth_order(
 
     ``inertia``: the knob's own in kg·m², with what moves with it, and ``finger_inertia``: known, or None to fit them.
     ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1. Standard
-    errors as of `output_error`. Not identifiable: a standard error above the value, a value that ran away from its
-    start by 10,000, or all, where their effects are numerically one.
+    errors as of `output_error`. Not identifiable: a standard error above the value; one that the profile of the
+    sum of squares shows to be less than half of what it is (`Nearest.misjudged`); a value that ran away from its start by 10,000; or all, where
+    their effects are numerically one.
     """
     known = {"inertia": inertia, "finger_inertia": finger_inertia}
     names = tuple(name for name in ORDER if known.get(name) is None)
@@ -118,14 +119,21 @@ def fourth_order(
     worst = condition(found.slopes)
     with np.errstate(invalid="ignore"):
         spread = np.sqrt(np.diagonal(covariance))
+    bent = np.array([found.misjudged(k, BENT) for k in range(len(searched))])
     stuck = np.abs(found.parameters - begin) > REACH - 1e-6
     estimates, doubts = {}, []
-    for name, value, std, moved in zip(names, values, spread, np.abs(by) > 1e-3 * values[:, None], strict=True):
+    reach = by * np.sqrt(np.abs(np.diagonal(found.covariance)))
+    for name, value, std, moved, effect in zip(names, values, spread, np.abs(by) > 0.0, reach, strict=True):
         ran = bool(np.any(stuck & moved))
-        sure = bool(isfinite(std) and std < value and not ran and worst < WORST)
+        curved = bool(np.any(bent & (np.abs(effect) > 0.1 * std)))
+        sure = bool(isfinite(std) and std < value and not (ran or curved) and worst < WORST)
         estimates[name] = Estimate(float(value), float(std), sure)
         if not sure:
-            reason = "it ran to the end of its range" if ran else f"{value:.2g} ± {std:.2g}"
+            reason = f"{value:.2g} ± {std:.2g}"
+            if ran:
+                reason = "it ran to the end of its range"
+            elif curved and std < value:
+                reason += ", an error that is too small: the fit hardly changes with it"
             doubts.append(f"{name} is not identifiable from this motion: {reason}")
     if not worst < WORST:
         doubts.append(f"the parameters' effects are numerically one (condition number {worst:.1g})")

@@ -28,10 +28,11 @@ def minimise(
     *,
     lowest: Array | float = -np.inf,
     highest: Array | float = np.inf,
+    steps: int = STEPS,
 ) -> Minimum:
     """The least sum of squares of ``data`` (r,) less ``model(p)``, which gives values (r,) and derivatives (r, p).
 
-    ``lowest``, ``highest``: bounds, (p,) or one for all. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
+    ``lowest``, ``highest``: bounds, (p,) or one for all; equal where a parameter is held. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
     the diagonal of J'J as scale, and bounds by projection.
     """
     at = np.clip(np.asarray(start, dtype=float), lowest, highest)
@@ -40,7 +41,7 @@ def minimise(
     cost = float(residuals @ residuals)
     rounding = ROUNDING * float(data @ data)
     ease, converged = 1e-3, False
-    for _ in range(STEPS):
+    for _ in range(steps):
         pull = slopes.T @ residuals
         lengths = np.sqrt(np.sum(slopes * slopes, axis=0))
         free = ((at > lowest) | (pull > 0.0)) & ((at < highest) | (pull < 0.0)) & (lengths > 0.0)

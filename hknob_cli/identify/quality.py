@@ -67,7 +67,12 @@ def unidentified(estimator: str, names: Sequence[str], why: str) -> Fit:
 
 def misfit(white: float | None, share: float, rms: float, noise: float | None) -> tuple[str, ...]:
     """That the model does not fit, in words: residuals not white and, where the noise is known, larger than it."""
-    if white is None or white >= ODDS or 1.0 - share < ROUNDING or (noise is not None and noise > 0.0 and rms <= EXCESS * noise):
+    if (
+        white is None
+        or white >= ODDS
+        or 1.0 - share < ROUNDING
+        or (noise is not None and noise > 0.0 and rms <= EXCESS * noise)
+    ):
         return ()
     size = f", {rms / noise:.1f} times the noise" if noise else ""
     return (f"the model does not fit: residuals are not white (p = {white:.1g}){size}; VAF {100.0 * share:.2f} %",)

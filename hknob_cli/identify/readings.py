@@ -51,7 +51,9 @@ def stays(modelled: Array, step_rad: float, rms_rad: float, averaged: int, rest:
     length = np.diff(np.append(first, len(modelled)))
     reach = np.maximum.reduceat(modelled, first) - np.minimum.reduceat(modelled, first)
     # A stretch of one sample is a fast one: the knob crosses counts from sample to sample.
-    across = np.where((length == 1) & (first > rest), 1.0, np.minimum(reach / step_rad * length / np.maximum(length - 1, 1), 1.0))
+    across = np.where(
+        (length == 1) & (first > rest), 1.0, np.minimum(reach / step_rad * length / np.maximum(length - 1, 1), 1.0)
+    )
     variance = step_rad**2 / (12.0 * averaged) * (1.0 - across) ** 2 + rms_rad**2 / length
     return Observations(first, len(modelled), np.where(first < rest, 0.0, rms_rad / np.sqrt(variance)))
 
