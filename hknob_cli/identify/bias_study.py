@@ -1,7 +1,7 @@
 """How far off each estimator is, and why: known hands, pulsed by simulation, with one nuisance at a time.
 
-Noise of the angle (Section 4.4's implicit regularization), Coulomb friction that the model leaves out, and the smoothing
-that differentiation needs, each from nothing upwards, the others at rest.
+Noise of the angle (Section 4.4's implicit regularization), Coulomb friction that the model leaves out, and the
+smoothing that differentiation needs, each from nothing upwards, the others at rest.
 """
 
 from collections.abc import Callable, Sequence
@@ -56,7 +56,7 @@ def bias_study(repeats: int = 50, *, nuisances: dict[str, Sequence[float]] | Non
 
 
 def pulsed(plant: Plant, noise_rad: float, rng: np.random.Generator) -> Motion:
-    """Mean of three trials of a 20 ms pulse to 0.09 rad, through noise and encoder, with margins; not differentiated."""
+    """Mean of three trials of a 20 ms pulse to 0.09 rad, through noise and encoder; margins, no derivatives."""
     onset = BEFORE + MARGIN
     torque = np.zeros(onset + AFTER + MARGIN + 1)
     torque[onset : onset + round(PULSE_S / DT_S)] = 1.0

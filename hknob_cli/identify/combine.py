@@ -19,7 +19,7 @@ class Spread(NamedTuple):
     mean: float
     std: float
     cv: float
-    count: int
+    number: int
 
 
 def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
@@ -38,7 +38,7 @@ def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
 
 
 def over_subjects(values: Iterable[float]) -> Spread:
-    """Mean, standard deviation (n - 1) and coefficient of variation over persons, as Tables 1 to 5; finite ones only."""
+    """Mean, standard deviation (n - 1) and coefficient of variation over persons, as Tables 1 to 5; of finite ones."""
     kept = [value for value in values if isfinite(value)]
     if not kept:
         return Spread(nan, nan, nan, 0)

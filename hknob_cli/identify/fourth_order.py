@@ -1,8 +1,8 @@
 """The fourth-order hand: finger to ground, fingerpad between finger and knob; fitted by its exact motion.
 
 Section 4.4.1, Figs 13 and 14. The network of Equation 1 gives -(B1 + B2)/J1 as the last element of Equation 2, which
-prints -(B1 - B2). All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart: those that
-it does not are said not to be identifiable, whatever number comes out.
+prints -(B1 - B2). All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart:
+those that it does not are said not to be identifiable, whatever number comes out.
 """
 
 from collections.abc import Mapping
@@ -78,8 +78,8 @@ def fourth_order(
     ``inertia``: the knob's own in kg·m², with what moves with it, and ``finger_inertia``: known, or None to fit them.
     ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1. Standard
     errors as of `output_error`. Not identifiable: a standard error above the value; one that the profile of the
-    sum of squares shows to be less than half of what it is (`Nearest.misjudged`); a value that ran away from its start by 10,000; or all, where
-    their effects are numerically one.
+    sum of squares shows to be less than half of what it is (`Nearest.misjudged`); a value that ran away from its start
+    by 10,000; or all, where their effects are numerically one.
     """
     known = {"inertia": inertia, "finger_inertia": finger_inertia}
     names = tuple(name for name in ORDER if known.get(name) is None)

@@ -1,7 +1,8 @@
 """Section 4.4.1 as a curve: what a second-order fit takes for the inertia of finger, fingerpad and knob.
 
 As the finger gets stiffer than its pad it hides behind it, and the fitted inertia falls to the knob's own. The series
-of finger and pad stays what it is, so only the split changes along the curve.
+of finger and pad stays what it is, so only the split changes along the curve. With K1/K2 = B1/B2 = r the finger moves
+1/(1 + r) of what the knob does, and adds J1/(1 + r)^2 to it.
 """
 
 from collections.abc import Sequence
@@ -55,8 +56,8 @@ def hidden_inertia(
         torque_nm = torque * (0.08 / float(np.max(respond_fourth(parts, torque, dt_s))))
         motion = _motion(parts, torque_nm, dt_s)
         for fit in (least_squares(motion), output_error(motion)):
-            told = (fit.parameters[name].value for name in ("inertia", "damping", "stiffness"))
-            found.append(Hidden(ratio, fit.estimator, *told, fit.vaf))
+            whole, loss, spring = (fit.parameters[name].value for name in ("inertia", "damping", "stiffness"))
+            found.append(Hidden(ratio, fit.estimator, whole, loss, spring, fit.vaf))
     return found
 
 

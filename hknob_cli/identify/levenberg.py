@@ -32,8 +32,8 @@ def minimise(
 ) -> Minimum:
     """The least sum of squares of ``data`` (r,) less ``model(p)``, which gives values (r,) and derivatives (r, p).
 
-    ``lowest``, ``highest``: bounds, (p,) or one for all; equal where a parameter is held. Source: Moré, *The Levenberg-Marquardt algorithm* (1978), with
-    the diagonal of J'J as scale, and bounds by projection.
+    ``lowest``, ``highest``: bounds, (p,) or one for all; equal where a parameter is held. Source: Moré, *The
+    Levenberg-Marquardt algorithm* (1978), with the derivatives' lengths as scale, and bounds by projection.
     """
     at = np.clip(np.asarray(start, dtype=float), lowest, highest)
     values, slopes = model(at)

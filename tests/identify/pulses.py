@@ -58,7 +58,7 @@ def drawn_hand(rng: np.random.Generator) -> tuple[float, float, float]:
 
 
 def seen(true: Motion, rng: np.random.Generator, noise: float, counts: int, trials: int, onset: int) -> Motion:
-    """Mean of trials through white noise of ``noise`` rad and an encoder of ``counts``, each with a phase of its own."""
+    """Mean of trials through white noise of ``noise`` rad and an encoder of ``counts``, each with its own phase."""
     total = np.zeros_like(true.angle_rad)
     for _ in range(trials):
         reading = true.angle_rad + noise * rng.normal(size=len(total))

@@ -58,4 +58,4 @@ def test_subjects_give_a_row_of_table_1() -> None:
     found = over_subjects([1.0, 2.0, 3.0, math.nan])
     assert found == pytest.approx((2.0, 1.0, 0.5, 3))
     assert math.isnan(over_subjects([1.0]).std)
-    assert over_subjects([]).count == 0
+    assert over_subjects([]).number == 0
