@@ -5,16 +5,16 @@ import numpy as np
 from hknob_cli.recordings.trial import Array
 
 LEVERAGE = 0.9  # the most that one residual's leverage counts for
-HIGHEST = 0.97  # correlation of neighbours above which a bandwidth cannot be told from a trend
+WINDOW = 5.0  # correlation times that the kernel spans
 
 
 def cautious(slopes: Array, residuals: Array) -> Array:
     """Covariance (p, p) of least squares: the `sandwich`, its variances no less than the `classical` ones.
 
     The sandwich sees correlated and uneven residuals, but rests on the few that matter where an encoder's count is
-    coarse; the classical rests on all, but takes them for white and even. With intervals of ±1.96 standard errors the
-    larger of both held the truth in 93 to 98 % of synthetic pulses, fine and coarse, noisy and not; either alone in as
-    few as 72 %.
+    coarse; the classical rests on all, but takes them for white and even. Intervals of ±1.96 of the larger held the
+    truth in 94 to 98 % of synthetic pulses, fine and coarse, noisy and not; of the classical alone in as few as 72 %.
+    Of a smoothed record of 30 ms, a few dozen correlation times, in 84 to 96 %: fit what was recorded.
     """
     robust, plain = sandwich(slopes, residuals), classical(slopes, residuals)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -26,9 +26,10 @@ def cautious(slopes: Array, residuals: Array) -> Array:
 def sandwich(slopes: Array, residuals: Array) -> Array:
     """Covariance (p, p) of least squares with derivatives ``slopes`` (r, p) and ``residuals`` (r,).
 
-    Newey and West's (1987), Bartlett kernel, bandwidth by Andrews' (1991) plug-in from the residuals' own correlation
-    of neighbours; each residual over one less its leverage, as in the jackknife (HC3). NaN where the derivatives do not
-    tell the parameters apart.
+    Newey and West's (1987), Bartlett kernel of `bandwidth`; each residual over one less its leverage, as in the
+    jackknife (HC3). A kernel that spans the share b of the record is itself uncertain: its errors are widened by Kiefer
+    and Vogelsang's (2005) 1.96 + 2.9694 b + 0.4160 b^2 - 0.5324 b^3 over 1.96, so that ±1.96 of them is an interval of
+    95 %. NaN where the derivatives do not tell the parameters apart.
     """
     count, width = slopes.shape
     bread = bread_of(slopes)
@@ -43,7 +44,9 @@ def sandwich(slopes: Array, residuals: Array) -> Array:
     total[lags + 1 + count :] = total[lags + count]
     window = lags + 1
     sums = total[window:] - total[:-window]
-    return np.asarray(bread @ (sums.T @ sums / window) @ bread)
+    b = lags / count
+    wider = 1.0 + (2.9694 * b + 0.4160 * b**2 - 0.5324 * b**3) / 1.96
+    return np.asarray(bread @ (sums.T @ sums / window) @ bread * wider**2)
 
 
 def classical(slopes: Array, residuals: Array) -> Array:
@@ -73,9 +76,19 @@ def condition(slopes: Array) -> float:
 
 
 def bandwidth(residuals: Array) -> int:
-    """Lags that Bartlett's kernel should span: 1.1447 (a r)^(1/3), a = 4 rho^2 / ((1 - rho)^2 (1 + rho)^2)."""
+    """Lags that Bartlett's kernel spans: the first m that is at least `WINDOW` correlation times, summed up to m.
+
+    Source: Madras & Sokal (1988), for Monte Carlo series. Unlike a plug-in from the correlation of neighbours it knows
+    smoothed noise, whose neighbours are nearly alike and which is forgotten a few samples later.
+    """
+    count = len(residuals)
     power = float(residuals @ residuals)
-    rho = float(residuals[1:] @ residuals[:-1]) / power if power > 0.0 else 0.0
-    rho = min(max(rho, -HIGHEST), HIGHEST)
-    strength = 4.0 * rho * rho / ((1.0 - rho) ** 2 * (1.0 + rho) ** 2)
-    return int(1.1447 * (strength * len(residuals)) ** (1.0 / 3.0))
+    most = count // 4
+    if not power > 0.0 or not np.isfinite(power):
+        return 0
+    time = 0.5
+    for lag in range(1, most + 1):
+        if lag > WINDOW * time:
+            return lag
+        time += float(residuals[lag:] @ residuals[:-lag]) / power
+    return most
