@@ -36,7 +36,7 @@ def output_error(
     ``lag_s``: known time constant between command and torque. ``coulomb_nm``: known friction, or where the search for
     it begins if ``fit_coulomb``. The rest angle is fitted too. Standard errors are `covariance.cautious`; what an
     encoder repeats counts once (`readings`). What the data cannot tell is flagged, never raised.
-    Give it the angle as recorded and averaged, not smoothed: smoothing delays and rounds the motion but not the torque.
+    Give it the angle as recorded and averaged, not smoothed: smoothing rounds the motion but not the torque.
     """
     name = FRICTION_NAME if fit_coulomb else NAME
     names = ("inertia", "damping", "stiffness", *(("coulomb",) if fit_coulomb else ()))
