@@ -39,12 +39,14 @@ UNSAMPLED = (
     "turning",
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
-# What is compiled for a scene: its modules, and a function without which they are of no use.
+PULSE = ("pulse",)
+# What is compiled for a scene, or for a recorded pulse: its modules, and a function without which they are of no use.
 GROUPS = {
     "plain": (PLAIN, "ensemble.ensemble"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
+    "pulse": (PULSE, "pulse.follow_linear"),
 }
 
 

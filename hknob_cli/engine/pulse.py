@@ -1,0 +1,207 @@
+"""A second-order knob's response to a recorded torque, exact hold by hold, with its derivatives by the plant's numbers.
+
+Time in sample periods, angle in rad:  x'' + alpha x' + beta x = gain * torque - phi sign(x'),  from rest, where
+
+    alpha = B T / J,   beta = K T^2 / J,   gain = T^2 / J,   phi = (Coulomb torque) T^2 / J.
+
+The torque is held, or decays exponentially within a hold (a motor with a lag). Derivatives are those of the exact
+solution: the plant's equation differentiated by alpha, by beta and by phi, and solved by the same series.
+"""
+
+from math import exp
+
+TERMS = 22  # of Taylor series whose coefficients are at most 1/n!: 1/22! is 1e-21
+
+
+def rise_series(alpha, beta, decay):
+    """Response from rest to exp(-decay t) at t = 1, for alpha, beta, decay <= 1 in size.
+
+    Value and slope, and the derivatives of both by alpha, then by beta: six floats.
+    """
+    drive = 1.0
+    c0, c1, a0, a1, b0, b1 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    q, r, qa, ra, qb, rb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for n in range(1, TERMS):
+        below = 1.0 / ((n + 1) * n)
+        c2 = (drive - alpha * n * c1 - beta * c0) * below
+        a2 = -(n * c1 + alpha * n * a1 + beta * a0) * below
+        b2 = -(c0 + alpha * n * b1 + beta * b0) * below
+        c0, c1, a0, a1, b0, b1 = c1, c2, a1, a2, b1, b2
+        q += c1
+        r += (n + 1) * c1
+        qa += a1
+        ra += (n + 1) * a1
+        qb += b1
+        rb += (n + 1) * b1
+        drive *= -decay / n
+    return q, r, qa, ra, qb, rb
+
+
+def hold_derivatives(alpha, beta, decay, t):
+    """Coefficients ``(S, G, F, Q, R)`` over a time t, their derivatives by alpha, and by beta: 15 floats.
+
+    ``S, G, F`` as `propagator.hold_coefficients`; ``Q, R`` are position and velocity from rest under exp(-decay t).
+    Beyond the series' reach by doubling a shorter time.
+    """
+    size = max(abs(alpha) * t, max(abs(beta) * t * t, decay * t))
+    doublings = 0
+    while size > 1.0:
+        size *= 0.5
+        doublings += 1
+    h = t / 2.0**doublings
+    hh = h * h
+    g, s, ga, sa, gb, sb = rise_series(alpha * h, beta * hh, 0.0)
+    q, r, qa, ra, qb, rb = rise_series(alpha * h, beta * hh, decay * h)
+    g, s, q, r = g * hh, s * h, q * hh, r * h
+    ga, sa, qa, ra = ga * hh * h, sa * hh, qa * hh * h, ra * hh
+    gb, sb, qb, rb = gb * hh * hh, sb * hh * h, qb * hh * hh, rb * hh * h
+    f = 1.0 - alpha * s - beta * g
+    fa = -s - alpha * sa - beta * ga
+    fb = -alpha * sb - g - beta * gb
+    for k in range(doublings):
+        e = exp(-decay * h * 2.0**k)
+        p, pa, pb = 1.0 - beta * g, -beta * ga, -g - beta * gb
+        m, ma, mb = -beta * s, -beta * sa, -s - beta * sb
+        q, r, qa, ra, qb, rb = (
+            p * q + s * r + e * q,
+            m * q + f * r + e * r,
+            pa * q + p * qa + sa * r + s * ra + e * qa,
+            ma * q + m * qa + fa * r + f * ra + e * ra,
+            pb * q + p * qb + sb * r + s * rb + e * qb,
+            mb * q + m * qb + fb * r + f * rb + e * rb,
+        )
+        g, s, ga, sa, gb, sb = (
+            p * g + s * s + g,
+            m * g + f * s + s,
+            pa * g + p * ga + 2.0 * s * sa + ga,
+            ma * g + m * ga + fa * s + f * sa + sa,
+            pb * g + p * gb + 2.0 * s * sb + gb,
+            mb * g + m * gb + fb * s + f * sb + sb,
+        )
+        f = 1.0 - alpha * s - beta * g
+        fa = -s - alpha * sa - beta * ga
+        fb = -alpha * sb - g - beta * gb
+    return s, g, f, q, r, sa, ga, fa, qa, ra, sb, gb, fb, qb, rb
+
+
+def follow_torque(torque, fading, decay, gain, alpha, beta, angle, slopes):
+    """Angle at every sample, and its derivatives by alpha and beta at a fixed gain, without Coulomb friction.
+
+    ``torque`` (n,) N m held from sample i to i + 1; ``fading`` (n,) or empty: a part added to it that decays at
+    ``decay`` per sample within the hold. Fills ``angle`` (n,) rad and columns 0, 1 of ``slopes`` (n, 3).
+    """
+    s, g, f, q, r, sa, ga, fa, qa, ra, sb, gb, fb, qb, rb = hold_derivatives(alpha, beta, decay, 1.0)
+    x, v, xa, va, xb, vb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    lagging = len(fading) > 0
+    for i in range(len(torque)):
+        angle[i], slopes[i, 0], slopes[i, 1] = x, xa, xb
+        d = gain * torque[i] - beta * x
+        da, db = -beta * xa, -x - beta * xb
+        w = gain * fading[i] if lagging else 0.0
+        xa += sa * v + s * va + ga * d + g * da + qa * w
+        va = fa * v + f * va + sa * d + s * da + ra * w
+        xb += sb * v + s * vb + gb * d + g * db + qb * w
+        vb = fb * v + f * vb + sb * d + s * db + rb * w
+        x += s * v + g * d + q * w
+        v = f * v + s * d + r * w
+
+
+def turning_time(v, d, alpha, beta, t):
+    """When the velocity ``v`` comes to zero under the net drive ``d`` at the start, in (0, t]; it does before t.
+
+    Newton's method within a bracket that shrinks.
+    """
+    low, high, time = 0.0, t, t * 0.5
+    for _ in range(60):
+        s, g, f, _q, _r, _sa, _ga, _fa, _qa, _ra, _sb, _gb, _fb, _qb, _rb = hold_derivatives(alpha, beta, 0.0, time)
+        speed = f * v + s * d
+        if speed == 0.0:
+            break
+        if (speed > 0.0) == (v > 0.0):
+            low = time
+        else:
+            high = time
+        pull = d - beta * (s * v + g * d) - alpha * speed
+        step = time - speed / pull if pull != 0.0 else 0.5 * (low + high)
+        if not low < step < high:
+            step = 0.5 * (low + high)
+        if abs(step - time) <= 1e-16:
+            break
+        time = step
+    return time
+
+
+def follow_with_friction(torque, gain, alpha, beta, phi, angle, slopes):
+    """Angle at every sample, and its derivatives by alpha, beta and phi at a fixed gain, with Coulomb friction.
+
+    It sticks where the velocity is zero and the net drive at most ``phi``; where it turns, the derivatives jump as
+    the acceleration does (the instant of turning moves). Fills ``angle`` (n,) rad and ``slopes`` (n, 3).
+    """
+    whole = hold_derivatives(alpha, beta, 0.0, 1.0)
+    x, v, xa, va, xb, vb, xf, vf = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    way = 0.0  # direction of slip, 0 where it sticks
+    for i in range(len(torque)):
+        angle[i], slopes[i, 0], slopes[i, 1], slopes[i, 2] = x, xa, xb, xf
+        left = 1.0
+        while left > 0.0:
+            free = gain * torque[i] - beta * x
+            if way == 0.0:
+                if abs(free) <= phi:
+                    break
+                way = 1.0 if free > 0.0 else -1.0
+            d = free - phi * way
+            time, turns = left, False
+            part = whole if left == 1.0 else hold_derivatives(alpha, beta, 0.0, left)
+            if (part[2] * v + part[0] * d) * way < 0.0:
+                turns = True
+                time = turning_time(v, d, alpha, beta, left)
+                part = hold_derivatives(alpha, beta, 0.0, time)
+            s, g, f, _q, _r, sa, ga, fa, _qa, _ra, sb, gb, fb, _qb, _rb = part
+            da, db, df = -beta * xa, -x - beta * xb, -way - beta * xf
+            xa += sa * v + s * va + ga * d + g * da
+            va = fa * v + f * va + sa * d + s * da
+            xb += sb * v + s * vb + gb * d + g * db
+            vb = fb * v + f * vb + sb * d + s * db
+            xf += s * vf + g * df
+            vf = f * vf + s * df
+            x += s * v + g * d
+            v = f * v + s * d
+            left -= time
+            if turns:
+                free = gain * torque[i] - beta * x
+                before = free - phi * way
+                if abs(free) <= phi:
+                    way, after = 0.0, 0.0
+                else:
+                    way = 1.0 if free > 0.0 else -1.0
+                    after = free - phi * way
+                jump = after / before
+                v, va, vb, vf = 0.0, va * jump, vb * jump, vf * jump
+
+
+def follow_linear(drive, move, push, moves, pushes, work, angle, slopes):
+    """First state of a linear plant from rest under a held drive, and its derivatives by any parameters.
+
+    ``move`` (m, m) and ``push`` (m,): state after a hold is move @ state + push * drive; ``moves`` (p, m, m) and
+    ``pushes`` (p, m): their derivatives by each parameter; ``work`` (p + 2, m): zeros, overwritten. Fills ``angle``
+    (n,) and ``slopes`` (n, p).
+    """
+    m, p = len(push), len(moves)
+    for i in range(len(drive)):
+        angle[i] = work[p, 0]
+        for k in range(p):
+            slopes[i, k] = work[k, 0]
+            for a in range(m):
+                total = pushes[k, a] * drive[i]
+                for b in range(m):
+                    total += moves[k, a, b] * work[p, b] + move[a, b] * work[k, b]
+                work[p + 1, a] = total
+            for a in range(m):
+                work[k, a] = work[p + 1, a]
+        for a in range(m):
+            total = push[a] * drive[i]
+            for b in range(m):
+                total += move[a, b] * work[p, b]
+            work[p + 1, a] = total
+        for a in range(m):
+            work[p, a] = work[p + 1, a]

@@ -1,0 +1,65 @@
+"""What fitted numbers become: a damping ratio, a hand without its apparatus, a model at the skin."""
+
+from collections.abc import Mapping
+from math import nan, sqrt
+
+import numpy as np
+
+from hknob_cli.errors import UsageError
+from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.quality import judged
+
+SQUARED_ARM = ("inertia", "damping", "stiffness")
+
+
+def damping_ratio(fit: Fit) -> Estimate:
+    """Damping ratio B / (2 sqrt(J K)) with its standard error by the delta method; NaN where J or K is not positive.
+
+    With the fit's covariance where it has one, else as if the errors were independent. Source: Section 4.3.
+    """
+    one = [fit.parameters[name] for name in SQUARED_ARM]
+    inertia, damping, stiffness = (estimate.value for estimate in one)
+    if not (inertia > 0.0 and stiffness > 0.0):
+        return Estimate(nan, nan, False)
+    ratio = damping / (2.0 * sqrt(inertia * stiffness))
+    slope = np.array([-0.5 * ratio / inertia, 1.0 / (2.0 * sqrt(inertia * stiffness)), -0.5 * ratio / stiffness])
+    if fit.covariance is not None:
+        names = list(fit.parameters)
+        chosen = [names.index(name) for name in SQUARED_ARM]
+        covariance = np.array(fit.covariance)[np.ix_(chosen, chosen)]
+    else:
+        covariance = np.diag([estimate.std**2 for estimate in one])
+    with np.errstate(invalid="ignore"):
+        std = float(np.sqrt(slope @ covariance @ slope))
+    told = judged(ratio, std)
+    return told._replace(identifiable=told.identifiable and all(estimate.identifiable for estimate in one))
+
+
+def without_apparatus(
+    estimate: Estimate, apparatus: float | Estimate, *, what: str = "inertia"
+) -> tuple[Estimate, tuple[str, ...]]:
+    """A parameter of the hand alone: less the apparatus's (Appendix C), the variances added; and a flag if negative.
+
+    An ``apparatus`` without a standard error counts as exact.
+    """
+    own = apparatus if isinstance(apparatus, Estimate) else Estimate(apparatus, 0.0)
+    hand = judged(estimate.value - own.value, sqrt(estimate.std**2 + own.std**2))
+    hand = hand._replace(identifiable=hand.identifiable and estimate.identifiable)
+    if hand.value < 0.0:
+        return hand, (f"{what} is below the apparatus's own: {estimate.value:.3g} less {own.value:.3g}",)
+    return hand, ()
+
+
+def at_the_skin(parameters: Mapping[str, Estimate], radius_m: float) -> dict[str, Estimate]:
+    """Translational model at a knob's circumference: kg, N s/m, N/m; friction, if any, in N.
+
+    Inertia, damping and stiffness over radius squared, Coulomb torque over radius. Source: Section 5.3, Figure 21.
+    Raises `UsageError` unless the radius is positive.
+    """
+    if not radius_m > 0.0:
+        raise UsageError(f"radius must be > 0, got {radius_m:g}")
+    found = {}
+    for name, one in parameters.items():
+        arm = radius_m if name == "coulomb" else radius_m * radius_m
+        found[name] = Estimate(one.value / arm, one.std / arm, one.identifiable)
+    return found

@@ -1,0 +1,106 @@
+"""How far a fit can be trusted: variance accounted for, whiteness of what is left, and warnings in words."""
+
+from collections.abc import Mapping, Sequence
+from math import isfinite, nan, sqrt
+
+import numpy as np
+
+from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.motion import Motion
+from hknob_cli.recordings.trial import Array
+
+LAGS = 20
+ODDS = 0.01  # p-value below which residuals are called not white
+EXCESS = 1.5  # residuals this many times the known noise are more than noise
+ROUNDING = 1e-14  # share of variance below which what is left is the arithmetic's own
+OVERDAMPED, UNDAMPED = 1.5, 0.05  # damping ratios beyond which a pulse tells two of the parameters badly
+
+
+def vaf(measured: Array, modelled: Array) -> float:
+    """Variance accounted for: 1 - var(measured - modelled) / var(measured); NaN if nothing varies."""
+    power = float(np.var(measured))
+    if power == 0.0 or not np.all(np.isfinite(modelled)):
+        return nan
+    return 1.0 - float(np.var(measured - modelled)) / power
+
+
+def whiteness(residuals: Array, fitted: int = 0, lags: int = LAGS) -> float | None:
+    """P-value of residuals (r,) being white, ``fitted`` parameters having been taken from them; None if too few.
+
+    Source: Ljung & Box (1978): r (r + 2) sum rho_k^2 / (r - k) against chi-square of ``lags`` - ``fitted`` degrees.
+    """
+    from scipy.special import chdtrc
+
+    count = len(residuals)
+    centred = residuals - np.mean(residuals)
+    power = float(centred @ centred)
+    lags = min(lags, count // 4)
+    if lags <= fitted or power <= 0.0 or not isfinite(power):
+        return None
+    rho = np.array([float(centred[k:] @ centred[:-k]) / power for k in range(1, lags + 1)])
+    statistic = count * (count + 2) * float(np.sum(rho * rho / (count - np.arange(1, lags + 1))))
+    return float(chdtrc(lags - fitted, statistic))
+
+
+def judged(value: float, std: float) -> Estimate:
+    """An estimate, not identifiable where its standard error is not below its size."""
+    return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)))
+
+
+def blank(motion: Motion) -> str | None:
+    """Why a motion tells nothing at all, if so: no torque, no motion, too short, or not finite."""
+    if len(motion.torque_nm) < 8:
+        return f"only {len(motion.torque_nm)} samples: nothing can be identified"
+    if not np.all(np.isfinite(motion.torque_nm)) or not np.all(np.isfinite(motion.angle_rad)):
+        return "torque or angle is not finite: nothing can be identified"
+    if not np.any(motion.torque_nm):
+        return "no torque: nothing can be identified"
+    if np.ptp(motion.angle_rad) == 0.0:
+        return "the angle does not change: nothing can be identified"
+    return None
+
+
+def unidentified(estimator: str, names: Sequence[str], why: str) -> Fit:
+    """A fit that tells nothing."""
+    return Fit(estimator, {name: Estimate(nan, nan, False) for name in names}, nan, None, (why,))
+
+
+def misfit(white: float | None, share: float, rms: float, noise: float | None) -> tuple[str, ...]:
+    """That the model does not fit, in words: residuals not white and, where the noise is known, larger than it."""
+    if (
+        white is None
+        or white >= ODDS
+        or 1.0 - share < ROUNDING
+        or (noise is not None and noise > 0.0 and rms <= EXCESS * noise)
+    ):
+        return ()
+    size = f", {rms / noise:.1f} times the noise" if noise else ""
+    return (f"the model does not fit: residuals are not white (p = {white:.1g}){size}; VAF {100.0 * share:.2f} %",)
+
+
+def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]:
+    """What a second-order fit's own numbers warn of, in words."""
+    found = []
+    window = (len(motion.angle_rad) - int(np.flatnonzero(motion.torque_nm)[0])) * motion.dt_s
+    for name, one in estimates.items():
+        if not isfinite(one.std):
+            found.append(f"{name} is not identifiable: the data do not tell it from the others")
+        elif not one.identifiable:
+            zero = "" if name == "inertia" else " from zero"
+            found.append(
+                f"{name} is not identifiable: not told{zero} in {1e3 * window:.3g} ms from the pulse on "
+                f"({one.value:.2g} ± {one.std:.2g})"
+            )
+        elif one.value < 0.0:
+            found.append(f"{name} came out negative: {one.value:.2g}")
+    inertia, damping, stiffness = (estimates[name].value for name in ("inertia", "damping", "stiffness"))
+    if inertia > 0.0 and stiffness > 0.0 and damping > 0.0:
+        ratio = damping / (2.0 * sqrt(inertia * stiffness))
+        slow = stiffness / damping
+        if ratio > OVERDAMPED:
+            found.append(f"overdamped (damping ratio {ratio:.2g}): inertia shows only in the first milliseconds")
+            if slow * window < 1.0:
+                found.append(f"the window of {1e3 * window:.3g} ms ends before the slow return ({1e3 / slow:.3g} ms)")
+        elif ratio < UNDAMPED:
+            found.append(f"hardly damped (damping ratio {ratio:.2g})")
+    return tuple(found)

@@ -1,0 +1,84 @@
+"""Finger and fingerpad: exact motion and derivatives, recovery, and what one pulse cannot tell."""
+
+import numpy as np
+import pytest
+
+from hknob_cli.identify.fourth_order import FINGER_INERTIA, ORDER, fourth_order, network, respond_fourth, split
+from hknob_cli.identify.linear_motion import hold_matrices, respond_linear
+from hknob_cli.identify.motion import Motion
+from tests.identify.pulses import propagate, pulse
+
+PARTS = {"inertia": 1.98e-6, "finger_inertia": 3e-7, **split(1.15e-3, 0.23, 2.0)}
+TORQUE = pulse(600, 20, 200, 0.03)
+
+
+def test_the_network_is_equation_1_with_the_dampers_summed() -> None:
+    """Equation 1 itself, with any accelerations that satisfy it; Equation 2 prints -(B1 - B2) for the last element."""
+    knob, tip, b1, k1, b2, k2 = (PARTS[name] for name in ORDER)
+    state, torque = np.array([0.03, -1.2, 0.01, 0.7]), 0.02
+    matrix, entry = network(PARTS)
+    rate = matrix @ state + entry * torque
+    angle, speed, finger, finger_speed = state
+    assert knob * rate[1] + b2 * (speed - finger_speed) + k2 * (angle - finger) == pytest.approx(torque, rel=1e-12)
+    across = b2 * (speed - finger_speed) + k2 * (angle - finger)
+    assert tip * rate[3] + b1 * finger_speed + k1 * finger - across == pytest.approx(0.0, abs=1e-12)
+    assert matrix[3, 3] == pytest.approx(-(b1 + b2) / tip)
+
+
+def test_the_split_is_a_series() -> None:
+    parts = split(1.15e-3, 0.23)
+    for kind, whole in (("damping", 1.15e-3), ("stiffness", 0.23)):
+        finger, pad = parts[f"finger_{kind}"], parts[f"pad_{kind}"]
+        assert finger / pad == pytest.approx(10.0)
+        assert finger * pad / (finger + pad) == pytest.approx(whole)
+
+
+def test_motion_is_the_matrix_exponentials() -> None:
+    angle = propagate(*network(PARTS), TORQUE, 1e-4)[:, 0]
+    assert np.max(np.abs(respond_fourth(PARTS, TORQUE, 1e-4) - angle)) <= 1e-11 * np.max(angle)
+
+
+@pytest.mark.parametrize("name", ORDER)
+def test_derivatives_are_differences(name: str) -> None:
+    """Central, relative step 1e-5: an error of 1e-10 by truncation, and 1e-11 by rounding, over the step."""
+    nudged = {**PARTS, name: PARTS[name] * (1.0 + 1e-30j)}
+    move, push = hold_matrices([network(PARTS), network(nudged)], 1e-4)
+    slopes = respond_linear(move.real, push.real, TORQUE, move[1:].imag * 1e30, push[1:].imag * 1e30)[1][:, 0]
+    ahead, back = (
+        respond_fourth({**PARTS, name: PARTS[name] * factor}, TORQUE, 1e-4) for factor in (1 + 1e-5, 1 - 1e-5)
+    )
+    difference = (ahead - back) / 2e-5
+    assert np.max(np.abs(slopes - difference)) <= 1e-6 * np.max(np.abs(difference))
+
+
+@pytest.mark.parametrize("ratio", [0.5, 2.0])
+def test_it_recovers_a_noiseless_hand_whose_inertias_are_known(ratio: float) -> None:
+    parts = {**PARTS, **split(1.15e-3, 0.23, ratio)}
+    fit = fourth_order(Motion(1e-4, TORQUE, respond_fourth(parts, TORQUE, 1e-4)), inertia=1.98e-6)
+    assert {name: one.value for name, one in fit.parameters.items()} == pytest.approx(
+        {name: parts[name] for name in fit.parameters}, rel=1e-8
+    )
+
+
+def test_a_stiff_finger_is_not_told() -> None:
+    """At 100:1 the finger hardly moves: what it is made of does not show in the knob's motion."""
+    parts = {**PARTS, **split(1.15e-3, 0.23, 100.0)}
+    angle = respond_fourth(parts, TORQUE, 1e-4) + 1e-5 * np.random.default_rng(0).normal(size=len(TORQUE))
+    fit = fourth_order(Motion(1e-4, TORQUE, angle, noise_rad=1e-5), inertia=1.98e-6, finger_inertia=None)
+    for name in ("finger_inertia", "finger_damping", "finger_stiffness"):
+        assert not fit.parameters[name].identifiable
+        assert any(flag.startswith(f"{name} is not identifiable from this motion") for flag in fit.flags)
+    assert fit.vaf > 0.999999
+
+
+def test_both_inertias_free_are_more_than_a_pulse_tells() -> None:
+    parts = {**PARTS, "finger_inertia": FINGER_INERTIA, **split(1.15e-3, 0.23, 10.0)}
+    angle = respond_fourth(parts, TORQUE, 1e-4) + 1e-5 * np.random.default_rng(0).normal(size=len(TORQUE))
+    fit = fourth_order(Motion(1e-4, TORQUE, angle, noise_rad=1e-5), finger_inertia=None)
+    assert not fit.parameters["finger_inertia"].identifiable
+    assert set(fit.parameters) == set(ORDER)
+
+
+def test_nothing_is_told_of_nothing() -> None:
+    still = Motion(1e-4, TORQUE, np.zeros_like(TORQUE))
+    assert "does not change" in fourth_order(still).flags[0]
