@@ -33,14 +33,22 @@ KINDS = (*GRIDS, "bench", "report")
 PIPELINE = "pipeline"
 
 
-def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None, label: str = "--set ") -> Plan:
+def load(
+    path: Path,
+    overrides: tuple[str, ...] = (),
+    *,
+    kind: str | None = None,
+    label: str = "--set ",
+    waiting: frozenset[str] = frozenset(),
+) -> Plan:
     """Read and validate one spec.
 
     ``overrides`` are ``key.path=value`` strings, and ``label`` says in faults where they are from; ``kind`` is the kind
-    required, any if None. Of a pipeline it is the one stage of that kind. Raises `UsageError` if the file cannot be
-    read, `SpecError` with every fault found.
+    required, any if None. Of a pipeline it is the one stage of that kind. Hands from folders that are ``waiting`` for
+    their results have no numbers. Raises `UsageError` if the file cannot be read, `SpecError` with every fault found.
     """
     source = yaml.read(path)
+    source.waiting = waiting
     if kind in KINDS and source.value.get("kind") == PIPELINE:
         return _only_stage(source, overrides, str(kind))
     _apply(source, overrides, label)
@@ -121,6 +129,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         except ValidationError:
             raise SpecError(faults) from None
     axes, more = _resolve_axes(source, grid, scene)
+    if scene and scene.hand and scene.hand.from_:
+        from hknob_cli.spec.hand_from import take_hand
+
+        faults += [source.fault(path, text) for path, text in take_hand(source, scene.hand, axes)]
     faults += more + _missing_axes(source, scene) + _absent(source, model, scene, axes)
     if scene:
         faults += [source.fault(path, text) for path, text in contradictions(scene, axes)]
