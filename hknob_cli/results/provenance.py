@@ -39,7 +39,7 @@ def _tables(values: dict[str, Any]) -> dict[str, str]:
     """Digests of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
     found: dict[str, str] = {}
     for key, value in values.items():
-        if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
+        if key in ("hand", "population") and isinstance(value, dict) and value.get("table") is not None:
             from hknob_cli.printed.tables import table_digest
 
             found |= {f"table_{number}_sha256": table_digest(number) for number in (value["table"], 10)}
