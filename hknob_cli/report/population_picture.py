@@ -79,14 +79,14 @@ def _maps(figure: "Figure", rows: list[Row], wide: list[str]) -> None:
     downs, acrosses = (sorted({row[axis] for row in rows}) for axis in wide)
     grid = {(row[down], row[across]): row for row in rows}
     left, right = figure.subplots(1, 2, sharey=True)
-    panels: tuple[tuple[Axes, str, float, str], ...] = (
-        (left, "buzzing_fraction", 100.0, "people for whom the knob buzzes, %"),
-        (right, "p2p_rad_p95", 1e3, "peak to peak, mrad: 95 % of the people have less"),
+    panels: tuple[tuple[Axes, str, float, str, tuple[float, float] | None], ...] = (
+        (left, "buzzing_fraction", 100.0, "people for whom the knob buzzes, %", (0.0, 100.0)),
+        (right, "p2p_rad_p95", 1e3, "peak to peak, mrad: 95 % of the people have less", None),
     )
-    for axes, column, scale, label in panels:
+    for axes, column, scale, label, limits in panels:
         table: Any = [[grid[d, a][column] for a in acrosses] for d in downs]
         values = np.array([[np.nan if value is None else scale * value for value in line] for line in table])
-        inks = colour_map(axes, values, label)
+        inks = colour_map(axes, values, label, limits=limits)
         axes.set_xticks(range(len(acrosses)), [f"{value:.6g}" for value in acrosses], rotation=30, ha="right")
         axes.set_xlabel(axis_name(across))
         for i, j in np.ndindex(*values.shape) if len(rows) <= 400 else ():
