@@ -23,10 +23,15 @@ def hand_files(plan: Any) -> tuple[Path, ...]:
 
 
 def hand_inputs(plan: Any) -> dict[str, str]:
-    """Digests of the files, and the numbers of the hand, which a spec with a file does not say.
+    """Digests of the files, the numbers of the hand, which a spec with a file does not say, and what was said of them.
 
     Numbers are JSON with inertia, damping and stiffness in SI units, as `Evidence.scene` reads them.
     """
+    said = {"hand_notes": " ".join(hand_notes(plan))} if hand_notes(plan) else {}
+    return {**_digests(plan), **said}
+
+
+def _digests(plan: Any) -> dict[str, str]:
     found = {origin.sha256: hand for hand, origin in _measured(plan) if origin.file}
     if not found:
         return {}

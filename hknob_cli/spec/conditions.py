@@ -113,10 +113,10 @@ def label(row: Row) -> str:
     return f"{who}, experiment {row['experiment']}, {row['grip_target_n']:g} N, {row['estimator']}"
 
 
-def flag_note(file: Path, rows: list[Row]) -> tuple[str, ...]:
+def flag_note(rows: list[Row]) -> tuple[str, ...]:
     """A warning of the rows that sysid flagged, if any."""
     said = [f"{label(row)}: {row['flags']}" for row in rows if row["flags"]]
-    return (f"warning: {file}: used although flagged: {'; '.join(said)}",) if said else ()
+    return (f"warning: a hand is used although flagged: {'; '.join(said)}",) if said else ()
 
 
 def _is(found: Any, wanted: Any) -> bool:

@@ -1,6 +1,5 @@
 """The people of a population: the subjects of a file, or drawn as those of a file or of a printed table spread."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 from hknob_cli.errors import UsageError
@@ -84,16 +83,16 @@ def _identified(source: Source, spec: PopulationSpec) -> tuple[list[Triple], Ori
     if len({row["subject"] for row in rows}) < len(rows):
         raise ChoiceError("from", "has several rows for a subject")
     hands = [numbers_of(row, spec.subtract_apparatus) for row in rows]
-    notes = flag_note(found.file, rows)
+    notes = flag_note(rows)
     if spec.spread == "lognormal":
-        spread, alone = _spread(found.file, rows, hands)
+        spread, alone = _spread(rows, hands)
         apparatus = max(row[APPARATUS] or spec.subtract_apparatus or 0.0 for row in rows)
         hands, more = _drawn(spread, spec, apparatus)
         notes += (*alone, *more)
     return hands, Origin(found.file, found.sha256, notes)
 
 
-def _spread(file: Path, rows: list[Row], hands: list[Triple]) -> tuple[Spread, Notes]:
+def _spread(rows: list[Row], hands: list[Triple]) -> tuple[Spread, Notes]:
     """Spread over subjects; of a mean over persons, its standard deviations. Raises `ChoiceError`."""
     if len(rows) > 1:
         return spread_of(hands), ()
@@ -103,7 +102,7 @@ def _spread(file: Path, rows: list[Row], hands: list[Triple]) -> tuple[Spread, N
     if any(value is None or not value >= 0.0 for value in values):
         raise ChoiceError("from", "has no subjects, and no standard deviations over persons")
     inertia, damping, stiffness = map(float, values)
-    alone = f"population: {file} has no subjects; inertia, damping, stiffness are drawn independently"
+    alone = "population: the file has no subjects; inertia, damping, stiffness are drawn independently"
     return Spread(hands[0], (inertia, damping, stiffness)), (alone,)
 
 

@@ -56,7 +56,7 @@ def _hand(conditions: Conditions, spec: HandSpec, axes: Axes) -> Hand:
     else:
         used = [_one(narrowed(rows, wanted, ("grip_n", "estimator")))]
         by_grip = {}
-    origin = Origin(conditions.file, conditions.sha256, flag_note(conditions.file, used))
+    origin = Origin(conditions.file, conditions.sha256, flag_note(used))
     hands = [Hand(*numbers_of(row, spec.subtract_apparatus)) for row in used]
     return hands[0]._replace(by_grip=tuple(zip(by_grip, hands, strict=True)) if by_grip else (), origin=origin)
 

@@ -122,9 +122,10 @@ def test_a_changed_file_is_swept_again_and_a_flagged_row_is_said(hknob, spec_fil
         write_conditions(hands, conditions(flags="drift"))
         again = hknob("sweep", path, "-o", key, "--json")
         assert json.loads(again.stdout)["status"] == "computed"
-        assert "conditions.parquet: used although flagged" in again.stderr
+        assert "warning: a hand is used although flagged: " in again.stderr
         record = json.loads(pq.read_schema(tmp_path / key / "cells.parquet").metadata[b"hknob.provenance"])
         assert len(record["inputs"][key]) == 64
+        assert "used although flagged" in record["inputs"]["hand_notes"]
 
 
 def test_means_alone_are_drawn_without_correlations_and_said(hknob, spec_file, tmp_path, hands) -> None:
