@@ -7,12 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.cli.hand_origin import hand_files
 from hknob_cli.cli.job import Job, work_of
 from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import PipelinePlan, ReportPlan, StagePlan
+from hknob_cli.spec.plan import PipelinePlan, Plan, ReportPlan, StagePlan
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one
@@ -52,7 +53,7 @@ def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Jo
                 faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
             continue
         try:
-            jobs[stage.name] = _job(stage, folders, **options)
+            jobs[stage.name] = _job(stage, folders, _made_here(stages, folders), **options)
         except SpecError as error:
             faults += error.faults
         except UsageError as error:
@@ -69,35 +70,58 @@ def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Sa
     """
     steps: list[Step] = []
     files: dict[str, tuple[Path, ...]] = {}
+    folders = {stage.name: stage.folder or root / stage.name for stage in stages}
     for stage in stages:
         if stage.folder is not None:
             files[stage.name] = (stage.folder,)
             continue
-        steps.append(_step(stage, jobs[stage.name], files, root, said))
+        steps.append(_step(stage, jobs[stage.name], folders, files, said, root=root))
         files[stage.name] = steps[-1].writes
     return steps
 
 
-def _job(stage: StagePlan, places: dict[str, Path], **options: Any) -> Job:
-    """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
+def _made_here(stages: list[StagePlan], places: dict[str, Path]) -> frozenset[str]:
+    """Folders that the pipeline fills: what a hand from them is, is known when their stages have run."""
+    return frozenset(_as_hand(places[stage.name]) for stage in stages if stage.folder is None)
+
+
+def _as_hand(folder: Path) -> str:
+    """A folder as a hand names it, for which a spec's own folder is where paths begin."""
+    return str(folder.absolute())
+
+
+def _is_hand(path: str) -> bool:
+    """Whether a path in a spec says where a hand, or a population of them, is from."""
+    return path.endswith(("hand.from", "population.from"))
+
+
+def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:
+    """The stage's spec, its inputs the folders of other stages; ``waiting``: those whose results are yet to be made."""
     folders: dict[str, Any] = {
-        path: str(places[found])
-        if isinstance(found, str) and path != _MANY
-        else {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
+        path: {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
+        if path == _MANY or not isinstance(found, str)
+        else _as_hand(places[found])
+        if _is_hand(path)
+        else str(places[found])
         for path, found in stage.inputs.items()
     }
     linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
     assert stage.spec is not None
-    plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ")
+    plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ", waiting=waiting)
     if isinstance(plan, ReportPlan) and "rerun" not in plan.values:
         plan = plan._replace(rerun=(f"hknob run {Path(stage.where.split(':')[0]).name}",))
-    if linked:
-        # Results say which stage an input is from, not where it happens to lie.
-        names = {
-            path: {"from": found if isinstance(found, str) else list(found)} for path, found in stage.inputs.items()
-        }
-        plan = plan._replace(values=_replaced(plan.values, names))
-        linked = tuple(f"{path}={json.dumps(name)}" for path, name in names.items())
+    return plan._replace(values=_replaced(plan.values, _names(stage)))
+
+
+def _names(stage: StagePlan) -> dict[str, dict[str, Any]]:
+    """Inputs by path as results name them: which stage an input is from, not where it happens to lie."""
+    return {path: {"from": found if isinstance(found, str) else list(found)} for path, found in stage.inputs.items()}
+
+
+def _job(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str], **options: Any) -> Job:
+    """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
+    plan = _plan(stage, places, waiting)
+    linked = tuple(f"{path}={json.dumps(name)}" for path, name in _names(stage).items())
     return Job(
         kind=str(plan.values["kind"]),
         plan=plan,
@@ -118,21 +142,37 @@ def _replaced(values: dict[str, Any], links: dict[str, Any]) -> dict[str, Any]:
     return values
 
 
-def _step(stage: StagePlan, job: Job, files: dict[str, tuple[Path, ...]], root: Path, said: Said) -> Step:
+def _step(
+    stage: StagePlan,
+    job: Job,
+    folders: dict[str, Path],
+    files: dict[str, tuple[Path, ...]],
+    said: Said,
+    *,
+    root: Path,
+) -> Step:
     work: Work = work_of(job.kind)
     linked = {root / name for name in stage.needs}
 
     def run() -> bool:
         begin = time.perf_counter()
         said(stage.name, "")
-        _, _, computed = make(job, work)
+        now = job._replace(plan=_plan(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
+        _, _, computed = make(now, work)
         said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
         return computed
 
+    needs = tuple(path for name in stage.needs for path in files[name])
+    stages = {path.absolute() for path in needs}
+    measured = [file for file in hand_files(job.plan) if file.absolute() not in stages]
     return Step(
         stage.name,
-        reads=(*((stage.spec,) if stage.spec else ()), *(path for path in work.reads(job) if path not in linked)),
-        needs=tuple(path for name in stage.needs for path in files[name]),
+        reads=(
+            *((stage.spec,) if stage.spec else ()),
+            *(path for path in work.reads(job) if path not in linked),
+            *measured,
+        ),
+        needs=needs,
         writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
         values={
             "settings": json.dumps(job.overrides),

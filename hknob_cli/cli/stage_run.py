@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.cli.console import say
+from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
@@ -109,6 +110,8 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
     """
     stamp, paths, current = _state(job, work)
     name = job.plan.name
+    for text in hand_notes(job.plan):
+        note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
     ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
     if current is not None and not job.plot and not store.leftovers(ours):
@@ -138,7 +141,7 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
         stage=job.kind,
         values=job.plan.values,
         overrides=job.overrides,
-        inputs=work.inputs(job),
+        inputs={**hand_inputs(job.plan), **work.inputs(job)},
         versions=work.versions(),
     )
     tables = [job.out / file for file in work.files(job)]

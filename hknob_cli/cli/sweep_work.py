@@ -9,6 +9,7 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.report.summary import describe_sweep, table_text
+from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
 
@@ -45,11 +46,9 @@ class SweepWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """The grid, over one axis or two, and the recordings."""
-        from hknob_cli.report.picture import draw_sweep
-
         cells, orbits = tables[:2]
         drawn = []
-        if draw_sweep(cells, orbits, list(job.plan.axes), title=job.plan.name, path=paths[0]):
+        if _draw_grid(job, cells, orbits, paths[0]):
             drawn.append(paths[0])
         else:
             why = "more than two axes have several values" if job.plan.axes else "the grid has no axis"
@@ -70,6 +69,18 @@ class SweepWork(Work):
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
         return table_text(summary, list(job.plan.axes))
+
+
+def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
+    """The grid; of a population the people."""
+    axes = list(job.plan.axes)
+    if PERSON in axes:
+        from hknob_cli.report.population_picture import draw_population
+
+        return draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
+    from hknob_cli.report.picture import draw_sweep
+
+    return draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
 
 
 WORK = SweepWork()

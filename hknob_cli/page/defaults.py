@@ -3,7 +3,7 @@
 from typing import Any
 
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.plan import ChapterPlan, FigurePlan, Sentence
+from hknob_cli.spec.plan import PERSON, ChapterPlan, FigurePlan, Sentence
 
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
@@ -32,7 +32,9 @@ def _sweep(result: Result) -> list[FigurePlan]:
     figures = []
     wide = _wide(result, "cells")
     columns = result.table("cells").column_names
-    if len(wide) == 2 and "p2p_rad" in columns:
+    if PERSON in result.axes:
+        figures = [_figure(result, "population", "people", _PEOPLE)]
+    elif len(wide) == 2 and "p2p_rad" in columns:
         figures = [
             _figure(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
             _figure(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
@@ -79,6 +81,7 @@ def _none(_result: Result) -> list[FigurePlan]:
 
 
 _MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
+_PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _DOTS = "A dot for each orbit, sized by its share of the trials."
 _LARGEST = "Of several cycles in a cell the largest."
 

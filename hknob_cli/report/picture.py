@@ -111,15 +111,18 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
     figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
 
 
-def colour_map(axes: "Axes", values: Any, label: str) -> list[list[str]]:
-    """Draw one map, on a log scale of colours; the colour in which to write on each of its cells."""
-    import numpy as np
-    from matplotlib.colors import LogNorm
+def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, float] | None = None) -> list[list[str]]:
+    """Draw one map; the colour in which to write on each of its cells.
 
-    shown = np.where(values > 0, values, np.nan)
+    Colours are on a log scale of the values above 0, or with ``limits`` on an even one between these.
+    """
+    import numpy as np
+    from matplotlib.colors import LogNorm, Normalize
+
+    shown = values if limits else np.where(values > 0, values, np.nan)
     found = shown[np.isfinite(shown)]
     low, high = (float(found.min()), float(found.max())) if found.size else (1.0, 1.0)
-    norm = LogNorm(low, high if high > low else low * 1.01)
+    norm = Normalize(*limits) if limits else LogNorm(low, high if high > low else low * 1.01)
     axes.set_facecolor("0.85")
     image = axes.imshow(shown, origin="lower", aspect="auto", cmap="cividis", norm=norm)
     axes.set_title(label, fontsize=10)

@@ -5,16 +5,20 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.spec.plan import PERSON
 
 
 def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dict[str, Any]:
     """Summary of a sweep as plain data, one entry per cell under ``cells``."""
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
+    people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
     return {
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
+        **people,
         "cells": rows,
     }
 
@@ -23,8 +27,10 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     """The table on the terminal: two matrices over two axes, else one line per cell."""
     rows = summary["cells"]
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
-    fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
+    fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in (*wide, PERSON)]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if "population" in summary:
+        return "\n".join([*lines, "", *people_text(summary, axes)])
     if "growth_j_per_s2" in rows[0] and len(wide) == 2 and fits(rows, wide):
         title = "growth of energy at bounce peaks, mJ/s^2 (second-order coefficient, mean of the trials)"
         lines += ["", *matrix(rows, wide, "growth_j_per_s2", scale=1e3, title=title)]

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE
 
 
 class Column(NamedTuple):
@@ -86,6 +86,12 @@ FINGER = (
     Column("finger_angle_rad", _REAL, "rad", "angle of the finger"),
     Column("finger_velocity_rad_s", _REAL, "rad/s", "velocity of the finger"),
 )
+# Columns of the hand of a person, where the sweep is of a population.
+PEOPLE = (
+    Column("hand_inertia_kg_m2", _REAL, "kg*m^2", "inertia that the person's hand adds to the knob"),
+    Column("hand_damping_nm_s_per_rad", _REAL, "N*m*s/rad", "damping of the person's hand"),
+    Column("hand_stiffness_nm_per_rad", _REAL, "N*m/rad", "stiffness of the person's hand"),
+)
 # Columns that need samples, or a period of them.
 SAMPLED = (
     "period_samples",
@@ -102,6 +108,7 @@ SAMPLED = (
 _AXES = {
     RATE: Column(RATE, _REAL, "Hz", "sample rate of the controller"),
     COUNTS: Column(COUNTS, _WHOLE, "1/rev", "encoder counts per revolution"),
+    PERSON: Column(PERSON, _WHOLE, "1", "number of the person, from 1; subjects in the order of their names"),
 }
 
 

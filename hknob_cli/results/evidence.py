@@ -10,8 +10,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
+from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.provenance import KEY
-from hknob_cli.spec.plan import Scene
+from hknob_cli.spec.plan import PERSON, Hand, Scene
 
 Rows = list[dict[str, Any]]
 
@@ -69,7 +70,8 @@ class Result:
     @property
     def axes(self) -> list[str]:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
-        return list(self.provenance["spec"].get("grid") or {})
+        grid = self.provenance["spec"].get("grid") or {}
+        return [*grid, *([PERSON] if self.provenance["spec"].get("population") else [])]
 
     @cached_property
     def scene(self) -> Scene:
@@ -79,7 +81,22 @@ class Result:
             raise MissingError(f"'{self.name}' has no scene")
         from hknob_cli.spec.scene import SceneSpec
 
-        return SceneSpec.model_validate(scene).plain()
+        hand = self._hand(scene)
+        if hand is None:
+            return SceneSpec.model_validate(scene).plain()
+        scene = {key: value for key, value in scene.items() if key != "hand"}
+        return SceneSpec.model_validate(scene).plain()._replace(hand=hand)
+
+    def _hand(self, scene: dict[str, Any]) -> Hand | None:
+        """The hand that a file gave the scene, or the hands of a population; None where the spec has its numbers."""
+        if self.provenance["spec"].get("population"):
+            people = {row[PERSON]: Hand(*(row[column.name] for column in PEOPLE)) for row in self.rows("cells")}
+            return Hand(by_person=tuple(people[person] for person in sorted(people)))
+        if not (scene.get("hand") or {}).get("from"):
+            return None
+        numbers = json.loads(self.provenance["inputs"]["hand"])
+        by_grip = tuple((float(grip), Hand(*one)) for grip, one in numbers.pop("by_grip", {}).items())
+        return Hand(**numbers, by_grip=by_grip)
 
 
 class Evidence:

@@ -61,7 +61,7 @@ def _tables(values: dict[str, Any]) -> list[int]:
     """Numbers of those tables."""
     found: set[int] = set()
     for key, value in values.items():
-        if key == "hand" and isinstance(value, dict) and value.get("table") is not None:
+        if key in ("hand", "population") and isinstance(value, dict) and value.get("table") is not None:
             found |= {value["table"], 10}
         elif isinstance(value, dict):
             found |= set(_tables(value))

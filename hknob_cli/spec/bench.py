@@ -173,7 +173,12 @@ def _scene(source: Source, name: str, patch: dict[str, Any]) -> BenchScene | lis
 
 def _wrong(source: Source, spec: BenchSceneSpec, place: Any) -> list[Fault]:
     """Faults between the parts of a scene that is good part by part."""
-    found = [(path, text) for path, text in contradictions(spec.scene, {COUNTS: [1]})]
+    found: list[tuple[Path_, str]] = []
+    if spec.scene.hand and spec.scene.hand.from_:
+        from hknob_cli.spec.hand_from import take_hand
+
+        found += take_hand(source, spec.scene.hand, {})
+    found += contradictions(spec.scene, {COUNTS: [1]})
     bare = spec.scene.encoder == "none"
     if spec.counts_per_rev is None and not bare:
         found.append(((COUNTS,), "missing, and required"))

@@ -12,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapt
 from pydantic.fields import FieldInfo
 
 from hknob_cli.spec.plan import COUNTS, RATE
-from hknob_cli.spec.quantity import SampleRate, Unit
+from hknob_cli.spec.quantity import Fixed, SampleRate, Unit
 from hknob_cli.spec.scene import Part, SceneSpec
 
 MAX_CELLS = 1_000_000
@@ -115,6 +115,8 @@ def items_of(info: FieldInfo) -> type[BaseModel] | None:
 
 
 def _is_number(info: FieldInfo) -> bool:
+    if any(isinstance(item, Fixed) for item in info.metadata):
+        return False
     arms = _arms(info)
     return float in arms or any(getattr(arm, "__origin__", None) is float for arm in arms)
 

@@ -1,12 +1,13 @@
-"""A grip force of the printed hand models: one of those that Tables 1-5 have a row for."""
+"""A grip force: of the printed hand models one that Tables 1-5 have a row for, of a file one that it has."""
 
 from math import isclose
 from typing import Annotated, Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
+from pydantic import Field
 
 from hknob_cli.spec.quantity import Unit
+
+Grip = Annotated[float, Field(strict=True, allow_inf_nan=False), Unit("N")]
 
 
 def printed_grips() -> list[float]:
@@ -16,24 +17,20 @@ def printed_grips() -> list[float]:
     return [grasp.grip_n for grasp in grasps(1)]
 
 
-class _OfATable:
-    """Annotation of a grip force (N): as printed, or a fault that says which are."""
-
-    def check(self, value: float) -> float:
-        grips = printed_grips()
-        for grip in grips:
-            if isclose(value, grip, rel_tol=1e-9):
-                return grip
-        allowed = ", ".join(f"{grip:g}" for grip in grips)
-        raise PydanticCustomError("grip", "must be a grip force of Tables 1-5, {allowed}", {"allowed": allowed})
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
-        return core_schema.no_info_after_validator_function(self.check, handler(source))
-
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        return {**handler(schema), "enum": printed_grips()}
+def same_grip(one: float, other: float) -> bool:
+    """Whether two grip forces (N) are the same but for rounding, of units as of the person who wrote them."""
+    return isclose(one, other, rel_tol=1e-9)
 
 
-Grip = Annotated[float, Field(strict=True, allow_inf_nan=False), _OfATable(), Unit("N")]
+def unprinted(grip_n: float) -> str | None:
+    """What is wrong with a grip force (N) of a printed hand; None if Tables 1-5 have a row for it."""
+    grips = printed_grips()
+    if any(same_grip(grip_n, grip) for grip in grips):
+        return None
+    allowed = ", ".join(f"{grip:g}" for grip in grips)
+    return f"must be a grip force of Tables 1-5, {allowed}"
+
+
+def printed_grip_schema() -> dict[str, Any]:
+    """JSON Schema of a grip force beside a table."""
+    return {"anyOf": [{"enum": printed_grips()}, {"type": "string"}]}

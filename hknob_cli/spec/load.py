@@ -4,7 +4,7 @@ import hashlib
 from importlib import import_module
 from math import prod
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from pydantic import BaseModel, ValidationError
 
@@ -22,10 +22,14 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import nearest
-from hknob_cli.spec.plan import COUNTS, RATE, Axes, PipelinePlan, Plan, PredictPlan, StagePlan
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, PipelinePlan, Plan, PredictPlan, StagePlan
+from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.scene import SceneSpec, contradictions, given
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import SweepSpec
+
+if TYPE_CHECKING:
+    from hknob_cli.spec.find_people import Population
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
@@ -33,14 +37,22 @@ KINDS = (*GRIDS, "bench", "report")
 PIPELINE = "pipeline"
 
 
-def load(path: Path, overrides: tuple[str, ...] = (), *, kind: str | None = None, label: str = "--set ") -> Plan:
+def load(
+    path: Path,
+    overrides: tuple[str, ...] = (),
+    *,
+    kind: str | None = None,
+    label: str = "--set ",
+    waiting: frozenset[str] = frozenset(),
+) -> Plan:
     """Read and validate one spec.
 
     ``overrides`` are ``key.path=value`` strings, and ``label`` says in faults where they are from; ``kind`` is the kind
-    required, any if None. Of a pipeline it is the one stage of that kind. Raises `UsageError` if the file cannot be
-    read, `SpecError` with every fault found.
+    required, any if None. Of a pipeline it is the one stage of that kind. Hands from folders that are ``waiting`` for
+    their results have no numbers. Raises `UsageError` if the file cannot be read, `SpecError` with every fault found.
     """
     source = yaml.read(path)
+    source.waiting = waiting
     if kind in KINDS and source.value.get("kind") == PIPELINE:
         return _only_stage(source, overrides, str(kind))
     _apply(source, overrides, label)
@@ -126,18 +138,42 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         except ValidationError:
             raise SpecError(faults) from None
     axes, more = _resolve_axes(source, grid, scene)
+    if scene and scene.hand and scene.hand.from_:
+        from hknob_cli.spec.hand_from import take_hand
+
+        faults += [source.fault(path, text) for path, text in take_hand(source, scene.hand, axes)]
     faults += more + _missing_axes(source, scene) + _absent(source, model, scene, axes)
     if scene:
         faults += [source.fault(path, text) for path, text in contradictions(scene, axes)]
+    people: Population | None = None
     if not faults and isinstance(spec, SweepSpec):
+        if spec.population:
+            people, axes = _people(source, spec, spec.population, axes)
         faults += [source.fault(path, text, at_key=True) for path, text in spec.contradictions(axes)]
     if faults:
         raise SpecError(faults)
     plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
+    if people:
+        return plan._replace(scene=plan.scene._replace(hand=Hand(by_person=people.hands, origin=people.origin)))
     if isinstance(spec, PredictSpec) and isinstance(plan, PredictPlan) and isinstance(spec.constant, CaseFile):
         constant, digest = _read_case(source, spec.constant.case)
         return plan._replace(constant=constant, case_sha256=digest, case_file=_case_file(source, spec.constant.case))
     return plan
+
+
+def _people(source: Source, spec: SweepSpec, population: PopulationSpec, axes: Axes) -> "tuple[Population, Axes]":
+    """The people of a population, and the axes with them. Raises `SpecError`."""
+    from hknob_cli.spec.find_people import find_people
+
+    found = find_people(source, population, min(axes.get("knob.inertia", [spec.scene.knob.inertia])))
+    faults = [source.fault(path, text) for path, text in found.faults]
+    axes = {**axes, PERSON: list(range(1, len(found.hands) + 1))}
+    count = prod(len(values) for values in axes.values())
+    if count > MAX_CELLS:
+        faults.append(source.fault(("population",), f"must span at most {MAX_CELLS} cells with the grid, got {count}"))
+    if faults:
+        raise SpecError(faults)
+    return found, axes
 
 
 def _case_file(source: Source, name: str) -> Path:

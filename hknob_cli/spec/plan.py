@@ -8,8 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.origin import Origin
+
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 GRIP = "hand.grip_n"
+PERSON = "person"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
@@ -42,7 +45,8 @@ class Hand(NamedTuple):
     """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
 
     The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
-    ``by_grip``: hands by the grip force (N) of such a table.
+    ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
+    persons are numbered from 1; ``origin``: the file that they are from.
     """
 
     inertia: float = 0.0
@@ -51,6 +55,8 @@ class Hand(NamedTuple):
     finger: Finger | None = None
     fingerpad: Fingerpad | None = None
     by_grip: tuple[tuple[float, "Hand"], ...] = ()
+    by_person: tuple["Hand", ...] = ()
+    origin: Origin | None = None
 
 
 class Wall(NamedTuple):
@@ -303,15 +309,17 @@ def scene_at(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place."""
     if GRIP in cell and scene.hand:
         scene = scene._replace(hand=gripped(scene.hand, cell[GRIP]))
+    if PERSON in cell and scene.hand:
+        scene = scene._replace(hand=scene.hand.by_person[int(cell[PERSON]) - 1])
     for name, value in cell.items():
-        if name not in (RATE, COUNTS, GRIP):
+        if name not in (RATE, COUNTS, GRIP, PERSON):
             scene = _replaced(scene, name.split("."), value)
     return scene
 
 
 def gripped(hand: Hand, grip_n: float) -> Hand:
-    """The hand of the same table at another of its grip forces."""
-    return dict(hand.by_grip)[grip_n]._replace(by_grip=hand.by_grip)
+    """The hand of the same table or file at another of its grip forces, the one nearest to ``grip_n``."""
+    return min(hand.by_grip, key=lambda one: abs(one[0] - grip_n))[1]._replace(by_grip=hand.by_grip, origin=hand.origin)
 
 
 def _replaced(part: Any, path: list[str], value: float) -> Any:

@@ -88,6 +88,10 @@ class Unit:
         return {"anyOf": [number, text], "x-unit": self.name}
 
 
+class Fixed:
+    """Annotation of a number that no grid varies."""
+
+
 def _number(unit: str, **bounds: Any) -> Any:
     return Annotated[float, Field(strict=True, allow_inf_nan=False, **bounds), Unit(unit)]
 

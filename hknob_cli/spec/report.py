@@ -33,6 +33,7 @@ Draw = Literal[
     "normalised_grasp",
     "nyquist",
     "phase_plane",
+    "population",
     "pulse_terms",
     "saturated_map",
     "schematic",

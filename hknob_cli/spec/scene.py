@@ -5,21 +5,14 @@ Source of the parts: Hasser, sections 6.3-6.4 (Fig. 27, Table 7). SI units throu
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, model_validator
+from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec import plan
-from hknob_cli.spec.grip import Grip
-from hknob_cli.spec.quantity import AddedInertia, Damping, Inertia, Seconds, Stiffness, Torque
-
-
-class Part(BaseModel):
-    """A piece of a spec: immutable, no unknown keys."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
-
-
-_GIVEN_BY_TABLE = ("inertia", "damping", "stiffness", "finger", "fingerpad")
+from hknob_cli.spec.hand import HandSpec, hand_contradictions
+from hknob_cli.spec.part import Part as Part
+from hknob_cli.spec.part import Place
+from hknob_cli.spec.quantity import Damping, Inertia, Seconds, Stiffness, Torque
 
 
 def _sensor(value: Any) -> Any:
@@ -33,77 +26,6 @@ class KnobSpec(Part):
     inertia: Annotated[Inertia, Field(description="moment of inertia of knob and motor")]
     damping: Annotated[Damping, Field(description="viscous damping of the device")] = 0.0
     coulomb_torque: Annotated[Torque, Field(description="Coulomb friction level, with stick")] = 0.0
-
-
-class FingerSpec(Part):
-    """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
-
-    inertia: Annotated[Inertia, Field(description="moment of inertia of the fingers about the knob's axis")]
-    damping: Annotated[Damping, Field(description="damping of the fingers, to ground")] = 0.0
-    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingers, to ground")] = 0.0
-
-
-class FingerpadSpec(Part):
-    """The fingerpad: spring and damper between finger and knob (B2, K2 of Hasser, Fig. 13)."""
-
-    damping: Annotated[Damping, Field(description="damping of the fingerpads")] = 0.0
-    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingerpads")] = 0.0
-
-
-class HandSpec(Part):
-    """The hand on the knob; its neutral angle is 0.
-
-    Second order, moving with the knob, by ``inertia``, ``damping`` and ``stiffness``, or by ``table`` and ``grip_n``
-    as measured; or fourth order, by ``finger`` and ``fingerpad``.
-    """
-
-    model_config = ConfigDict(
-        json_schema_extra={
-            "dependentRequired": {"table": ["grip_n"], "grip_n": ["table"]},
-            "dependentSchemas": {"table": {"properties": dict.fromkeys(_GIVEN_BY_TABLE, False)}},
-        },
-    )
-
-    inertia: Annotated[AddedInertia, Field(description="moment of inertia the grasp adds")] = 0.0
-    damping: Annotated[Damping, Field(description="damping of the grasp")] = 0.0
-    stiffness: Annotated[Stiffness, Field(description="stiffness of the grasp")] = 0.0
-    finger: FingerSpec | None = None
-    fingerpad: FingerpadSpec | None = None
-    table: Annotated[
-        Literal[1, 2, 3, 4, 5] | None,
-        Field(
-            description="Hasser's hand models, without the apparatus: 1 simple and 2 key pinch of a 17.8 mm knob;"
-            " 3 simple, 4 key pinch and 5 three fingers of a 29.9 mm knob"
-        ),
-    ] = None
-    grip_n: Annotated[Grip | None, Field(description="row of the table: its grip force")] = None
-
-    @model_validator(mode="after")
-    def _one_order(self) -> "HandSpec":
-        if (self.table is None) != (self.grip_n is None):
-            raise PydanticCustomError("two_keys", "must have both 'table' and 'grip_n', or neither")
-        if (self.finger is None) != (self.fingerpad is None):
-            raise PydanticCustomError("two_parts", "must have both 'finger' and 'fingerpad', or neither")
-        if self.finger and (self.inertia or self.damping or self.stiffness):
-            raise PydanticCustomError(
-                "two_hands", "must have 'finger' and 'fingerpad', or inertia, damping and stiffness, not both"
-            )
-        return self
-
-    def plain(self) -> plan.Hand:
-        """The hand as plain values."""
-        if self.table is not None and self.grip_n is not None:
-            from hknob_cli.printed.hands import grasps
-
-            by_grip = {grasp.grip_n: plan.Hand(*grasp[1:]) for grasp in grasps(self.table)}
-            return by_grip[self.grip_n]._replace(by_grip=tuple(by_grip.items()))
-        return plan.Hand(
-            inertia=self.inertia,
-            damping=self.damping,
-            stiffness=self.stiffness,
-            finger=plan.Finger(**dict(self.finger)) if self.finger else None,
-            fingerpad=plan.Fingerpad(**dict(self.fingerpad)) if self.fingerpad else None,
-        )
 
 
 class WallSpec(Part):
@@ -206,23 +128,23 @@ def given(scene: SceneSpec, axes: plan.Axes, path: str) -> list[tuple[str, ...]]
     absent = type(model).model_fields[key].default
     if getattr(model, key) != absent:
         places.append(("scene", part, key))
-    elif isinstance(model, HandSpec) and model.table is not None and getattr(model.plain(), key) != absent:
-        places.append(("scene", part, "table"))
+    elif isinstance(model, HandSpec) and model.measured and getattr(model.plain(), key) != absent:
+        places.append(("scene", part, model.measured))
     if any(value != absent for value in axes.get(path, [])):
         places.append(("grid", path))
     return places
 
 
-def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, ...], str]]:
+def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]:
     """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
-    found: list[tuple[tuple[str, ...], str]] = []
+    found: list[tuple[Place, str]] = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:
                 found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
-    found += _hand_of_table(scene, axes)
+    found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     if scene.sampling == "continuous":
         needs_clock = {
             ("wall", "damping"): "virtual damping needs samples to difference",
@@ -236,25 +158,4 @@ def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, .
                 found.append((place, f"must be absent where sampling is continuous: {why}"))
         if scene.hand and scene.hand.finger:
             found.append((("scene", "hand", "finger"), "must be absent where sampling is continuous"))
-    return found
-
-
-def _hand_of_table(scene: SceneSpec, axes: plan.Axes) -> list[tuple[tuple[str, ...], str]]:
-    """What contradicts a hand that is a row of a printed table: other keys, and a knob too light for it."""
-    found: list[tuple[tuple[str, ...], str]] = []
-    if scene.hand is None or scene.hand.table is None or scene.hand.grip_n is None:
-        if plan.GRIP in axes:
-            found.append((("grid", plan.GRIP), "must be absent where the hand has no table"))
-        return found
-    for key in _GIVEN_BY_TABLE:
-        if key in scene.hand.model_fields_set and getattr(scene.hand, key) is not None:
-            found.append((("scene", "hand", key), "must be absent where the hand has a table, which gives it"))
-    knob = min(axes.get("knob.inertia", [scene.knob.inertia]))
-    place = ("grid", plan.GRIP) if plan.GRIP in axes else ("scene", "hand", "grip_n")
-    hand = scene.hand.plain()
-    for grip in axes.get(plan.GRIP, [scene.hand.grip_n]):
-        added = plan.gripped(hand, grip).inertia
-        if "hand.inertia" not in axes and knob + added <= 0.0:
-            less = f"table {scene.hand.table} has {-added:g} kg*m^2 less than its apparatus without a hand"
-            found.append((place, f"must leave an inertia above 0: at {grip:g} N, {less}, and the knob has {knob:g}"))
     return found

@@ -32,6 +32,7 @@ class Source:
     """Values of one spec and where they stand.
 
     ``keys`` and ``values`` give line and column by key path; ``overridden`` what set a path from outside the file.
+    ``waiting``: folders named in it whose results are yet to be made.
     """
 
     def __init__(self, name: str) -> None:
@@ -40,6 +41,7 @@ class Source:
         self.keys: dict[Path_, tuple[int, int]] = {}
         self.values: dict[Path_, tuple[int, int]] = {}
         self.overridden: dict[Path_, str] = {}
+        self.waiting: frozenset[str] = frozenset()
 
     def fault(self, path: Path_, message: str, *, at_key: bool = False) -> Fault:
         """Fault at ``path``: at its value or key, else at the nearest enclosing one; in the option that set it."""

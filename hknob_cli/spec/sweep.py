@@ -7,6 +7,7 @@ from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
 from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
+from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.quantity import Angle, PositiveSeconds, SignedTorque, Velocity
 from hknob_cli.spec.scene import Part, SceneSpec, given
 
@@ -111,6 +112,7 @@ class SweepSpec(Part):
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
     record: RecordSpec | None = None
     growth: GrowthSpec | None = None
+    population: PopulationSpec | None = None
 
     ABSENT: ClassVar[dict[str, str]] = {}
 
@@ -119,6 +121,10 @@ class SweepSpec(Part):
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
             found += growth_faults(self.scene, axes)
+        if self.population and self.growth:
+            found.append((("growth",), "must be absent where a population is given: its hands damp"))
+        if self.population and self.scene.hand:
+            found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
         if self.record and self.record.pulse and self.scene.sampling == "continuous":
             found.append((("record", "pulse"), "must be absent where sampling is continuous"))
         if self.record:

@@ -1,16 +1,12 @@
 """The identification's spec: what to identify, from which recordings, how they are prepared, and by which estimators."""
 
-from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
-from hknob_cli.errors import Fault, SpecError
-from hknob_cli.spec.faults import fault_at
-from hknob_cli.spec.plan import PreparePlan, SysidPlan, VirtualPlan
+from hknob_cli.spec.plan import PreparePlan
 from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque
 from hknob_cli.spec.scene import Part
-from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import Name
 
 What = Literal["hand", "motor", "grip_cell", "apparatus"]
@@ -57,11 +53,15 @@ class VirtualSpec(Part):
     """Recordings made by the virtual apparatus: people drawn from Tables 1 to 5, as many trials as printed."""
 
     experiments: Annotated[list[Annotated[int, Field(strict=True, ge=1, le=5)]], Field(min_length=1)] = [1, 2, 3, 4, 5]  # noqa: RUF012
-    subjects: Annotated[Count | None, Field(description="in every experiment; null: 9 in the first, 5 in the others")] = None
+    subjects: Annotated[
+        Count | None, Field(description="in every experiment; null: 9 in the first, 5 in the others")
+    ] = None
     blocks: Count = 3
     trials: Count = 3
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = 0
-    grips: Annotated[list[float] | None, Field(min_length=1, description="targets of the grip force, N; null: all six")] = None
+    grips: Annotated[
+        list[float] | None, Field(min_length=1, description="targets of the grip force, N; null: all six")
+    ] = None
     model: Annotated[Literal["second", "fourth"], Field(description="order of the hand")] = "second"
     rig: Annotated[RigSpec, Field(default_factory=RigSpec)]
 

@@ -9,8 +9,8 @@ import pyarrow as pa
 from hknob_cli.engine.outcome import WORDS, Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, SAMPLED, Column, axis_column
-from hknob_cli.spec.plan import COUNTS, SweepPlan
+from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
+from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan
 from hknob_cli.stages.cell import CellResult
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
@@ -35,6 +35,11 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]]) -> pa.Table:
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
+    people = plan.scene.hand.by_person if plan.scene.hand else ()
+    if people:
+        names = [column.name for column in PEOPLE]
+        axes += PEOPLE
+        rows = [{**row, **dict(zip(names, people[row[PERSON] - 1], strict=False))} for row in rows]
     counted = COUNTS in plan.axes and plan.scene.encoder is not None
     return build_table([*axes, *(one for one in columns if counted or one.name not in NEEDS_COUNTS)], rows)
 

@@ -36,6 +36,7 @@ MODULES: dict[str, str] = {
     "normalised_grasp": "grasp",
     "nyquist": "nyquist",
     "phase_plane": "phase",
+    "population": "population",
     "pulse_terms": "pulse",
     "saturated_map": "saturated",
     "schematic": "schematic",
