@@ -153,8 +153,7 @@ def size_at_delay(
 ) -> float | None:
     """Size of the cycle of one harmonic with ``factor`` times the delay of the scene, over that with 1.
 
-    The printed condition is solved for either delay: the phase of the plant and of the delay is half a turn. A statistic of
-    the cells.
+    The printed condition is solved for either delay: plant and delay lag by half a turn. A statistic of the cells.
     """
     found = []
     for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
