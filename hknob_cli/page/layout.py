@@ -22,8 +22,10 @@ _PRINTED_DIGITS = 10  # of a printed value none is lost
 # The readings of a claim are one text, each ending in its verdict, or in why it is excluded.
 _BETWEEN_READINGS = re.compile("(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); ")
 _HYPHEN_MINUS = re.compile(r"(?<=: )-(?=\d)")
-_CHAPTER = re.compile(r"(\d+)[.-]\d+|\b(?:ch|sec)[a-z]*\.?\s*(\d+)", re.IGNORECASE)
+# A section by number, bare or after its name: "7.3", "Sec. 7.3", "Chapter 7". A figure's or table's number is none.
+_CHAPTER = re.compile(r"(?:^|\b(?:sec|section|sections|secs|ch|chapter|chapters)\b\.?\s*)(\d+)(?![\d-])", re.IGNORECASE)
 _APPENDIX = re.compile(r"\bapp[a-z]*\.?\s*([A-Z])\b", re.IGNORECASE)
+_FIGURE = re.compile(r"figs?\b|figures?\b", re.IGNORECASE)
 _VIEWBOX = re.compile(r'<svg[^>]*\bviewBox="([-\d.]+) ([-\d.]+) ([\d.]+) ([\d.]+)"')
 _FIRST_GROUP = re.compile(r'<g id="([^"]+)"')
 
@@ -93,12 +95,16 @@ def lay_out(page: Page) -> str:
 
 
 def part_of(place: str) -> str:
-    """Chapter or appendix of a place in the text, or the place itself: what the table of claims is filtered by."""
-    if found := _CHAPTER.search(place):
-        return f"Chapter {found[1] or found[2]}"
-    if found := _APPENDIX.search(place):
+    """Chapter or appendix of a place in the text, or the place itself: what the table of claims is filtered by.
+
+    Of several, which semicolons part, the first counts. Figures of no named section are gathered as such.
+    """
+    first = place.split(";")[0].strip()
+    if found := _CHAPTER.search(first):
+        return f"Chapter {found[1]}"
+    if found := _APPENDIX.search(first):
         return f"Appendix {found[1].upper()}"
-    return place
+    return "Figures" if _FIGURE.match(first) else first
 
 
 def _packaged(name: str) -> str:

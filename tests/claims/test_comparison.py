@@ -89,3 +89,24 @@ def test_what_cannot_be_compared_is_said(evidence: Any, made: Made) -> None:
     resting = made("resting", {"cells": [cell(100, 128, 0.0, 0.0, at_rest_fraction=1.0)]})
     with pytest.raises(MissingError, match="cycles in no cell"):
         compute("difference", resting, {**DFA, "against": "resting"})
+
+
+def test_one_reading_has_to_give_every_number(evidence: Any) -> None:
+    """The mean is -30 %, the largest 10 %: as far from -30 and 25 as the worse of them is."""
+    asked = {**DFA, "printed": {"mean": -30.0, "largest": 25.0}}
+    assert compute("largest_deviation", evidence, asked) == pytest.approx(15.0)
+    assert compute("largest_deviation", evidence, {**DFA, "printed": {"least": -50.0}}) == pytest.approx(0.0)
+
+
+def test_the_most_that_another_axis_gives_a_cell(made: Made) -> None:
+    made("one", {"cells": [cell(100, 128, 1.0, 10.0), cell(200, 128, 1.0, 20.0), cell(400, 128, 0.0, 0.0)]})
+    rows = [
+        {**cell(rate, 128, 1.0, pitch), "push": push}
+        for rate, pitches in ((100, (15.0, 20.0)), (200, (20.0, 10.0)), (400, (5.0, 5.0)))
+        for push, pitch in enumerate(pitches)
+    ]
+    evidence = made("many", {"cells": rows}, axes=("sample_rate_hz", "counts_per_rev", "push"))
+    asked = {"result": "many", "column": "frequency_hz", "to": "one"}
+    assert compute("largest_beside", evidence, asked) == pytest.approx(1.5)
+    assert compute("largest_beside", evidence, {**asked, "statistic": "largest"}) == pytest.approx(2.0)
+    assert compute("largest_beside", evidence, {**asked, "reaching": 1.8}) == pytest.approx(50.0)

@@ -60,6 +60,17 @@ def test_constants_follow_the_scene(made: Made) -> None:
     factor = sqrt((0.31 / 2.2e-6 - (6.9e-4 / 4.4e-6) ** 2) / (0.31 / 2.2e-6 - (3.45e-4 / 4.4e-6) ** 2))
     damped = compute("damped_natural_frequency", evidence, {"result": "a", "damping_factor": 2})
     assert damped == pytest.approx(factor)
+    heavy = compute("damped_natural_frequency", evidence, {"result": "a", "inertia_factor": 2})
+    square = [0.31 / inertia - (3.45e-4 / (2.0 * inertia)) ** 2 for inertia in (4.4e-6, 2.2e-6)]
+    assert heavy == pytest.approx(sqrt(square[0] / square[1]))
+
+
+def test_a_shorter_delay_makes_a_smaller_cycle(made: Made) -> None:
+    """Where inertia rules, w T / 2 = b / (J w), and the size, as 1 / w^2, goes with the delay."""
+    rows = [{**cell(10000, 1024, 1.0, 1.0), "method": "df1", "amplitude_rad": 1.0, "orbit": 0}]
+    evidence = made("a", {"dfa": rows}, stage="dfa")
+    assert compute("size_at_delay", evidence, {"result": "a", "factor": 1.0}) == pytest.approx(1.0)
+    assert compute("size_at_delay", evidence, {"result": "a", "factor": 0.5}) == pytest.approx(0.5, rel=0.02)
 
 
 def test_limits_are_of_the_scene(made: Made) -> None:

@@ -46,6 +46,15 @@ def test_the_work_of_a_contact(made: Made) -> None:
     ratio = {"result": "counts", "to": "analog"}
     assert compute("contact_gain_ratio", evidence, ratio) == pytest.approx(3.0)
     assert compute("contact_gain_ratio", evidence, {**ratio, "same_motion": True}) == pytest.approx(3.0)
+    assert compute("extra_on_exit", evidence, {"result": "counts"}) == pytest.approx(100.0)
+
+
+def test_what_counts_add_inside_is_not_of_the_exit(made: Made) -> None:
+    """A whole count's torque at half a count's depth: a half too much, half a count inside and a whole one outside."""
+    track = [row(0, 0.0), row(1e-3, -0.5, 1.0, "sample"), row(2e-3, 1.0, 0.0, "sample")]
+    evidence = made("a", {"trajectories": track})
+    assert compute("extra_on_exit", evidence, {"result": "a"}) == pytest.approx(100.0 * 0.5 / 0.75)
+    assert compute("extra_on_exit", evidence, {"result": "a", "after": 1.0}) is None
 
 
 def test_the_staircase_of_floor(made: Made) -> None:

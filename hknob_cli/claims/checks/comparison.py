@@ -3,7 +3,7 @@
 from typing import Any
 
 from hknob_cli.claims.checks import check
-from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
+from hknob_cli.claims.checks.rows import Where, matching, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import Evidence, MissingError, Rows
 
@@ -30,6 +30,25 @@ def difference(
     return one_number(
         (100.0 * value for value in _differences(evidence, result, against, quantity, where, file)), statistic
     )
+
+
+@check
+def largest_deviation(
+    evidence: Evidence,
+    result: str,
+    against: str,
+    printed: dict[str, float],
+    quantity: str = "p2p",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Largest distance, in points, of several statistics of the differences from those ``printed``, by name.
+
+    So one reading has to give all numbers of a sentence. Other arguments as in `difference`.
+    """
+    found = [100.0 * value for value in _differences(evidence, result, against, quantity, where, file)]
+    pairs = [(one_number(found, statistic), value) for statistic, value in printed.items()]
+    return max((abs(computed - value) for computed, value in pairs if computed is not None), default=None)
 
 
 @check
@@ -74,6 +93,33 @@ def accuracy_ratio(
         for quantity in ("frequency", "p2p")
     )
     return None if pitch is None or not size else pitch / size
+
+
+@check
+def largest_beside(
+    evidence: Evidence,
+    result: str,
+    column: str,
+    to: str,
+    reaching: float | None = None,
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Largest value of a column over the axes that only ``result`` has, over that of the same cell of the sweep ``to``.
+
+    A statistic over the cells of ``to`` that cycle; with ``reaching`` the share of them, %, where it is at least that.
+    """
+    axes = evidence[to].axes
+    rows = rows_of(evidence, result, file, where, needs=[*axes, column])
+    ratios = []
+    for cell in rows_of(evidence, to, "cells", needs=[*axes, column]):
+        here = [row[column] for row in matching(rows, {axis: cell[axis] for axis in axes}) if row[column] is not None]
+        if here and cell[column]:
+            ratios.append(max(here) / cell[column])
+    if reaching is not None:
+        return percent(value >= reaching for value in ratios)
+    return one_number(ratios, statistic)
 
 
 @check

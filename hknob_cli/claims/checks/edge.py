@@ -1,6 +1,6 @@
 """Quantities of the wall's edge: the relay between two counts, from the physical constants of a result's scene."""
 
-from math import cos, exp, log, pi, sin, sqrt
+from math import atan2, cos, exp, log, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.claims.checks import check
@@ -127,13 +127,54 @@ def swing_at(evidence: Evidence, result: str, frequency_hz: float, where: Where 
 
 @check
 def damped_natural_frequency(
-    evidence: Evidence, result: str, damping_factor: float, where: Where | None = None
+    evidence: Evidence,
+    result: str,
+    damping_factor: float = 1.0,
+    inertia_factor: float = 1.0,
+    where: Where | None = None,
 ) -> float | None:
-    """Damped natural frequency of the knob in the wall with ``damping_factor`` times its damping, over that with 1."""
+    """Damped natural frequency of the knob in the wall with so many times its damping and inertia, over that as it is.
+
+    The inertia is that of knob and hand together.
+    """
     edge = edge_of(evidence, result, rows_of(evidence, result, "cells", where, needs=[])[0])
 
-    def pitch(damping: float) -> float:
-        square = (edge.wall_stiffness + edge.hand_stiffness) / edge.inertia - (0.5 * damping / edge.inertia) ** 2
+    def pitch(damping: float, inertia: float) -> float:
+        square = (edge.wall_stiffness + edge.hand_stiffness) / inertia - (0.5 * damping / inertia) ** 2
         return sqrt(max(square, 0.0))
 
-    return pitch(damping_factor * edge.damping) / pitch(edge.damping) if pitch(edge.damping) else None
+    before = pitch(edge.damping, edge.inertia)
+    return pitch(damping_factor * edge.damping, inertia_factor * edge.inertia) / before if before else None
+
+
+@check
+def size_at_delay(
+    evidence: Evidence, result: str, factor: float, where: Where | None = None, statistic: str = "mean"
+) -> float | None:
+    """Size of the cycle of one harmonic with ``factor`` times the delay of the scene, over that with 1.
+
+    The printed condition is solved for either delay: plant and delay lag by half a turn. A statistic of the cells.
+    """
+    found = []
+    for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
+        if row["amplitude_rad"]:
+            edge = edge_of(evidence, result, row)
+            omegas = (_half_turn(edge, times * edge.delay_s) for times in (factor, 1.0))
+            late, nominal = (abs(_plant(edge, omega)) for omega in omegas)
+            found.append(late / nominal)
+    return one_number(found, statistic)
+
+
+def _half_turn(edge: "WorkingEdge", delay: float) -> float:
+    """Angular frequency, rad/s, at which plant and delay together lag by half a turn; the lag grows with frequency."""
+
+    def lag(omega: float) -> float:
+        return atan2(edge.damping * omega, edge.hand_stiffness - edge.inertia * omega**2) + omega * delay
+
+    low, high = 0.0, 1.0
+    while lag(high) < pi:
+        high *= 2.0
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if lag(middle) < pi else (low, middle)
+    return 0.5 * (low + high)

@@ -89,6 +89,25 @@ def contact_gain_ratio(evidence: Evidence, result: str, to: str, same_motion: bo
     return added / other if added is not None and other else None
 
 
+@check
+def extra_on_exit(evidence: Evidence, result: str, after: float = 0.0, where: Where | None = None) -> float | None:
+    """Share of the work that counts add to a recorded motion, %, which they add outside the wall: on exit.
+
+    What they add is the work of the recorded torque less that of -K angle, held from sample to sample, along the same
+    motion; of the first trial, from ``after``, s, on.
+    """
+    stiffness = evidence[result].scene.wall.stiffness
+    without, whole, outside = 0.0, 0.0, 0.0
+    for now, then in itertools.pairwise(motion(evidence, result, where)):
+        if now.event == "sample":
+            without = max(0.0, -stiffness * now.angle)
+        if now.time >= after:
+            extra = now.torque - without
+            whole += extra * (then.angle - now.angle)
+            outside += extra * (max(then.angle, 0.0) - max(now.angle, 0.0))
+    return 100.0 * outside / whole if whole > 0.0 else None
+
+
 def _held_gain(evidence: Evidence, result: str, to: str) -> float:
     stiffness = evidence[to].scene.wall.stiffness
     torque, added = 0.0, 0.0
