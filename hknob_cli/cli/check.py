@@ -17,10 +17,13 @@ if TYPE_CHECKING:
 
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
+    from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.plan import BenchPlan, ReportPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
+    if isinstance(plan, SysidPlan):
+        return plan.what.replace("_", " ")
     if isinstance(plan, ReportPlan):
         return _counted(len(plan.results), "result")
     return _counted(prod(len(values) for values in plan.axes.values()), "cell")

@@ -11,6 +11,7 @@ WORK = {
     "predict": "hknob_cli.cli.predict_work",
     "bench": "hknob_cli.cli.bench_work",
     "report": "hknob_cli.cli.report_work",
+    "sysid": "hknob_cli.cli.sysid_work",
 }
 
 

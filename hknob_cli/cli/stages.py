@@ -26,6 +26,10 @@ from hknob_cli.errors import UsageError
 
 # Kind, what it does, what it draws.
 STAGES = {
+    "sysid": (
+        "Identify the hand that holds a knob, with error bars, from recordings of torque pulses.",
+        "No effect yet: pages draw what was identified.",
+    ),
     "sweep": (
         "Find every limit cycle of a grid of sample rates and encoder resolutions, with its size, pitch and share.",
         "Draw the grid into grid.png beside the results.",

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = (*GRIDS, "bench", "report")
+KINDS = ("sysid", *GRIDS, "bench", "report")
 PIPELINE = "pipeline"
 
 
@@ -121,6 +121,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.bench import validate_bench
 
         return validate_bench(source)
+    if given == "sysid":
+        from hknob_cli.spec.sysid import validate_sysid
+
+        return validate_sysid(source)
     if given == "report":
         from hknob_cli.spec.report import validate_report
 
@@ -296,7 +300,7 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
+    models = {"sysid": "SysidSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
     if kind not in models:
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
     model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])

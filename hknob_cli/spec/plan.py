@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -296,7 +297,7 @@ class PipelinePlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

@@ -1,23 +1,28 @@
-"""The identification's spec: what to identify, from which recordings, how they are prepared, and by which estimators."""
+"""The identification's spec: what to identify, from which recordings, how they are prepared, by which estimators."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, ValidationError
 
-from hknob_cli.spec.plan import PreparePlan
+from hknob_cli.errors import Fault, SpecError
+from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.identification import PreparePlan, SysidPlan, VirtualPlan
+from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque
-from hknob_cli.spec.scene import Part
+from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import Name
 
 What = Literal["hand", "motor", "grip_cell", "apparatus"]
 Estimator = Literal["least_squares", "least_squares_friction", "output_error", "output_error_friction", "fourth_order"]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
-Radius = Annotated[float, Field(gt=0, le=1.0, description="radius of the knob, m")]
-_DEFAULT: tuple[Estimator, ...] = ("least_squares", "output_error")
+Number = Annotated[int, Field(strict=True, ge=1, le=5)]
+Radius = Annotated[float, Field(gt=0, le=1.0, allow_inf_nan=False)]
+ALL = ""
 
 
 class WindowSpec(Part):
-    """What of a trial is kept, from before the onset of the pulse to after it."""
+    """What of a trial is kept: time before the onset of the pulse, and after it."""
 
     before: PositiveSeconds = 0.002
     after: PositiveSeconds = 0.030
@@ -39,31 +44,42 @@ class PrepareSpec(Part):
 
 
 class RigSpec(Part):
-    """The virtual apparatus; what is not given is as printed, `ideal` switches every nuisance off."""
+    """The virtual apparatus; what is not given is as printed, and ``ideal`` switches every nuisance off."""
 
     ideal: bool = False
     counts_per_rev: Annotated[int | None, Field(strict=True, ge=0, le=2**31, description="0: no quantisation")] = None
-    coulomb_torque: Torque | None = None
-    settling_time_constant: Seconds | None = None
-    angle_noise: Annotated[float | None, Field(ge=0, le=1.0, description="rms, rad")] = None
+    coulomb_nm: Annotated[Torque | None, Field(description="Coulomb friction of motor and bearings")] = None
+    amplifier_s: Annotated[Seconds | None, Field(description="time constant of the amplifier's lag")] = None
+    angle_noise_rad: Annotated[float | None, Field(ge=0, le=1.0, description="rms, before the encoder rounds")] = None
     torque_error: Annotated[float | None, Field(gt=-1, le=10.0, description="share by which torque exceeds")] = None
 
 
 class VirtualSpec(Part):
-    """Recordings made by the virtual apparatus: people drawn from Tables 1 to 5, as many trials as printed."""
+    """Recordings made on the virtual apparatus: people drawn from Tables 1 to 5, as many trials as printed."""
 
-    experiments: Annotated[list[Annotated[int, Field(strict=True, ge=1, le=5)]], Field(min_length=1)] = [1, 2, 3, 4, 5]  # noqa: RUF012
-    subjects: Annotated[
-        Count | None, Field(description="in every experiment; null: 9 in the first, 5 in the others")
-    ] = None
+    experiments: Annotated[list[Number], Field(min_length=1, default_factory=lambda: [1, 2, 3, 4, 5])]
+    subjects: Annotated[Count | None, Field(description="in each experiment; null: 9 in the first, else 5")] = None
     blocks: Count = 3
     trials: Count = 3
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = 0
-    grips: Annotated[
-        list[float] | None, Field(min_length=1, description="targets of the grip force, N; null: all six")
-    ] = None
+    grips: Annotated[list[float] | None, Field(min_length=1, description="grip forces, N; null: all six")] = None
     model: Annotated[Literal["second", "fourth"], Field(description="order of the hand")] = "second"
     rig: Annotated[RigSpec, Field(default_factory=RigSpec)]
+
+    def plain(self) -> VirtualPlan:
+        """As plain values."""
+        rig = {name: value for name, value in self.rig if name != "ideal" and value is not None}
+        return VirtualPlan(
+            experiments=tuple(self.experiments),
+            subjects=self.subjects,
+            blocks=self.blocks,
+            trials=self.trials,
+            seed=self.seed,
+            grips=tuple(self.grips) if self.grips else None,
+            model=self.model,
+            ideal=self.rig.ideal,
+            rig=rig,
+        )
 
 
 class SysidSpec(Part):
@@ -76,20 +92,63 @@ class SysidSpec(Part):
         list[Annotated[str, Field(min_length=1)]] | None,
         Field(min_length=1, description="CSV or Parquet files, relative to this file"),
     ] = None
-    virtual: Annotated[VirtualSpec | None, Field(description="record from the virtual apparatus instead")] = None
+    virtual: Annotated[VirtualSpec | None, Field(description="record on the virtual apparatus instead")] = None
     keep_recordings: Annotated[bool, Field(description="write recordings.parquet, too")] = False
     counts_per_rev: Annotated[
         int | None, Field(strict=True, ge=1, le=2**31, description="of the encoder that recorded; null: not known")
     ] = None
     prepare: Annotated[PrepareSpec, Field(default_factory=PrepareSpec)]
-    estimators: Annotated[list[Estimator], Field(min_length=1)] = list(_DEFAULT)  # noqa: RUF012
+    estimators: Annotated[
+        list[Estimator], Field(min_length=1, default_factory=lambda: ["least_squares", "output_error"])
+    ]
     coulomb_torque: Annotated[Torque, Field(description="friction known of the apparatus, for output_error")] = 0.0
-    settling_time_constant: Annotated[Seconds, Field(description="lag known between command and torque")] = 0.0
+    settling_time_constant: Annotated[Seconds, Field(description="lag known from command to torque")] = 0.0
     subtract_apparatus: Annotated[
         AddedInertia | dict[str, AddedInertia] | None,
         Field(description="inertia to subtract, one or by experiment; null: none"),
     ] = None
     knob_radius: Annotated[
         Radius | dict[str, Radius] | None,
-        Field(description="for translational models, one or by experiment; null: none"),
+        Field(description="radius of the knob, m, one or by experiment, for translational models; null: none"),
     ] = None
+
+
+def validate_sysid(source: Source) -> SysidPlan:
+    """An identification's spec as plain values. Raises `SpecError`."""
+    try:
+        spec = SysidSpec.model_validate(source.value)
+    except ValidationError as error:
+        raise SpecError([fault_at(source, SysidSpec, item) for item in error.errors(include_url=False)]) from None
+    faults: list[Fault] = []
+    if spec.recordings is None and spec.virtual is None:
+        faults.append(source.fault(("kind",), "needs recordings, or virtual to make some"))
+    if spec.recordings is not None and spec.virtual is not None:
+        faults.append(source.fault(("virtual",), "must be absent where recordings are given", at_key=True))
+    if spec.what in ("motor", "grip_cell") and spec.recordings is not None:
+        faults.append(
+            source.fault(("recordings",), f"must be absent: a {spec.what} is calibrated virtually", at_key=True)
+        )
+    if faults:
+        raise SpecError(faults)
+    folder = Path(source.name).parent
+    return SysidPlan(
+        name=spec.name,
+        what=spec.what,
+        recordings=tuple(folder / file for file in spec.recordings or ()),
+        virtual=spec.virtual.plain() if spec.virtual else None,
+        keep=spec.keep_recordings,
+        counts_per_rev=spec.counts_per_rev,
+        prepare=spec.prepare.plain(),
+        estimators=tuple(dict.fromkeys(spec.estimators)),
+        coulomb_nm=spec.coulomb_torque,
+        lag_s=spec.settling_time_constant,
+        apparatus=_by_experiment(spec.subtract_apparatus),
+        radius=_by_experiment(spec.knob_radius),
+        values=source.value,
+    )
+
+
+def _by_experiment(given: float | dict[str, float] | None) -> dict[str, float]:
+    if given is None:
+        return {}
+    return given if isinstance(given, dict) else {ALL: given}

@@ -1,0 +1,77 @@
+"""The work of ``hknob sysid``."""
+
+import hashlib
+import time
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.cli.console import progress_bar
+from hknob_cli.cli.job import Job
+from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.errors import UsageError
+from hknob_cli.report.sysid import describe_sysid, sysid_text
+from hknob_cli.stages.sysid import SysidStage, kept_recordings
+
+
+class SysidWork(Work):
+    """The hand on the knob, or a part of the apparatus, identified."""
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Fits of every motion, of every condition, and the recordings where they are kept."""
+        return "trials.parquet", "conditions.parquet", *(["recordings.parquet"] if job.plan.keep else [])
+
+    def others(self, job: Job) -> tuple[str, ...]:
+        """Recordings, where they are not kept."""
+        return () if job.plan.keep else ("recordings.parquet",)
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The recordings, or the printed tables that virtual people are drawn from."""
+        if job.plan.virtual is None:
+            return tuple(job.plan.recordings)
+        from hknob_cli.printed.tables import NUMBERS, file_of
+
+        return tuple(map(file_of, NUMBERS))
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """Digests of the same."""
+        try:
+            return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.reads(job)}
+        except OSError as error:
+            raise UsageError(f"recordings: {error.filename}: {error.strerror or error}") from None
+
+    def surroundings(self) -> dict[str, str]:
+        """SciPy smooths and solves."""
+        from importlib.metadata import version
+
+        return {"scipy": version("scipy")}
+
+    def versions(self) -> dict[str, str]:
+        """SciPy's, too."""
+        return {**super().versions(), **self.surroundings()}
+
+    def compute(self, job: Job) -> Tables:
+        """The tables of `files`."""
+        begin = time.perf_counter()
+        stage = SysidStage(job.plan)
+        trials = stage.trials()
+        read = time.perf_counter()
+        with progress_bar(len(trials), show=not job.quiet, what="fits") as progress:
+            tables = stage.run(trials, progress)
+        if job.verbose:
+            fits = time.perf_counter() - read
+            note(job, f"{len(trials)} trials in {read - begin:.2f} s, {tables[0].num_rows} fits in {fits:.2f} s")
+        kept: list[pa.Table] = [kept_recordings(trials)] if job.plan.keep else []
+        return (*tables, *kept)
+
+    def describe(self, _job: Job, tables: Tables) -> dict[str, Any]:
+        """Every condition over all persons."""
+        return describe_sysid(tables[0], tables[1])
+
+    def text(self, _job: Job, summary: dict[str, Any]) -> str:
+        """Tables by experiment and estimator."""
+        return sysid_text(summary)
+
+
+WORK = SysidWork()

@@ -1,0 +1,52 @@
+"""An identification on the terminal: the hand by experiment, grip force and estimator, as the printed tables."""
+
+from collections import Counter
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.report.matrix import short
+
+_COLUMNS = (
+    ("J g*cm^2", "inertia_kg_m2", 1e7),
+    ("B mN*m*s", "damping_nm_s_per_rad", 1e3),
+    ("K mN*m/rad", "stiffness_nm_per_rad", 1e3),
+    ("zeta", "damping_ratio", 1.0),
+)
+
+
+def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
+    """Summary as plain data: conditions over all persons, and what is doubtful."""
+    rows = conditions.to_pylist()
+    flags = Counter(flag for row in trials.to_pylist() for flag in row["flags"].split("; ") if flag)
+    return {
+        "fits": trials.num_rows,
+        "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
+        "conditions": [row for row in rows if row["level"] == "all"],
+        "flags": dict(flags.most_common(20)),
+    }
+
+
+def sysid_text(summary: dict[str, Any]) -> str:
+    """A table of each experiment and estimator: mean and standard deviation over persons; what is doubtful below."""
+    rows = summary["conditions"]
+    people = summary["subjects"]
+    lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
+    for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
+        lines += ["", f"experiment {key[0]}, {key[1]}: mean ± standard deviation over persons"]
+        lines.append("  ".join(f"{title:>18}" for title in ("grip N", *(one[0] for one in _COLUMNS), "VAF %")))
+        for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
+            cells = [short(row["grip_target_n"])]
+            cells += [_spread(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
+            cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
+            lines.append("  ".join(f"{cell:>18}" for cell in cells) + ("  *" if row["flags"] else ""))
+    if summary["flags"]:
+        lines += ["", "* doubtful in some fits; the column flags says which:"]
+        lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
+    return "\n".join(lines)
+
+
+def _spread(value: float | None, std: float | None, scale: float) -> str:
+    if value is None:
+        return "-"
+    return short(scale * value, 3) + (f" ± {short(scale * std, 2)}" if std is not None else "")

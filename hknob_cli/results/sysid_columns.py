@@ -1,0 +1,70 @@
+"""The columns of the identification's files."""
+
+import pyarrow as pa
+
+from hknob_cli.results.columns import Column
+
+_REAL, _WHOLE, _TEXT = pa.float64(), pa.int64(), pa.string()
+
+TRIAL_KEYS = (
+    Column("experiment", _TEXT, "", "grasp and knob"),
+    Column("subject", _TEXT, "", "who"),
+    Column("grip_target_n", _REAL, "N", "grip force at which the pulse fires"),
+    Column("block", _WHOLE, "1", "block of trials"),
+    Column("trial", _WHOLE, "1", "trial; null where the trials of a block were averaged"),
+)
+CONDITION_KEYS = (
+    Column("level", _TEXT, "", "subject: mean over the blocks of one person; all: mean over persons"),
+    Column("experiment", _TEXT, "", "grasp and knob"),
+    Column("subject", _TEXT, "", "who; null over all persons"),
+    Column("grip_target_n", _REAL, "N", "grip force at which the pulse fires"),
+)
+ESTIMATOR = Column("estimator", _TEXT, "", "how it was estimated")
+# By name in a fit: column, unit, what it is.
+PARAMETERS = {
+    "inertia": ("inertia_kg_m2", "kg*m^2", "moment of inertia"),
+    "damping": ("damping_nm_s_per_rad", "N*m*s/rad", "damping"),
+    "stiffness": ("stiffness_nm_per_rad", "N*m/rad", "stiffness"),
+    "damping_ratio": ("damping_ratio", "1", "damping ratio B / (2 sqrt(J K))"),
+    "coulomb": ("coulomb_nm", "N*m", "Coulomb friction"),
+    "finger_inertia": ("finger_inertia_kg_m2", "kg*m^2", "moment of inertia of the finger"),
+    "finger_damping": ("finger_damping_nm_s_per_rad", "N*m*s/rad", "damping of the finger, to ground"),
+    "finger_stiffness": ("finger_stiffness_nm_per_rad", "N*m/rad", "stiffness of the finger, to ground"),
+    "pad_damping": ("pad_damping_nm_s_per_rad", "N*m*s/rad", "damping of the fingerpad"),
+    "pad_stiffness": ("pad_stiffness_nm_per_rad", "N*m/rad", "stiffness of the fingerpad"),
+}
+ALWAYS = ("inertia", "damping", "stiffness", "damping_ratio")
+SKIN = {
+    "inertia": ("mass_kg", "kg", "equivalent mass at the surface of the knob"),
+    "damping": ("damping_n_s_per_m", "N*s/m", "damping along the surface of the knob"),
+    "stiffness": ("stiffness_n_per_m", "N/m", "stiffness along the surface of the knob"),
+}
+_FIT = "standard error of the fit"
+_SPREAD = "at level subject: standard error over blocks; at level all: standard deviation over persons"
+QUALITY = (
+    Column("vaf", _REAL, "1", "share of the variance of the angle that the model accounts for"),
+    Column("white", _REAL, "1", "p-value of the residuals being white noise; null where unknown"),
+)
+FLAGS = Column("flags", _TEXT, "", "what is doubtful about it, in words; empty where nothing is")
+AVERAGED = Column("trials", _WHOLE, "1", "trials that it rests on")
+APPARATUS = Column("apparatus_inertia_kg_m2", _REAL, "kg*m^2", "inertia subtracted as the apparatus's own; null: none")
+CALIBRATION = (
+    Column("quantity", _TEXT, "", "what was calibrated"),
+    Column("condition", _TEXT, "", "range of torque, or position of the force"),
+    Column("value", _REAL, "", "its value, in the column unit"),
+    Column("std", _REAL, "", "its standard error"),
+    Column("unit", _TEXT, "", "unit of value and std"),
+    Column("r_squared", _REAL, "1", "share of the variance that a straight line explains; null where there is none"),
+    Column("flags", _TEXT, "", "what is doubtful about it; empty where nothing is"),
+)
+
+
+def parameter_columns(names: tuple[str, ...], *, spread: bool, skin: bool) -> list[Column]:
+    """Columns of parameters with their errors, translational ones with ``skin``."""
+    what = _SPREAD if spread else _FIT
+    chosen = [PARAMETERS[name] for name in names] + (list(SKIN.values()) if skin else [])
+    columns = []
+    for column, unit, meaning in chosen:
+        columns.append(Column(column, _REAL, unit, meaning))
+        columns.append(Column(f"{column}_std", _REAL, unit, what))
+    return columns

@@ -1,0 +1,264 @@
+"""The identification: recordings read or made, prepared, fitted by every estimator, and combined."""
+
+from collections.abc import Callable, Iterable, Iterator
+from functools import partial
+from math import nan
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.apparatus.bench_rigs import record_apparatus
+from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.errors import ComputationError
+from hknob_cli.identify.combine import over_blocks, over_subjects
+from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.fourth_order import fourth_order
+from hknob_cli.identify.least_squares import least_squares, least_squares_friction
+from hknob_cli.identify.models import at_the_skin, damping_ratio, without_apparatus
+from hknob_cli.identify.motion import Motion
+from hknob_cli.identify.output_error import output_error
+from hknob_cli.identify.prepare import Preparation, Prepared, conditions
+from hknob_cli.recordings.read import read
+from hknob_cli.recordings.trial import Trial
+from hknob_cli.recordings.write import table as recordings_table
+from hknob_cli.results import sysid_columns as columns
+from hknob_cli.results.arrays import build_table
+from hknob_cli.spec.identification import SysidPlan
+
+DERIVATIVES = ("least_squares", "least_squares_friction")
+Progress = Callable[[int, int], None]
+Row = dict[str, Any]
+
+
+class Fitted(NamedTuple):
+    """A fit of one motion, its condition, and what it amounts to: parameters of the hand, by name."""
+
+    of: Prepared
+    trial: int | None
+    fit: Fit
+    parameters: dict[str, Estimate]
+    skin: dict[str, Estimate]
+    flags: tuple[str, ...]
+
+
+class SysidStage:
+    """An identification that is ready to run."""
+
+    def __init__(self, plan: SysidPlan) -> None:
+        """Make ready."""
+        self.plan = plan
+        self._estimators: dict[str, Callable[[Motion], Fit]] = {
+            "least_squares": least_squares,
+            "least_squares_friction": least_squares_friction,
+            "output_error": partial(output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm),
+            "output_error_friction": partial(
+                output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm, fit_coulomb=True
+            ),
+            "fourth_order": fourth_order,
+        }
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters that any of the estimators gives, in the order of their columns."""
+        given = set(columns.ALWAYS)
+        if {"least_squares_friction", "output_error_friction"} & set(self.plan.estimators):
+            given.add("coulomb")
+        if "fourth_order" in self.plan.estimators:
+            given |= {"finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness"}
+        return tuple(name for name in columns.PARAMETERS if name in given)
+
+    def trials(self) -> list[Trial]:
+        """The recordings. Raises `RecordingError`, `UsageError`."""
+        plan = self.plan
+        if plan.virtual is None:
+            return read(plan.recordings)
+        virtual = plan.virtual
+        rig = self.rig()
+        if plan.what == "apparatus":
+            return record_apparatus(rig, trials=virtual.trials, seed=virtual.seed)
+        return record_experiments(
+            rig,
+            experiments=virtual.experiments,
+            subjects=virtual.subjects,
+            blocks=virtual.blocks,
+            trials=virtual.trials,
+            seed=virtual.seed,
+            grips=virtual.grips,
+            model="fourth" if virtual.model == "fourth" else "second",
+        )
+
+    def rig(self) -> Rig:
+        """The virtual apparatus. Raises `UsageError`."""
+        from dataclasses import replace
+
+        assert self.plan.virtual is not None
+        rig = Rig.ideal() if self.plan.virtual.ideal else Rig()
+        given: dict[str, Any] = dict(self.plan.virtual.rig)
+        return replace(rig, **given)
+
+    @property
+    def counts(self) -> int | None:
+        """Counts per revolution of the encoder that recorded; None if unknown."""
+        if self.plan.virtual is not None:
+            return self.rig().counts_per_rev or None
+        return self.plan.counts_per_rev
+
+    def run(self, trials: list[Trial], progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
+        """Fits of every motion, and of every condition. Raises `ComputationError` where no trial can be used."""
+        fitted = list(self._fitted(trials, progress))
+        if all(one.of.motion is None for one in fitted):
+            said = "; ".join(dict.fromkeys(flag for one in fitted for flag in one.flags))
+            raise ComputationError(f"no trial can be used: {said}")
+        return self._trials_table(fitted), self._conditions_table(fitted)
+
+    def _fitted(self, trials: list[Trial], progress: Progress) -> Iterator[Fitted]:
+        plan = self.plan.prepare
+        raw = Preparation(average=plan.average, decimate=1, differentiate=False, window_s=plan.window_s)
+        smooth = Preparation(
+            average=plan.average, decimate=plan.decimate, interpolate=plan.interpolate, window_s=plan.window_s
+        )
+        kinds = {name: smooth if name in DERIVATIVES else raw for name in self.plan.estimators}
+        motions = {how: conditions(trials, how, counts_per_rev=self.counts) for how in dict.fromkeys(kinds.values())}
+        total = sum(len(motions[how]) for how in kinds.values())
+        done = 0
+        for name, how in kinds.items():
+            for one in motions[how]:
+                yield self._one(name, one)
+                progress(done := done + 1, total)
+
+    def _one(self, name: str, one: Prepared) -> Fitted:
+        trial = one.trials[0] if not self.plan.prepare.average and one.trials else None
+        if one.motion is None:
+            empty = {key: Estimate(nan, nan, False) for key in columns.ALWAYS}
+            return Fitted(one, trial, Fit(name, {}, nan), empty, {}, one.flags)
+        fit = self._estimators[name](one.motion)
+        parameters = dict(fit.parameters)
+        flags = [*one.flags, *fit.flags]
+        flags += [f"{key} cannot be told" for key, value in parameters.items() if not value.identifiable]
+        if {"damping", "stiffness"} <= set(parameters):
+            parameters["damping_ratio"] = damping_ratio(fit)
+        own = self._of_experiment(self.plan.apparatus, one)
+        if own is not None and "inertia" in parameters:
+            parameters["inertia"], below = without_apparatus(parameters["inertia"], own)
+            flags += below
+        radius = self._of_experiment(self.plan.radius, one)
+        moved = {key: parameters[key] for key in columns.SKIN if key in parameters}
+        skin = at_the_skin(moved, radius) if radius is not None else {}
+        return Fitted(one, trial, fit, parameters, skin, tuple(dict.fromkeys(flags)))
+
+    def _of_experiment(self, given: dict[str, float], one: Prepared) -> float | None:
+        return given.get(one.condition.experiment, given.get(""))
+
+    def _trials_table(self, fitted: list[Fitted]) -> pa.Table:
+        schema = [
+            *columns.TRIAL_KEYS,
+            columns.ESTIMATOR,
+            *columns.parameter_columns(self.names, spread=False, skin=bool(self.plan.radius)),
+            columns.APPARATUS,
+            *columns.QUALITY,
+            columns.AVERAGED,
+            columns.FLAGS,
+        ]
+        rows = [
+            {
+                **one.of.condition._asdict(),
+                "trial": one.trial,
+                "estimator": one.fit.estimator,
+                **self._values(one.parameters, one.skin),
+                columns.APPARATUS.name: self._of_experiment(self.plan.apparatus, one.of),
+                "vaf": one.fit.vaf,
+                "white": one.fit.white,
+                "trials": len(one.of.trials),
+                "flags": "; ".join(one.flags),
+            }
+            for one in fitted
+        ]
+        return build_table(schema, rows)
+
+    def _values(self, parameters: dict[str, Estimate], skin: dict[str, Estimate]) -> Row:
+        """Values and errors by column; what cannot be told is null, never a number."""
+        row: Row = {}
+        for names, given, catalogue in (
+            (self.names, parameters, columns.PARAMETERS),
+            (tuple(columns.SKIN) if self.plan.radius else (), skin, columns.SKIN),
+        ):
+            for name in names:
+                column = catalogue[name][0]
+                told = name in given and given[name].identifiable
+                row[column] = given[name].value if told else None
+                row[f"{column}_std"] = given[name].std if told else None
+        return row
+
+    def _conditions_table(self, fitted: list[Fitted]) -> pa.Table:
+        schema = [
+            *columns.CONDITION_KEYS,
+            columns.ESTIMATOR,
+            *columns.parameter_columns(self.names, spread=True, skin=bool(self.plan.radius)),
+            columns.APPARATUS,
+            columns.QUALITY[0],
+            columns.AVERAGED,
+            columns.FLAGS,
+        ]
+        people: dict[tuple[str, str, float, str], list[Fitted]] = {}
+        for one in fitted:
+            condition = one.of.condition
+            key = (condition.experiment, condition.subject, condition.grip_target_n, one.fit.estimator)
+            people.setdefault(key, []).append(one)
+        rows = [self._person(key, group) for key, group in people.items()]
+        every: dict[tuple[str, float, str], list[Row]] = {}
+        for row in rows:
+            every.setdefault((row["experiment"], row["grip_target_n"], row["estimator"]), []).append(row)
+        return build_table(schema, [*rows, *(self._everybody(group) for group in every.values())])
+
+    def _person(self, key: tuple[str, str, float, str], group: list[Fitted]) -> Row:
+        experiment, subject, grip, estimator = key
+        means = {name: over_blocks(_told(one.parameters.get(name) for one in group)) for name in self.names}
+        skin = {name: over_blocks(_told(one.skin.get(name) for one in group)) for name in columns.SKIN}
+        return {
+            "level": "subject",
+            "experiment": experiment,
+            "subject": subject,
+            "grip_target_n": grip,
+            "estimator": estimator,
+            **self._values(means, skin if self.plan.radius else {}),
+            columns.APPARATUS.name: self._of_experiment(self.plan.apparatus, group[0].of),
+            "vaf": over_subjects(one.fit.vaf for one in group).mean,
+            "trials": sum(len(one.of.trials) for one in group),
+            "flags": "; ".join(dict.fromkeys(flag for one in group for flag in one.flags)),
+        }
+
+    def _everybody(self, group: list[Row]) -> Row:
+        """Mean and standard deviation over persons, as Tables 1 to 5 have them."""
+        first = group[0]
+        row: Row = {
+            "level": "all",
+            "experiment": first["experiment"],
+            "subject": None,
+            "grip_target_n": first["grip_target_n"],
+            "estimator": first["estimator"],
+            columns.APPARATUS.name: first[columns.APPARATUS.name],
+            "vaf": over_subjects(_there(one["vaf"] for one in group)).mean,
+            "trials": sum(one["trials"] for one in group),
+        }
+        catalogues = [columns.PARAMETERS[name] for name in self.names]
+        catalogues += list(columns.SKIN.values()) if self.plan.radius else []
+        for column, _, _ in catalogues:
+            spread = over_subjects(_there(one[column] for one in group))
+            row[column], row[f"{column}_std"] = spread.mean, spread.std
+        doubtful = sum(bool(one["flags"]) for one in group)
+        row["flags"] = f"{doubtful} of {len(group)} persons have flags" if doubtful else ""
+        return row
+
+
+def kept_recordings(trials: list[Trial]) -> pa.Table:
+    """The recordings as a table, to keep beside what was identified from them."""
+    return recordings_table(trials)
+
+
+def _told(estimates: Iterable[Estimate | None]) -> list[Estimate]:
+    return [one for one in estimates if one is not None and one.identifiable]
+
+
+def _there(values: Iterable[float | None]) -> list[float]:
+    return [value for value in values if value is not None]
