@@ -1,5 +1,6 @@
 """An identification on the terminal: the hand by experiment, grip force and estimator, as the printed tables."""
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -7,6 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import short
 
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 _COLUMNS = (
     ("J g*cm^2", "inertia_kg_m2", 1e7),
     ("B mN*m*s", "damping_nm_s_per_rad", 1e3),
@@ -18,7 +20,8 @@ _COLUMNS = (
 def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
     """Summary as plain data: conditions over all persons, and what is doubtful."""
     rows = conditions.to_pylist()
-    flags = Counter(flag for row in trials.to_pylist() for flag in row["flags"].split("; ") if flag)
+    said = (flag for row in trials.to_pylist() for flag in row["flags"].split("; ") if flag)
+    flags = Counter(_NUMBER.sub("…", flag) for flag in said)
     return {
         "fits": trials.num_rows,
         "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),

@@ -1,0 +1,147 @@
+"""``hknob sysid`` through the installed command: virtual and recorded hands, what comes out, what is refused."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from hknob_cli.apparatus import spoil
+from hknob_cli.apparatus.experiment import record_experiments, truths
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.recordings.trial import Trial
+from hknob_cli.recordings.write import write_csv
+from tests.conftest import SPEC
+
+VIRTUAL = """\
+kind: sysid
+name: hands
+virtual: {experiments: [1], subjects: 3, grips: [0.71, 1.3], rig: {coulomb_nm: 0.0, amplifier_s: 0.0}}
+estimators: [least_squares, output_error]
+knob_radius: 8.9e-3
+subtract_apparatus: {"1": 19.8 g*cm^2}
+"""
+RECORDED = "kind: sysid\nname: mine\nrecordings: [mine.csv]\ncounts_per_rev: 640000\nestimators: [output_error]\n"
+SMALL = {"experiments": (1,), "subjects": 1, "blocks": 1, "grips": (0.71,)}
+
+
+def rows(path: Path, **having: object) -> list[dict]:
+    return [row for row in pq.read_table(path).to_pylist() if all(row[key] == value for key, value in having.items())]
+
+
+def test_virtual_hands_come_back(hknob, spec_file, tmp_path: Path) -> None:
+    done = hknob("sysid", spec_file(VIRTUAL), "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert "experiment 1, output_error: mean ± standard deviation over persons" in done.stdout
+    known = truths(experiments=(1,), subjects=3, grips=(0.71, 1.3))
+    for row in rows(tmp_path / "out" / "conditions.parquet", level="subject", estimator="output_error"):
+        hands = [
+            hand
+            for key, hand in known.items()
+            if (key.subject, key.grip_target_n) == (row["subject"], row["grip_target_n"])
+        ]
+        assert row["trials"] == len(hands) == 9
+        for column, value, wide in (
+            ("inertia_kg_m2", np.mean([hand.inertia for hand in hands]) - 1.98e-6, 1e-8),
+            ("damping_nm_s_per_rad", np.mean([hand.damping for hand in hands]), 2e-6),
+            ("stiffness_nm_per_rad", np.mean([hand.stiffness for hand in hands]), 4e-4),
+        ):
+            # Of three blocks: Student's t at 99.9 % is 32 standard errors; ``wide`` is what averaging bends.
+            assert abs(row[column] - value) < 5.0 * row[f"{column}_std"] + wide, (column, row)
+    everybody = rows(tmp_path / "out" / "conditions.parquet", level="all", estimator="output_error")
+    assert [row["grip_target_n"] for row in everybody] == [0.71, 1.3]
+    assert all(row["apparatus_inertia_kg_m2"] == 1.98e-6 for row in everybody)
+    assert everybody[0]["mass_kg"] == pytest.approx(everybody[0]["inertia_kg_m2"] / 8.9e-3**2)
+
+
+def test_the_same_work_gives_the_same_bytes_and_recordings_are_kept(hknob, spec_file, tmp_path: Path) -> None:
+    spec = spec_file(VIRTUAL + "keep_recordings: true\n")
+    for out in ("a", "b"):
+        assert hknob("sysid", spec, "-o", out).returncode == 0
+    for name in ("trials", "conditions", "recordings"):
+        assert (tmp_path / "a" / f"{name}.parquet").read_bytes() == (tmp_path / "b" / f"{name}.parquet").read_bytes()
+    again = VIRTUAL.replace(VIRTUAL.splitlines()[2], "recordings: [a/recordings.parquet]\ncounts_per_rev: 640000")
+    assert hknob("sysid", spec_file(again, "again.yaml"), "-o", "c").returncode == 0
+    kept, made = (pq.read_table(tmp_path / out / "conditions.parquet").to_pylist() for out in ("c", "a"))
+    assert kept == made
+
+
+def test_identified_hands_feed_a_sweep(hknob, spec_file, tmp_path: Path) -> None:
+    spec_file(VIRTUAL, "sysid.yaml")
+    text = SPEC.replace(
+        "hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}",
+        "hand: {from: none, experiment: '1', grip_n: 0.71}",
+    )
+    spec_file(text, "sweep.yaml")
+    pipeline = spec_file(
+        "kind: pipeline\nname: p\nstages:\n  hands: {spec: sysid.yaml}\n"
+        "  grid: {spec: sweep.yaml, set: {scene.hand.from: {from: hands}}}\n",
+        "p.yaml",
+    )
+    done = hknob("run", pipeline, "--json")
+    assert done.returncode == 0, done.stderr
+    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed", "computed"]
+    assert rows(tmp_path / "results/p/grid/cells.parquet")[0]["p2p_rad"] > 1e-3
+    again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
+    assert [stage["status"] for stage in again] == ["up to date", "up to date"]
+    spec_file(VIRTUAL.replace("subjects: 3", "subjects: 2"), "sysid.yaml")
+    again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
+    assert [stage["status"] for stage in again] == ["computed", "computed"]
+
+
+def recorded(folder: Path, change=None) -> None:
+    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    write_csv(folder / "mine.csv", [change(trial) if change else trial for trial in trials])
+
+
+SPOILT = {
+    "pulse that never fires": (spoil.silence, 1, "no pulse"),
+    "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: "),
+    "time backwards": (spoil.reverse_time, 2, "mine.csv: row "),
+    "angle in degrees": (spoil.angle_in_degrees, None, "flag"),
+    "wrong sign": (spoil.reverse_torque, 0, "against the torque"),
+    "saturated": (spoil.saturate_angle, 0, "saturated"),
+    "dropout": (spoil.drop_samples, 1, "gap"),
+    "frozen": (spoil.freeze_angle, 0, "repeat"),
+}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_bad_recordings_are_faults_or_flags_and_never_silent(hknob, spec_file, tmp_path: Path, name: str) -> None:
+    change, code, said = SPOILT[name]
+    recorded(tmp_path, change)
+    done = hknob("sysid", spec_file(RECORDED), "-o", "out")
+    assert "Traceback" not in done.stderr
+    if code is not None:
+        assert done.returncode == code, (done.stderr, done.stdout)
+    if done.returncode:
+        assert said in done.stderr or code is None
+        assert not (tmp_path / "out" / "conditions.parquet").exists()
+    else:
+        assert all(row["flags"] for row in rows(tmp_path / "out" / "trials.parquet"))
+
+
+def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None:
+    trials: list[Trial] = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    write_csv(tmp_path / "mine.csv", trials[:1])
+    assert hknob("sysid", spec_file(RECORDED), "-o", "out").returncode == 0
+    (row,) = rows(tmp_path / "out" / "trials.parquet")
+    assert row["flags"] == ""
+    truth = truths(**SMALL)[trials[0].key]
+    for column, value in zip(("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad"), truth, strict=False):
+        assert abs(row[column] - value) < 4.0 * row[f"{column}_std"]
+
+
+def test_bad_specs(hknob, spec_file) -> None:
+    for text, wanted in (
+        ("kind: sysid\nname: a\n", "needs recordings, or virtual to make some"),
+        (RECORDED, "mine.csv"),
+        (VIRTUAL.replace("[1]", "[6]"), "virtual.experiments[0]: must be <= 5, got 6"),
+        (VIRTUAL.replace("output_error]", "output_eror]"), "estimators[1]: must be"),
+        (VIRTUAL + "recordings: [a.csv]\n", "virtual: must be absent where recordings are given"),
+    ):
+        done = hknob("sysid", spec_file(text), "-o", "out")
+        assert done.returncode == 2, done.stderr
+        assert wanted in done.stderr
+        assert "Traceback" not in done.stderr
