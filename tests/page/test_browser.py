@@ -52,7 +52,7 @@ def test_claims_are_filtered_by_verdict(opened: Opened) -> None:
     assert tab.inner_text("#claims-count") == "100 of 100"
     tab.get_by_label("contradicted").check()
     assert tab.inner_text("#claims-count") == "14 of 100"
-    assert {text.strip() for text in tab.locator(f"{SHOWN} .verdict").all_inner_texts()} == {"contradicted"}
+    assert {text.split()[0] for text in tab.locator(f"{SHOWN} .verdict").all_inner_texts()} == {"contradicted"}
     tab.get_by_label("differs").check()
     assert tab.inner_text("#claims-count") == "29 of 100"
     assert tab.locator(SHOWN).count() == 29
@@ -70,7 +70,7 @@ def test_claims_are_filtered_by_typing_and_by_place(opened: Opened) -> None:
     tab.get_by_label("Search").fill("")
     tab.get_by_label("Place").select_option("Chapter 7")
     places = tab.locator(f"{SHOWN} th").all_inner_texts()
-    assert {place.split("\n")[0].strip() for place in places} == {"sec. 7.3", "Table 7.1"}
+    assert {place.split("\n")[0].strip() for place in places} == {"sec. 7.3"}
     tab.get_by_label("Search").fill("no such thing")
     assert tab.locator("#claims-nothing").is_visible()
     assert tab.inner_text("#claims-count") == "0 of 100"
@@ -108,7 +108,7 @@ def test_claims_are_sorted_by_a_button(opened: Opened) -> None:
     tab.get_by_role("button", name="Verdict").click()
     assert header.get_attribute("aria-sort") is None
     assert tab.locator("[aria-sort]").count() == 1
-    assert tab.locator("#claims tbody .verdict").first.inner_text().strip() == "contradicted"
+    assert tab.locator("#claims tbody .verdict").first.inner_text().split()[0] == "contradicted"
     for _ in range(2):
         tab.get_by_role("button", name="Verdict").click()
     assert tab.locator("[aria-sort]").count() == 0
