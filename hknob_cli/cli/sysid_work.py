@@ -12,19 +12,24 @@ from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.errors import UsageError
 from hknob_cli.report.sysid import describe_sysid, sysid_text
-from hknob_cli.stages.sysid import SysidStage, kept_recordings
+from hknob_cli.stages.sysid import SysidStage, calibrate, kept_recordings
+
+CALIBRATED = ("motor", "grip_cell")
 
 
 class SysidWork(Work):
     """The hand on the knob, or a part of the apparatus, identified."""
 
     def files(self, job: Job) -> tuple[str, ...]:
-        """Fits of every motion, of every condition, and the recordings where they are kept."""
+        """Fits of every motion, of every condition, and the recordings where they are kept; or a calibration."""
+        if job.plan.what in CALIBRATED:
+            return ("calibration.parquet",)
         return "trials.parquet", "conditions.parquet", *(["recordings.parquet"] if job.plan.keep else [])
 
     def others(self, job: Job) -> tuple[str, ...]:
-        """Recordings, where they are not kept."""
-        return () if job.plan.keep else ("recordings.parquet",)
+        """What another spec of this name may have left."""
+        everything = {"trials.parquet", "conditions.parquet", "recordings.parquet", "calibration.parquet"}
+        return tuple(sorted(everything - set(self.files(job))))
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """The recordings, or the printed tables that virtual people are drawn from."""
@@ -53,6 +58,8 @@ class SysidWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.what in CALIBRATED:
+            return (calibrate(job.plan),)
         begin = time.perf_counter()
         stage = SysidStage(job.plan)
         trials = stage.trials()
@@ -65,8 +72,10 @@ class SysidWork(Work):
         kept: list[pa.Table] = [kept_recordings(trials)] if job.plan.keep else []
         return (*tables, *kept)
 
-    def describe(self, _job: Job, tables: Tables) -> dict[str, Any]:
-        """Every condition over all persons."""
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every condition over all persons, or every quantity of a calibration."""
+        if job.plan.what in CALIBRATED:
+            return {"calibration": tables[0].to_pylist()}
         return describe_sysid(tables[0], tables[1])
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:

@@ -49,7 +49,7 @@ def output_error(
     width = len(names)
 
     def answer(p: Array) -> tuple[Array, Array]:
-        plant = Plant(exp(min(p[0], 50.0)), p[1], p[2], p[3] if fit_coulomb else coulomb_nm)
+        plant = Plant(exp(min(max(p[0], -100.0), 50.0)), p[1], p[2], p[3] if fit_coulomb else coulomb_nm)
         angle, slopes = respond_with_slopes(plant, motion.torque_nm, motion.dt_s, lag_s=lag_s, friction=fit_coulomb)
         return angle, slopes[:, :width]
 
@@ -60,7 +60,7 @@ def output_error(
         lowest[3] = 0.0
     found = nearest(motion, answer, np.array(begin), lowest=lowest)
     # The derivative by inertia is that by its logarithm over it.
-    values = np.array([exp(found.parameters[0]), *found.parameters[1:]])
+    values = np.array([exp(min(max(found.parameters[0], -100.0), 50.0)), *found.parameters[1:]])
     by = np.ones(width)
     by[0] = values[0]
     covariance = found.covariance * np.outer(by, by)

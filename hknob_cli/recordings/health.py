@@ -12,6 +12,9 @@ from hknob_cli.recordings.trial import Trial
 FEWEST_BEFORE = 10
 FEWEST_DURING = 10
 FEWEST_COUNTS = 20
+MOST_TORQUE_NM = 1.0
+MOST_MOTION_RAD = 3.0  # of a hand on a knob, in a pulse
+WRONG_SIGN = "pulse of the wrong sign"
 LONGEST_PULSE_S = 0.5  # a hand reacts long before
 GAP = 1.5
 REST_S = 0.02
@@ -52,6 +55,8 @@ def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
 
 def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
     """Too few samples, further pulses, torque that was not what was commanded, grip off its target."""
+    if abs(pulse.torque_nm) > MOST_TORQUE_NM:
+        yield f"a pulse of {pulse.torque_nm:.3g} N*m, more than fingers hold on a knob: is it in mN*m?"
     during = pulse.end - pulse.onset
     if pulse.onset < FEWEST_BEFORE:
         yield f"{_times(pulse.onset, 'sample')} before the pulse, fewer than {FEWEST_BEFORE}"
@@ -88,8 +93,10 @@ def _motion(trial: Trial, pulse: Pulse, counts_per_rev: float | None) -> Iterato
     if abs(motion) <= least:
         yield f"the angle does not move in the pulse: {abs(motion):.2g} rad, noise and step are {least:.2g} rad"
         return
+    if abs(motion) > MOST_MOTION_RAD:
+        yield f"the angle moves by {abs(motion):.3g} rad in the pulse, more than a hand turns: is it in degrees?"
     if motion < 0.0:
-        yield f"pulse of the wrong sign: the angle moves by {motion:.3g} rad against the torque"
+        yield f"{WRONG_SIGN}: the angle moves by {motion:.3g} rad against the torque"
     wander = float(np.ptp([part.mean() for part in np.array_split(before, min(4, before.size))]))
     if wander > max(REST_SHARE * abs(motion), 2.0 * step):
         share = wander / abs(motion)

@@ -32,6 +32,8 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
 
 def sysid_text(summary: dict[str, Any]) -> str:
     """A table of each experiment and estimator: mean and standard deviation over persons; what is doubtful below."""
+    if "calibration" in summary:
+        return _calibration_text(summary)
     rows = summary["conditions"]
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
@@ -46,6 +48,15 @@ def sysid_text(summary: dict[str, Any]) -> str:
     if summary["flags"]:
         lines += ["", "* doubtful in some fits; the column flags says which:"]
         lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
+    return "\n".join(lines)
+
+
+def _calibration_text(summary: dict[str, Any]) -> str:
+    lines = [f"{summary['name']}: {len(summary['calibration'])} quantities"]
+    for row in summary["calibration"]:
+        value = _spread(row["value"], row["std"], 1.0)
+        flags = f"  ({row['flags']})" if row["flags"] else ""
+        lines.append(f"  {row['quantity']:26} {row['condition']:24} {value} {row['unit']}{flags}")
     return "\n".join(lines)
 
 

@@ -124,10 +124,6 @@ def validate_sysid(source: Source) -> SysidPlan:
         faults.append(source.fault(("kind",), "needs recordings, or virtual to make some"))
     if spec.recordings is not None and spec.virtual is not None:
         faults.append(source.fault(("virtual",), "must be absent where recordings are given", at_key=True))
-    if spec.what in ("motor", "grip_cell") and spec.recordings is not None:
-        faults.append(
-            source.fault(("recordings",), f"must be absent: a {spec.what} is calibrated virtually", at_key=True)
-        )
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent

@@ -1,16 +1,17 @@
 """The identification: recordings read or made, prepared, fitted by every estimator, and combined."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from math import nan
 from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.apparatus.bench_rigs import record_apparatus
+from hknob_cli.apparatus.bench_rigs import record_apparatus, record_grip_cell, record_motor_calibration
 from hknob_cli.apparatus.experiment import record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.errors import ComputationError
+from hknob_cli.identify import calibration
 from hknob_cli.identify.combine import over_blocks, over_subjects
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
@@ -19,6 +20,8 @@ from hknob_cli.identify.models import at_the_skin, damping_ratio, without_appara
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
+from hknob_cli.recordings.calibration import GRIP_CELL, MOTOR, read_columns
+from hknob_cli.recordings.health import WRONG_SIGN
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import table as recordings_table
@@ -107,7 +110,7 @@ class SysidStage:
     def run(self, trials: list[Trial], progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """Fits of every motion, and of every condition. Raises `ComputationError` where no trial can be used."""
         fitted = list(self._fitted(trials, progress))
-        if all(one.of.motion is None for one in fitted):
+        if not any(one.fit.parameters for one in fitted):
             said = "; ".join(dict.fromkeys(flag for one in fitted for flag in one.flags))
             raise ComputationError(f"no trial can be used: {said}")
         return self._trials_table(fitted), self._conditions_table(fitted)
@@ -129,7 +132,7 @@ class SysidStage:
 
     def _one(self, name: str, one: Prepared) -> Fitted:
         trial = one.trials[0] if not self.plan.prepare.average and one.trials else None
-        if one.motion is None:
+        if one.motion is None or any(WRONG_SIGN in flag for flag in one.flags):
             empty = {key: Estimate(nan, nan, False) for key in columns.ALWAYS}
             return Fitted(one, trial, Fit(name, {}, nan), empty, {}, one.flags)
         fit = self._estimators[name](one.motion)
@@ -249,6 +252,20 @@ class SysidStage:
         doubtful = sum(bool(one["flags"]) for one in group)
         row["flags"] = f"{doubtful} of {len(group)} persons have flags" if doubtful else ""
         return row
+
+
+def calibrate(plan: SysidPlan) -> pa.Table:
+    """The calibration of the motor or the grip cell, as a table. Raises `UsageError`."""
+    motor = plan.what == "motor"
+    readings: Mapping[str, Any]
+    if plan.virtual is None:
+        readings = read_columns(plan.recordings, MOTOR if motor else GRIP_CELL)
+    elif motor:
+        readings = record_motor_calibration(SysidStage(plan).rig(), seed=plan.virtual.seed)._asdict()
+    else:
+        readings = record_grip_cell(seed=plan.virtual.seed)._asdict()
+    found = calibration.motor(readings) if motor else calibration.grip_cell(readings)
+    return build_table(columns.CALIBRATION, [{**one._asdict(), "flags": "; ".join(one.flags)} for one in found])
 
 
 def kept_recordings(trials: list[Trial]) -> pa.Table:

@@ -99,8 +99,12 @@ SPOILT = {
     "pulse that never fires": (spoil.silence, 1, "no pulse"),
     "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: "),
     "time backwards": (spoil.reverse_time, 2, "mine.csv: row "),
-    "angle in degrees": (spoil.angle_in_degrees, None, "flag"),
-    "wrong sign": (spoil.reverse_torque, 0, "against the torque"),
+    "angle in degrees": (spoil.angle_in_degrees, 0, "is it in degrees?"),
+    "torque in thousandths": (spoil.torque_in_millis, None, ""),
+    "time in thousandths": (spoil.time_in_millis, None, ""),
+    "columns swapped": (spoil.swap_columns, None, ""),
+    "no motion": (spoil.lose_motion, None, ""),
+    "wrong sign": (spoil.reverse_torque, 1, "against the torque"),
     "saturated": (spoil.saturate_angle, 0, "saturated"),
     "dropout": (spoil.drop_samples, 1, "gap"),
     "frozen": (spoil.freeze_angle, 0, "repeat"),
@@ -145,3 +149,30 @@ def test_bad_specs(hknob, spec_file) -> None:
         assert done.returncode == 2, done.stderr
         assert wanted in done.stderr
         assert "Traceback" not in done.stderr
+
+
+def test_calibrations_of_the_apparatus(hknob, spec_file, tmp_path: Path) -> None:
+    """What the virtual rig is made of comes back: 26.4 and 28.4 mN*m/A, 0.56 mN*m, nearly a factor of two."""
+    motor = spec_file("kind: sysid\nname: motor\nwhat: motor\nvirtual: {}\n", "motor.yaml")
+    assert hknob("sysid", motor, "-o", "motor").returncode == 0
+    found = rows(tmp_path / "motor" / "calibration.parquet")
+    for row, value in zip(found, (0.0264, 0.56e-3, 0.0284, 0.56e-3), strict=True):
+        assert abs(row["value"] - value) < 4.0 * row["std"], row
+    cell = spec_file("kind: sysid\nname: cell\nwhat: grip_cell\nvirtual: {}\n", "cell.yaml")
+    assert "largest slope over least" in hknob("sysid", cell, "-o", "cell").stdout
+    ratio = rows(tmp_path / "cell" / "calibration.parquet")[-1]
+    assert abs(ratio["value"] - 1.9) < 4.0 * ratio["std"]
+    (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n0.003,2,nan\n")
+    mine = "kind: sysid\nname: cell\nwhat: grip_cell\nrecordings: [readings.csv]\n"
+    done = hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine")
+    assert (done.returncode, "readings.csv: row 3: voltage_v: must be a finite number" in done.stderr) == (2, True)
+    (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n0.003,2,0.2\n")
+    assert hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine").returncode == 0
+
+
+def test_the_apparatus_alone(hknob, spec_file, tmp_path: Path) -> None:
+    text = "kind: sysid\nname: bare\nwhat: apparatus\nvirtual: {rig: {coulomb_nm: 0.0, amplifier_s: 0.0}}\n"
+    assert hknob("sysid", spec_file(text + "estimators: [output_error]\n"), "-o", "out").returncode == 0
+    found = {row["subject"]: row for row in rows(tmp_path / "out" / "conditions.parquet", level="subject")}
+    for setup, inertia in (("shaft", 12.0e-7), ("small_experimental", 19.8e-7), ("medium_experimental", 32.7e-7)):
+        assert found[setup]["inertia_kg_m2"] == pytest.approx(inertia, rel=2e-3)
