@@ -63,7 +63,7 @@ def validate_pipeline(source: Source) -> PipelinePlan:
             continue
         inputs: dict[str, tuple[str, ...] | str] = {}
         for path, value in stage.set.items():
-            if isinstance(value, dict) and FROM in value:
+            if isinstance(value, dict) and list(value) == [FROM]:
                 place = ("stages", name, "set", path)
                 wrong = _input_fault(value, name, list(spec.stages))
                 if wrong:
@@ -88,8 +88,6 @@ def validate_pipeline(source: Source) -> PipelinePlan:
 
 def _input_fault(value: dict[str, Any], name: str, stages: list[str]) -> str | None:
     """What is wrong with a ``{from: ...}``; None if nothing is."""
-    if list(value) != [FROM]:
-        return "must be {from: STAGE} and nothing else"
     found = value[FROM]
     if found == ALL:
         return None
