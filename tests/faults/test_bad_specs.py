@@ -21,7 +21,7 @@ BROKEN = {
     "missing part": (f"  {KNOB}\n", "", "3:1: scene.knob: missing, and required"),
     "missing key": ("{stiffness: 0.27}", "{}", "6:3: scene.wall.stiffness: missing, and required"),
     "missing name": ("name: small\n", "", "1:1: name: missing, and required"),
-    "missing kind": ("kind: sweep\n", "", "1:1: kind: missing, and required; one of: sweep"),
+    "missing kind": ("kind: sweep\n", "", "1:1: kind: missing, and required; one of: sysid, sweep"),
     "unknown kind": ("kind: sweep", "kind: sweeep", "1:7: kind: must be sweep, got 'sweeep'"),
     "name is a path": ("name: small", "name: ../../etc", "2:7: name: "),
     "text for a number": ("0.27", "stiff", "6:21: scene.wall.stiffness: 'stiff' is not a number with a unit"),
