@@ -73,7 +73,7 @@ def judge_claim(claim: Claim, evidence: Evidence) -> dict[str, Any]:
         "because": claim.untestable or missing or claim.because or "",
         "agreeing": sum(judged.verdict == REPRODUCED for judged in allowed),
         "allowed": len(allowed),
-        "data": ", ".join(_data(claim, best)) if best else "",
+        "data": ", ".join(_data(claim, best, evidence)) if best else "",
         "readings": "; ".join(_said(claim, judged) for judged in readings) if claim.readings else "",
         "finding": claim.finding or "",
         "check": claim.check or "",
@@ -98,10 +98,11 @@ def _read(claim: Claim, reading: Reading, evidence: Evidence) -> Judged:
     return Judged(reading, computed, DIFFERS if near else CONTRADICTED)
 
 
-def _data(claim: Claim, judged: Judged) -> list[str]:
+def _data(claim: Claim, judged: Judged, evidence: Evidence) -> list[str]:
     """Names of the results that a reading is computed from."""
     arguments = {**claim.arguments, **judged.reading.arguments}
-    return list(dict.fromkeys(str(arguments[key]) for key in ("result", "to", "against") if arguments.get(key)))
+    given = (str(arguments.get(key)) for key in ("result", "to", "against"))
+    return list(dict.fromkeys(name for name in given if name in evidence))
 
 
 def _rank(claim: Claim, judged: Judged) -> tuple[int, float]:
