@@ -36,6 +36,12 @@ class UsageError(HknobError):
     exit_code = ExitCode.USAGE
 
 
+class DeviceError(HknobError):
+    """A device does not answer, refuses, or has tripped; its torque is off, or off by its own watchdog."""
+
+    exit_code = ExitCode.DEVICE
+
+
 class RefusedError(HknobError):
     """The output belongs to another run, or to something else."""
 

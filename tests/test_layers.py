@@ -25,6 +25,7 @@ ORDER = [
     "recordings",
     "apparatus",
     "identify",
+    "hardware",
     "report",
     "stages",
     "claims",

@@ -1,0 +1,107 @@
+"""The device port: what every driver does for a trial, and what it hands back.
+
+A driver runs the control loop somewhere else (on a target, or in a simulation) and hands back samples in blocks. Times
+are the device's. The order of calls is: `configure`, `arm`, `read` while nobody holds the knob, `start`, `read` until
+enough, `stop`, `read` until None; `release` ends anything, at any time, and is called whatever is raised.
+"""
+
+from types import TracebackType
+from typing import Any, NamedTuple, Protocol, Self
+
+import numpy as np
+
+from hknob_cli.hardware.simulated import Simulated
+
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Counts = np.ndarray[Any, np.dtype[np.int64]]
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+
+class Identity(NamedTuple):
+    """What a device says it is; ``native_counts`` per revolution of its own encoder; ``boot`` differs after a restart.
+
+    ``simulated``: it has no knob but the simulated one of `Simulated`. ``shortest_period_ns`` of its sample clock.
+    """
+
+    name: str
+    native_counts: int
+    shortest_period_ns: int
+    simulated: bool
+    boot: int
+
+
+class Settings(NamedTuple):
+    """A trial as the target is told: sample clock, decimated encoder, virtual wall, limits.
+
+    ``period_ns`` of the sample clock; ``counts_per_rev`` of the encoder that the wall sees; ``wall_stiffness`` in
+    N·m/rad, ``wall_damping`` in N·m·s/rad, on the differenced coarse angle; torque is cut off at ±``torque_limit_nm``;
+    a speed above ``speed_limit_rad_s``, or ``watchdog_us`` without a word from the host, ends the trial at the target.
+    """
+
+    period_ns: int
+    counts_per_rev: int
+    wall_stiffness: float
+    wall_damping: float
+    torque_limit_nm: float
+    speed_limit_rad_s: float
+    watchdog_us: int
+    block_samples: int
+
+    @property
+    def interval_s(self) -> float:
+        """Time from sample to sample."""
+        return self.period_ns * 1e-9
+
+
+class Block(NamedTuple):
+    """Consecutive samples, arrays (n,): the first has index ``first``, counted from arming.
+
+    ``time_us`` since arming, by the device's clock; ``angle_counts`` of the device's own encoder; ``torque_nm``
+    commanded from this sample to the next; ``grip_n`` as the cell gives it, its zero not subtracted; ``running`` where
+    the wall was on. ``overruns``: samples so far for which the loop was late.
+    """
+
+    first: int
+    time_us: Counts
+    angle_counts: Counts
+    torque_nm: Array
+    grip_n: Array
+    running: Flags
+    overruns: int
+
+
+class Device(Protocol):
+    """A driver. Every method raises `DeviceError` if the device does not answer, refuses, or has tripped."""
+
+    @property
+    def identity(self) -> Identity:
+        """Who answers."""
+
+    def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
+        """Send a trial's settings, and compare what the target says it took with them, value by value.
+
+        ``simulated``: knob, hand and person, for a device that simulates them; ignored by others.
+        """
+
+    def arm(self) -> None:
+        """Begin to sample, torque off."""
+
+    def start(self) -> None:
+        """Switch the wall on; a simulated person takes hold of the knob."""
+
+    def read(self, timeout_s: float) -> Block | None:
+        """The next samples, in order, none lost or twice; None if there are none within the time, or no more."""
+
+    def stop(self) -> None:
+        """Torque off, sampling ends; what was sampled can still be read."""
+
+    def release(self) -> None:
+        """Torque off, whatever state it is in; never raises."""
+
+    def __enter__(self) -> Self:
+        """Open the device."""
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Release and close it."""
