@@ -76,18 +76,23 @@ def test_identified_hands_feed_a_sweep(hknob, spec_file, tmp_path: Path) -> None
     spec_file(text, "sweep.yaml")
     pipeline = spec_file(
         "kind: pipeline\nname: p\nstages:\n  hands: {spec: sysid.yaml}\n"
-        "  grid: {spec: sweep.yaml, set: {scene.hand.from: {from: hands}}}\n",
+        "  grid: {spec: sweep.yaml, set: {scene.hand.from: {from: hands}}}\n"
+        "  people:\n    spec: people.yaml\n    set:\n"
+        "      population: {from: hands, experiment: '1', grip_n: 0.71, people: 5, seed: 1}\n"
+        "      population.from: {from: hands}\n",
         "p.yaml",
     )
+    spec_file(SPEC.replace("  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n", ""), "people.yaml")
     done = hknob("run", pipeline, "--json")
     assert done.returncode == 0, done.stderr
-    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed", "computed"]
+    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed"] * 3
     assert rows(tmp_path / "results/p/grid/cells.parquet")[0]["p2p_rad"] > 1e-3
+    assert len(rows(tmp_path / "results/p/people/cells.parquet")) == 5
     again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
-    assert [stage["status"] for stage in again] == ["up to date", "up to date"]
+    assert [stage["status"] for stage in again] == ["up to date"] * 3
     spec_file(VIRTUAL.replace("subjects: 3", "subjects: 2"), "sysid.yaml")
     again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
-    assert [stage["status"] for stage in again] == ["computed", "computed"]
+    assert [stage["status"] for stage in again] == ["computed"] * 3
 
 
 def recorded(folder: Path, change=None) -> None:
