@@ -13,18 +13,21 @@ from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.errors import UsageError
 from hknob_cli.report.study import study_text
 from hknob_cli.report.sysid import describe_sysid, sysid_text
-from hknob_cli.stages.sysid import SysidStage, calibrate, kept_recordings
+from hknob_cli.stages.sysid import SysidStage, kept_recordings
+from hknob_cli.stages.sysid_calibration import calibrate
 from hknob_cli.stages.sysid_study import levels_of, study_bias, study_hidden
 
 CALIBRATED = ("motor", "grip_cell")
 STUDIES = ("bias", "hidden_inertia")
+CALIBRATION = ("calibration.parquet", "calibration_points.parquet")
 EVERYTHING = (
     "trials.parquet",
     "conditions.parquet",
     "recordings.parquet",
-    "calibration.parquet",
-    "bias.parquet",
-    "hidden_inertia.parquet",
+    "sysid.png",
+    *CALIBRATION,
+    "calibration.png",
+    *(f"{name}.{end}" for name in STUDIES for end in ("parquet", "png")),
 )
 
 
@@ -36,18 +39,19 @@ class SysidWork(Work):
         if job.plan.study:
             return tuple(f"{name}.parquet" for name in _studies(job))
         if job.plan.what in CALIBRATED:
-            return ("calibration.parquet",)
+            return CALIBRATION
         return "trials.parquet", "conditions.parquet", *(["recordings.parquet"] if job.plan.keep else [])
 
     def pictures(self, job: Job) -> tuple[str, ...]:
-        """One of each study."""
-        return tuple(f"{name}.png" for name in _studies(job)) if job.plan.study else ()
+        """The hand over grip force, the lines of a calibration, or one of each study."""
+        if job.plan.study:
+            return tuple(f"{name}.png" for name in _studies(job))
+        return ("calibration.png",) if job.plan.what in CALIBRATED else ("sysid.png",)
 
     def others(self, job: Job) -> tuple[str, ...]:
         """What another spec of this name may have left."""
-        everything = [*EVERYTHING, *(f"{name}.png" for name in STUDIES)]
         ours = {*self.files(job), *self.pictures(job)}
-        return tuple(name for name in everything if name not in ours)
+        return tuple(name for name in EVERYTHING if name not in ours)
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """The recordings, or the printed tables that virtual people are drawn from."""
@@ -79,7 +83,7 @@ class SysidWork(Work):
         if job.plan.study:
             return _study(job)
         if job.plan.what in CALIBRATED:
-            return (calibrate(job.plan),)
+            return calibrate(job.plan)
         begin = time.perf_counter()
         stage = SysidStage(job.plan)
         trials = stage.trials()
@@ -93,13 +97,21 @@ class SysidWork(Work):
         return (*tables, *kept)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """Bias over each nuisance, and the inertia over the ratio of finger to pad."""
-        from hknob_cli.report.bias_picture import draw_bias
-        from hknob_cli.report.hidden_picture import draw_hidden
+        """Parameters over grip force, readings with their lines, or what the studies found."""
+        title = job.plan.name
+        if job.plan.study:
+            _draw_studies(job, tables, paths)
+        elif job.plan.what in CALIBRATED:
+            from hknob_cli.report.calibration_picture import draw_calibration
 
-        for name, table, path in zip(_studies(job), tables, paths, strict=False):
-            draw = draw_bias if name == "bias" else draw_hidden
-            draw(table.to_pylist(), title=job.plan.name, path=path)
+            quantities, points = (table.to_pylist() for table in tables)
+            if not draw_calibration(quantities, points, title=title, path=paths[0]):
+                note(job, "no picture: no set of readings has a line through it")
+                return []
+        else:
+            from hknob_cli.report.sysid_picture import draw_hands
+
+            draw_hands(tables[1].to_pylist(), title=title, path=paths[0])
         return paths
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
@@ -120,6 +132,15 @@ class SysidWork(Work):
 def _studies(job: Job) -> tuple[str, ...]:
     """Names of the studies that are asked for."""
     return tuple(name for name, one in zip(STUDIES, job.plan.study, strict=True) if one is not None)
+
+
+def _draw_studies(job: Job, tables: Tables, paths: list[Path]) -> None:
+    from hknob_cli.report.bias_picture import draw_bias
+    from hknob_cli.report.hidden_picture import draw_hidden
+
+    for name, table, path in zip(_studies(job), tables, paths, strict=True):
+        draw = draw_bias if name == "bias" else draw_hidden
+        draw(table.to_pylist(), title=job.plan.name, path=path)
 
 
 def _study(job: Job) -> Tables:

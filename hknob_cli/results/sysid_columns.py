@@ -57,6 +57,15 @@ CALIBRATION = (
     Column("r_squared", _REAL, "1", "share of the variance that a straight line explains; null where there is none"),
     Column("flags", _TEXT, "", "what is doubtful about it; empty where nothing is"),
 )
+CALIBRATION_POINTS = (
+    Column("quantity", _TEXT, "", "what was calibrated by the points"),
+    Column("condition", _TEXT, "", "range of torque, or position of the force"),
+    Column("x", _REAL, "", "current or force, in the column x_unit"),
+    Column("x_unit", _TEXT, "", "unit of x"),
+    Column("y", _REAL, "", "torque, friction torque or voltage, in the column y_unit"),
+    Column("y_unit", _TEXT, "", "unit of y and fitted"),
+    Column("fitted", _REAL, "", "y of the fitted line there"),
+)
 
 
 def parameter_columns(names: tuple[str, ...], *, spread: bool, skin: bool) -> list[Column]:

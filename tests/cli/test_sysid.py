@@ -31,8 +31,9 @@ def rows(path: Path, **having: object) -> list[dict]:
 
 
 def test_virtual_hands_come_back(hknob, spec_file, tmp_path: Path) -> None:
-    done = hknob("sysid", spec_file(VIRTUAL), "-o", "out")
+    done = hknob("sysid", spec_file(VIRTUAL), "-o", "out", "--plot")
     assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "sysid.png").stat().st_size > 20_000
     assert "experiment 1, output_error: mean ± standard deviation over persons" in done.stdout
     known = truths(experiments=(1,), subjects=3, grips=(0.71, 1.3))
     for row in rows(tmp_path / "out" / "conditions.parquet", level="subject", estimator="output_error"):
@@ -159,7 +160,13 @@ def test_bad_specs(hknob, spec_file) -> None:
 def test_calibrations_of_the_apparatus(hknob, spec_file, tmp_path: Path) -> None:
     """What the virtual rig is made of comes back: 26.4 and 28.4 mN*m/A, 0.56 mN*m, nearly a factor of two."""
     motor = spec_file("kind: sysid\nname: motor\nwhat: motor\nvirtual: {}\n", "motor.yaml")
-    assert hknob("sysid", motor, "-o", "motor").returncode == 0
+    assert hknob("sysid", motor, "-o", "motor", "--plot").returncode == 0
+    assert (tmp_path / "motor" / "calibration.png").stat().st_size > 20_000
+    for row in rows(tmp_path / "motor" / "calibration_points.parquet"):
+        # 20 uN*m of noise, in either direction over some thirty readings: six standard errors of their mean.
+        assert abs(row["y"] - row["fitted"]) < 6.0 * 2e-5 / 60.0**0.5
+        expected = row["x"] * {"range 0": 0.0264, "range 1": 0.0284}[row["condition"]]
+        assert row["fitted"] == pytest.approx(0.56e-3 if "friction" in row["quantity"] else expected, abs=2e-5)
     found = rows(tmp_path / "motor" / "calibration.parquet")
     for row, value in zip(found, (0.0264, 0.56e-3, 0.0284, 0.56e-3), strict=True):
         assert abs(row["value"] - value) < 4.0 * row["std"], row
@@ -172,12 +179,20 @@ def test_calibrations_of_the_apparatus(hknob, spec_file, tmp_path: Path) -> None
     done = hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine")
     assert (done.returncode, "readings.csv: row 3: voltage_v: must be a finite number" in done.stderr) == (2, True)
     (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n0.003,2,0.2\n")
-    assert hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine").returncode == 0
+    assert hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine", "--plot").returncode == 0
+    assert (tmp_path / "mine" / "calibration.png").exists()
+    (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n")
+    done = hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine", "--plot")
+    assert "fewer than three different readings" in done.stdout
+    assert "no picture" in done.stderr
+    assert not (tmp_path / "mine" / "calibration.png").exists()
 
 
 def test_the_apparatus_alone(hknob, spec_file, tmp_path: Path) -> None:
     text = "kind: sysid\nname: bare\nwhat: apparatus\nvirtual: {rig: {coulomb_nm: 0.0, amplifier_s: 0.0}}\n"
-    assert hknob("sysid", spec_file(text + "estimators: [output_error]\n"), "-o", "out").returncode == 0
+    done = hknob("sysid", spec_file(text + "estimators: [output_error]\n"), "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "sysid.png").stat().st_size > 20_000
     found = {row["subject"]: row for row in rows(tmp_path / "out" / "conditions.parquet", level="subject")}
     for setup, inertia in (("shaft", 12.0e-7), ("small_experimental", 19.8e-7), ("medium_experimental", 32.7e-7)):
         assert found[setup]["inertia_kg_m2"] == pytest.approx(inertia, rel=2e-3)
