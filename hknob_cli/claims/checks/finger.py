@@ -76,7 +76,9 @@ def dips(evidence: Evidence, result: str, where: Where | None = None) -> float:
 
 
 @check
-def share_falling(evidence: Evidence, result: str, file: str, column: str, along: str, where: Where | None = None) -> float:
+def share_falling(
+    evidence: Evidence, result: str, file: str, column: str, along: str, where: Where | None = None
+) -> float:
     """Share of the steps of one column, in ascending order, %, at which another falls."""
     rows = rows_of(evidence, result, file, where, needs=[column, along])
     values = [row[column] for row in sorted(rows, key=lambda row: float(row[along]))]

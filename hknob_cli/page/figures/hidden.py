@@ -40,16 +40,16 @@ def hidden_inertia(evidence: Evidence, of: str) -> "Figure":
     panel.axvline(ASSUMED, color="black", linewidth=0.7, alpha=0.4)
     panel.annotate(
         "as the text assumes",
-        (ASSUMED, 0.97),
+        (ASSUMED, 0.85),
         xycoords=("data", "axes fraction"),
-        fontsize=8,
-        va="top",
         xytext=(4, 0),
         textcoords="offset points",
+        fontsize=8,
+        va="top",
     )
     panel.set_xscale("log")
     panel.xaxis.set_major_formatter(FuncFormatter(lambda value, _place: f"{value:g}"))
     panel.set_xlabel("stiffness and damping of the finger / of its pad, 1")
     panel.set_ylabel("identified inertia, g\u00b7cm\u00b2")
-    panel.legend(loc="center right")
+    panel.legend(loc="center right", bbox_to_anchor=(1.0, 0.6))
     return drawn

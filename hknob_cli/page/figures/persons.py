@@ -16,7 +16,7 @@ Line = list[tuple[float, float, float]]
 
 @drawing
 def one_person(
-    evidence: Evidence, of: str, *, subject: str = "S1", experiment: int = 1, estimator: str = "output_error"
+    evidence: Evidence, of: str, *, subject: str = "S1", experiment: str | int = 1, estimator: str = "output_error"
 ) -> "Figure":
     """Inertia, damping, stiffness and damping ratio of one person over grip force: mean, and deviation over blocks.
 
@@ -46,7 +46,7 @@ def one_person(
 
 @drawing
 def all_persons(
-    evidence: Evidence, of: str, *, experiment: int = 1, estimator: str = "output_error", printed: bool = True
+    evidence: Evidence, of: str, *, experiment: str | int = 1, estimator: str = "output_error", printed: bool = True
 ) -> "Figure":
     """The same of every person of an experiment, a line each, with the printed mean of its table if ``printed``.
 
@@ -59,11 +59,11 @@ def all_persons(
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
         for i, rows in enumerate(lines.values()):
             kept = [row for row in rows if row[quantity.column] is not None]
-            label = None if i else f"{len(lines)} virtual people, one line each"
+            label = None if i else f"{len(lines)} people, a line each"
             force = [row["grip_target_n"] for row in kept]
             panel.plot(force, [quantity.factor * row[quantity.column] for row in kept], label=label, **thin)
         if printed:
-            rows = printed_rows(experiment)
+            rows = printed_rows(int(experiment))
             values = [quantity.factor * row[quantity.column] for row in rows]
             wide: dict[str, Any] = {"color": "black", "linewidth": 1.4, "linestyle": (0, (4, 2))}
             panel.plot([row["grip_n"] for row in rows], values, label=f"printed mean, Table {experiment}", **wide)
@@ -72,7 +72,7 @@ def all_persons(
     return drawn
 
 
-def _by_person(result: Result, experiment: int, estimator: str) -> dict[str, list[dict[str, Any]]]:
+def _by_person(result: Result, experiment: str | int, estimator: str) -> dict[str, list[dict[str, Any]]]:
     found: dict[str, list[dict[str, Any]]] = {}
     for row in identified_rows(result, level="subject", experiment=str(experiment), estimator=estimator):
         found.setdefault(row["subject"], []).append(row)
