@@ -47,6 +47,12 @@ QUALITY = (
 )
 FLAGS = Column("flags", _TEXT, "", "what is doubtful about it, in words; empty where nothing is")
 AVERAGED = Column("trials", _WHOLE, "1", "trials that it rests on")
+DIFFER = Column(
+    "trials_differ",
+    _REAL,
+    "1",
+    "standard deviation of the averaged trials about their mean beyond noise, over the peak of it; null of one trial",
+)
 APPARATUS = Column("apparatus_inertia_kg_m2", _REAL, "kg*m^2", "inertia subtracted as the apparatus's own; null: none")
 CALIBRATION = (
     Column("quantity", _TEXT, "", "what was calibrated"),

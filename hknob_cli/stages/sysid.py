@@ -28,6 +28,7 @@ from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.stages.sysid_rig import virtual_rig
 
 DERIVATIVES = ("least_squares", "least_squares_friction")
+MOST_SAID = 12
 Progress = Callable[[int, int], None]
 Row = dict[str, Any]
 
@@ -99,9 +100,10 @@ class SysidStage:
     def run(self, trials: list[Trial], progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """Fits of every motion, and of every condition. Raises `ComputationError` where no trial can be used."""
         fitted = list(self._fitted(trials, progress))
-        if not any(one.fit.parameters for one in fitted):
-            said = "; ".join(dict.fromkeys(flag for one in fitted for flag in one.flags))
-            raise ComputationError(f"no trial can be used: {said}")
+        if not any(value.identifiable for one in fitted for value in one.fit.parameters.values()):
+            said = list(dict.fromkeys(flag for one in fitted for flag in one.flags))
+            more = f"; and {len(said) - MOST_SAID} more" if len(said) > MOST_SAID else ""
+            raise ComputationError(f"no trial can be used: {'; '.join(said[:MOST_SAID])}{more}")
         return self._trials_table(fitted), self._conditions_table(fitted)
 
     def _fitted(self, trials: list[Trial], progress: Progress) -> Iterator[Fitted]:
@@ -150,6 +152,7 @@ class SysidStage:
             columns.APPARATUS,
             *columns.QUALITY,
             columns.AVERAGED,
+            columns.DIFFER,
             columns.FLAGS,
         ]
         rows = [
@@ -162,6 +165,7 @@ class SysidStage:
                 "vaf": one.fit.vaf,
                 "white": one.fit.white,
                 "trials": len(one.of.trials),
+                columns.DIFFER.name: one.of.motion.trials_differ if one.of.motion else None,
                 "flags": "; ".join(one.flags),
             }
             for one in fitted

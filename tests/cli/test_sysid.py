@@ -102,18 +102,18 @@ def recorded(folder: Path, change=None) -> None:
 
 
 SPOILT = {
-    "pulse that never fires": (spoil.silence, 1, "no pulse"),
-    "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: "),
-    "time backwards": (spoil.reverse_time, 2, "mine.csv: row "),
+    "pulse that never fires": (spoil.silence, 1, "no pulse: the commanded torque is zero throughout"),
+    "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: must be a finite number, got 'nan'"),
+    "time backwards": (spoil.reverse_time, 2, "mine.csv: row 101: time_s: runs backwards"),
     "angle in degrees": (spoil.angle_in_degrees, 0, "is it in degrees?"),
-    "torque in thousandths": (spoil.torque_in_millis, None, ""),
-    "time in thousandths": (spoil.time_in_millis, None, ""),
-    "columns swapped": (spoil.swap_columns, None, ""),
-    "no motion": (spoil.lose_motion, None, ""),
+    "torque in thousandths": (spoil.torque_in_millis, 0, "is it in mN*m?"),
+    "time in thousandths": (spoil.time_in_millis, 1, "is time in ms?"),
+    "columns swapped": (spoil.swap_columns, 1, "no trial can be used: trial 1: 0 samples before the pulse"),
+    "no motion": (spoil.lose_motion, 1, "the angle does not move in the pulse"),
     "wrong sign": (spoil.reverse_torque, 1, "against the torque"),
-    "saturated": (spoil.saturate_angle, 0, "saturated"),
-    "dropout": (spoil.drop_samples, 1, "gap"),
-    "frozen": (spoil.freeze_angle, 0, "repeat"),
+    "saturated": (spoil.saturate_angle, 0, "angle at the end of its range"),
+    "dropout": (spoil.drop_samples, 1, "1 gap in time, the longest 0.0021 s"),
+    "frozen": (spoil.freeze_angle, 0, "then jumps: samples were lost"),
 }
 
 
@@ -123,13 +123,59 @@ def test_bad_recordings_are_faults_or_flags_and_never_silent(hknob, spec_file, t
     recorded(tmp_path, change)
     done = hknob("sysid", spec_file(RECORDED), "-o", "out")
     assert "Traceback" not in done.stderr
-    if code is not None:
-        assert done.returncode == code, (done.stderr, done.stdout)
-    if done.returncode:
-        assert said in done.stderr or code is None
+    assert done.returncode == code, (done.stderr, done.stdout)
+    if code:
+        assert said in done.stderr
         assert not (tmp_path / "out" / "conditions.parquet").exists()
+        assert not (tmp_path / "out" / "trials.parquet").exists()
     else:
-        assert all(row["flags"] for row in rows(tmp_path / "out" / "trials.parquet"))
+        for name in ("trials", "conditions"):
+            found = rows(tmp_path / "out" / f"{name}.parquet")
+            assert all(said in row["flags"] for row in found if row.get("level") != "all")
+            assert all(row["flags"] for row in found)
+
+
+def test_a_bad_trial_among_good_ones_is_left_out_and_said(hknob, spec_file, tmp_path: Path) -> None:
+    """The rest is what it would be without it; what one trial in three does to an average, its flag says."""
+    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    write_csv(tmp_path / "mine.csv", trials[:2])
+    assert hknob("sysid", spec_file(RECORDED), "-o", "two").returncode == 0
+    (wanted,) = rows(tmp_path / "two" / "trials.parquet")
+    for change in (spoil.silence, spoil.drop_samples):
+        write_csv(tmp_path / "mine.csv", [*trials[:2], change(trials[2])])
+        assert hknob("sysid", spec_file(RECORDED), "-o", "three").returncode == 0
+        (row,) = rows(tmp_path / "three" / "trials.parquet")
+        assert "trial 3 left out: " in row["flags"]
+        assert {**row, "flags": ""} == wanted
+    write_csv(tmp_path / "mine.csv", [*trials[:2], spoil.reverse_torque(trials[2])])
+    done = hknob("sysid", spec_file(RECORDED), "-o", "three")
+    assert (done.returncode, "trial 3: pulse of the wrong sign" in done.stderr) == (1, True)
+
+
+def test_recordings_with_nothing_in_them(hknob, spec_file, tmp_path: Path) -> None:
+    recorded(tmp_path)
+    head = (tmp_path / "mine.csv").read_text().splitlines()[0]
+    for text in ("", head, head + "\n", "\n\n"):
+        (tmp_path / "mine.csv").write_text(text)
+        done = hknob("sysid", spec_file(RECORDED), "-o", "out")
+        assert done.returncode == 2, done.stderr
+        assert "mine.csv: " in done.stderr
+        assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_averaging_does_is_said_once_and_is_no_doubt(hknob, spec_file, tmp_path: Path) -> None:
+    """Trials that differ by some per cent leave residuals of less than a per cent that are not white."""
+    done = hknob("sysid", spec_file(VIRTUAL.replace("least_squares, ", "")), "-o", "out")
+    assert done.stdout.count("trials of a condition differ by") == 1
+    found = rows(tmp_path / "out" / "trials.parquet")
+    assert any(row["white"] < 0.01 for row in found)
+    assert not any("not white" in row["flags"] for row in found)
+    assert all(0.0 < row["trials_differ"] < 0.2 for row in found)
+    alone = VIRTUAL.replace("least_squares, ", "") + "prepare: {average: false}\n"
+    done = hknob("sysid", spec_file(alone), "-o", "alone")
+    assert "trials of a condition differ" not in done.stdout
+    assert all(row["trials_differ"] is None for row in rows(tmp_path / "alone" / "trials.parquet"))
 
 
 def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None:
