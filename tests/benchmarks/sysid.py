@@ -93,7 +93,7 @@ if __name__ == "__main__":
     main()
 
 
-# Results, 2026-11-21, 2-core AMD EPYC (Zen 4) virtual machine, Python 3.11; the machine was busy with four times as many
+# Results, 2026-11-21, 2-core AMD EPYC (Zen 4) virtual machine, Python 3.11, busy with four times as many
 # processes as cores, so that CPU time is what counts: one of two cores is used.
 #
 # five experiments x 9 persons x 54 trials, four estimators: 47.9 s, CPU 15.6 s; ceiling 20 s
