@@ -18,6 +18,7 @@ LEVELS = {("noise_rad", 0.0), ("noise_rad", 1e-3), ("lag_s", 2e-4), ("counts_per
 
 def test_a_study_writes_its_tables_and_draws_them(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file(STUDY)
+    assert "sysid 'study', study: good" in hknob("check", spec).stdout
     done = hknob("sysid", spec, "-o", "out", "--plot", "--json")
     assert done.returncode == 0, done.stderr
     written = {"bias.parquet", "bias.png", "hidden_inertia.parquet", "hidden_inertia.png"}
