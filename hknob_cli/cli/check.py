@@ -23,7 +23,7 @@ def _size(plan: "Plan") -> str:
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
     if isinstance(plan, SysidPlan):
-        return plan.what.replace("_", " ")
+        return "study" if plan.study else plan.what.replace("_", " ")
     if isinstance(plan, ReportPlan):
         return _counted(len(plan.results), "result")
     return _counted(prod(len(values) for values in plan.axes.values()), "cell")
