@@ -29,8 +29,9 @@ WORST = 1e12  # condition number beyond which the parameters' effects are one
 
 # What is searched for: springs and dampers in series, as one, are told well; their ratio, finger to pad, is not.
 SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
-# Where searches begin: ratios of damping and of stiffness, on either side of their equality and of one.
-STARTS = ((10.0, 10.0), (1.0, 3.0), (3.0, 1.0), (1.0 / 3.0, 1.0), (1.0, 1.0 / 3.0))
+# Where searches begin, too: ratios of damping and of stiffness, on either side of their equality and of one.
+STARTS = ((4.0, 3.0), (1.0, 3.0), (3.0, 1.0), (1.0 / 3.0, 1.0), (1.0, 1.0 / 3.0))
+FARTHEST = log(30.0)  # a ratio's logarithm where a search begins: the valleys are flat beyond
 STEPS, ENOUGH = 25, 1e-5  # of a search whose end is only compared; a share of the sum of squares
 ALIKE = 0.05  # of a logarithm: ends as near as this to another are the same
 
@@ -47,8 +48,8 @@ def fourth_order(
     ``inertia``: the knob's own in kg·m², with what moves with it, and ``finger_inertia``: known, or None to fit them.
     ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1, and others.
     Standard errors as of `output_error`, or larger where `profile.spread` finds more that fits as well. Not
-    identifiable: a standard error above the value; a value that ran away from its start by 10,000; or all, where
-    their effects are numerically one.
+    identifiable: a standard error above the value, or three times the value or a third of it that fits as well; a
+    value that ran away from its start by 10,000; or all, where their effects are numerically one.
     """
     known = {"inertia": inertia, "finger_inertia": finger_inertia}
     names = tuple(name for name in ORDER if known.get(name) is None)
@@ -69,25 +70,17 @@ def fourth_order(
         return respond_with_slopes(here, motion.torque_nm, motion.dt_s, _slopes(here, searched))
 
     def elsewhere(fit: Callable[..., Minimum], begin: Array) -> list[Minimum]:
-        ratios = [searched.index("damping_ratio"), searched.index("stiffness_ratio")]
-        tip = searched.index("finger_inertia") if "finger_inertia" in searched else None
-
-        def turned(p: Array, damping: float, stiffness: float) -> Minimum:
-            other = p.copy()
-            other[ratios] = damping, stiffness
-            return fit(other, steps=STEPS, enough=ENOUGH)
+        def turned(p: Array, ratios: tuple[float, float], heavier: float = 0.0) -> Minimum:
+            near = tuple(min(max(ratio, -FARTHEST), FARTHEST) for ratio in ratios)
+            return fit(_turned(p, searched, parts, near, heavier), steps=STEPS, enough=ENOUGH)
 
         found = [fit(begin, steps=STEPS, enough=ENOUGH)]
-        found += [turned(begin, log(a), log(b)) for a, b in STARTS]
-        best = min(found, key=cost)
-        a, b = best.parameters[ratios]
+        found += [turned(begin, (log(a), log(b))) for a, b in STARTS]
+        best = min(found, key=cost).parameters
+        a, b = (best[searched.index(name)] for name in ("damping_ratio", "stiffness_ratio"))
         # The same relaxation with the ratios' order reversed, the same springs with finger and pad exchanged, and both.
-        for way in ((a, 2.0 * a - b), (-a, -b), (-a, b - 2.0 * a)):
-            for heavier in (0.0, 1.0, -1.0) if tip is not None else (0.0,):
-                other = best.parameters.copy()
-                if tip is not None:
-                    other[tip] += heavier
-                found.append(turned(other, *way))
+        for ratios in ((a, 2.0 * a - b), (-a, -b), (-a, b - 2.0 * a)):
+            found += [turned(best, ratios, more) for more in ((0.0, 1.0, -1.0) if finger_inertia is None else (0.0,))]
         return found
 
     begin = np.log([_sought(first)[name] for name in searched])
@@ -146,6 +139,33 @@ def _fit(
         offset_rad=found.offset_rad,
         covariance=tuple(map(tuple, covariance.tolist())),
     )
+
+
+def _turned(
+    p: Array,
+    searched: tuple[str, ...],
+    parts: Callable[[Array], dict[str, float]],
+    ratios: tuple[float, ...],
+    heavier: float,
+) -> Array:
+    """Another start: with these logarithms of the ratios, and a finger heavier by that much of a logarithm.
+
+    A finger that moves with a share 1/(1 + ratio) of the knob's velocity adds the square of it of its inertia: the knob
+    has what is left of the whole, if it is searched for.
+    """
+    other = p.copy()
+    other[searched.index("damping_ratio")], other[searched.index("stiffness_ratio")] = ratios
+    if "finger_inertia" in searched:
+        other[searched.index("finger_inertia")] += heavier
+    if "inertia" in searched:
+        was, now = (parts(one[: len(searched)]) for one in (p, other))  # the rest angle is last
+        carried = [
+            one["finger_inertia"] * (one["pad_damping"] / (one["pad_damping"] + one["finger_damping"])) ** 2
+            for one in (was, now)
+        ]
+        whole = was["inertia"] + carried[0]
+        other[searched.index("inertia")] = log(max(whole - carried[1], 0.3 * whole))
+    return other
 
 
 def _parts(sought: Mapping[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ profile never rises that far not identifiable).
 """
 
 from collections.abc import Callable
-from math import exp, isfinite, log1p, sqrt
+from math import exp, isfinite, log, log1p, sqrt
 
 import numpy as np
 
@@ -19,6 +19,7 @@ RISE = 1.96**2  # of chi-square with one degree of freedom, exceeded in 5 %
 STEPS, ENOUGH = 15, 3e-5  # of a search with the quantity held; a share of the sum of squares
 HELD = 1e4  # weight of what is held, in its own standard errors
 TRIES = 6
+FARTHEST = log(3.0)  # a quantity known to no better than this, either way, is not called known
 FLAT = 0.25  # of the rise that is asked for: below it the profile is flat, and a closer look does not pay
 NEARLY = 0.97  # of the rise that is asked for
 
@@ -27,8 +28,7 @@ def spread(found: Nearest, logarithm: Callable[[Array], tuple[float, Array]]) ->
     """Standard error, as a share of the value, whose ±1.96 hold all that fits as well as chance allows.
 
     ``logarithm(p)``: the quantity's natural logarithm, and its derivatives (p,). At least that of ``found.covariance``;
-    inf where the fit is as good with three times the value, or anything down to zero, or as good again elsewhere, that
-    far away.
+    inf where the fit is as good with three times the value or a third of it, or elsewhere that far away.
     """
     count = len(found.parameters)
     here, by = logarithm(found.parameters)
@@ -48,6 +48,8 @@ def spread(found: Nearest, logarithm: Callable[[Array], tuple[float, Array]]) ->
         if rise >= allowed:
             continue
         there, slope = logarithm(other.parameters[:count])
+        if abs(there - here) > FARTHEST:
+            return float("inf")
         far = abs(exp(there - here) - 1.0)
         if far > 1.96 * std:
             width = float(slope @ bread_of(other.slopes)[:count, :count] @ slope) * (allowed - rise)
@@ -67,7 +69,7 @@ def _side(
     allowed: float,
     std: float,
 ) -> float:
-    """``std``, or more if the profile to one side asks for it; inf where that is more than the value itself."""
+    """``std``, or more if the profile to one side asks for it; inf where it stays low as far as `FARTHEST`."""
     count = len(found.parameters)
     own = float(by @ plain[:count, :count] @ by)
     weight = HELD / sqrt(own)
@@ -75,10 +77,7 @@ def _side(
     along = plain[:, :count] @ by / own
     begin, left = base, 0.0
     for _ in range(TRIES):
-        reach = 1.96 * std
-        if way < 0.0 and reach >= 1.0:
-            return std  # it holds everything down to zero
-        far = log1p(reach) if way > 0.0 else -log1p(-reach)
+        far = min(log1p(1.96 * std) if way > 0.0 else -log1p(-min(1.96 * std, 0.9)), FARTHEST)
         begin = begin + way * (far - left) * along
         left = far
         pin = Pin(logarithm, here + way * far, weight)
@@ -87,7 +86,7 @@ def _side(
         rise = cost(held) - cost(found)
         if rise >= NEARLY * allowed:
             return std
-        std *= 1.02 * sqrt(allowed / max(rise, FLAT * allowed))
-        if std >= 1.0:
+        if far >= FARTHEST:
             return float("inf")
+        std *= 1.02 * sqrt(allowed / max(rise, FLAT * allowed))
     return float("inf")

@@ -2,8 +2,8 @@
 
 Truths drawn like those of Section 4.4.1: the lightest or firmest grip of Table 1, K1/K2 from 1 to 20, B1/B2 equal to it
 or up to 3 times off, noise from a fine encoder's to a coarse one's, the knob's inertia known or fitted. The intervals
-are conservative where the valley bends (`profile.spread`). Of 140 at 95 % the share that holds the truth has a standard
-deviation of 1.8 %: it is above 90 % unless it is 2.7 of them off, or the intervals are not what they say.
+are conservative where the valley bends (`profile.spread`). Of 90 at 95 % the share that holds the truth has a standard
+deviation of 2.3 %: it is above 89 % unless it is 2.6 of them off, or the intervals are not what they say.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from hknob_cli.identify.motion import Motion
 from tests.identify.pulses import FIRM, LIGHT, pulse
 
 KNOB = 1.98e-6
-TRIALS = 45
+TRIALS = 30
 TORQUE = pulse(600, 20, 200, 1.0)
 
 
@@ -49,6 +49,6 @@ def test_intervals_hold_the_truth() -> None:
                 told += 1
                 held += abs(one.value - parts[name]) <= 1.96 * one.std
     print(f"{held} of {told} told, of {asked}")
-    assert told >= 100  # the share is of something
+    assert told >= 70  # the share is of something
     assert told < asked  # and what the data cannot tell is not claimed
-    assert held >= 0.90 * told
+    assert held >= 0.89 * told
