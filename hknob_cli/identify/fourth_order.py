@@ -7,7 +7,7 @@ chance allows (`profile`). What is not told is said not to be identifiable, what
 """
 
 from collections.abc import Callable, Mapping
-from math import isfinite, log
+from math import isfinite, log, sqrt
 from typing import Any
 
 import numpy as np
@@ -30,10 +30,10 @@ WORST = 1e12  # condition number beyond which the parameters' effects are one
 # What is searched for: springs and dampers in series, as one, are told well; their ratio, finger to pad, is not.
 SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
 # Where searches begin, too: ratios of damping and of stiffness, on either side of their equality and of one.
-STARTS = ((4.0, 3.0), (1.0, 3.0), (3.0, 1.0), (1.0 / 3.0, 1.0), (1.0, 1.0 / 3.0))
-FARTHEST = log(30.0)  # a ratio's logarithm where a search begins: the valleys are flat beyond
+THIRD = 1.0 / 3.0
+STARTS = ((4.0, 3.0), (1.0, 3.0), (3.0, 1.0), (THIRD, 1.0), (1.0, THIRD), (100.0, 30.0), (30.0, 100.0))
+FARTHEST = log(100.0)  # a ratio's logarithm where a search begins: the valleys are flat beyond
 STEPS, ENOUGH = 25, 1e-5  # of a search whose end is only compared; a share of the sum of squares
-ALIKE = 0.05  # of a logarithm: ends as near as this to another are the same
 
 
 def fourth_order(
@@ -107,8 +107,9 @@ def _fit(
             at = parts(p)
             return log(at[name]), _slopes(at, searched)[ORDER.index(name)]
 
-        ran = bool(np.any(stuck & (by[ORDER.index(name)] != 0.0)))
-        own = float(np.sqrt(by[ORDER.index(name)] @ found.covariance @ by[ORDER.index(name)]))
+        row = by[ORDER.index(name)]
+        ran = bool(np.any(stuck & (row != 0.0)))
+        own = sqrt(max(float(row @ found.covariance @ row), 0.0))
         share = own if ran or not worst < WORST else spread(found, logarithm)
         value, std = here[name], here[name] * share
         sure = bool(isfinite(std) and std < value and not ran and worst < WORST)
@@ -124,9 +125,8 @@ def _fit(
     if not worst < WORST:
         doubts.append(f"the parameters' effects are numerically one (condition number {worst:.1g})")
     index = [ORDER.index(name) for name in names]
-    scale = np.array([value * (share / own if own > 0.0 else 1.0) for value, own, share in shares])
-    with np.errstate(invalid="ignore"):
-        covariance = by[index] @ found.covariance @ by[index].T * np.outer(scale, scale)
+    scale = np.array([value * (share / own if own > 0.0 and isfinite(share) else 1.0) for value, own, share in shares])
+    covariance = by[index] @ found.covariance @ by[index].T * np.outer(scale, scale)
     share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
     flags = () if found.converged else ("the search did not converge",)
     return Fit(

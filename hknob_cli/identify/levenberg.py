@@ -21,6 +21,7 @@ class Minimum(NamedTuple):
     converged: bool
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a step too far overflows, and is not taken
 def minimise(
     data: Array,
     model: Callable[[Array], tuple[Array, Array]],

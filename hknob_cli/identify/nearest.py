@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from math import isfinite
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -113,5 +114,7 @@ def nearest(
 
 
 def cost(found: Minimum | Nearest) -> float:
-    """Sum of squares."""
-    return float(found.residuals @ found.residuals)
+    """Sum of squares, inf where the motion overflowed."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        total = float(found.residuals @ found.residuals)
+    return total if isfinite(total) else float("inf")

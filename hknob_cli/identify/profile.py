@@ -84,9 +84,9 @@ def _side(
         held = found.fit(begin, pin=pin, steps=STEPS, enough=ENOUGH, until=cost(found) + FLAT * allowed)
         begin = held.parameters
         rise = cost(held) - cost(found)
-        if rise >= NEARLY * allowed:
+        if isfinite(rise) and rise >= NEARLY * allowed:
             return std
-        if far >= FARTHEST:
+        if far >= FARTHEST or not isfinite(rise):
             return float("inf")
         std *= 1.02 * sqrt(allowed / max(rise, FLAT * allowed))
     return float("inf")
