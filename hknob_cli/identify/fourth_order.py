@@ -31,7 +31,7 @@ WORST = 1e12  # condition number beyond which the parameters' effects are one
 SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
 # Where searches begin, too: ratios of damping and of stiffness, on either side of their equality and of one.
 THIRD = 1.0 / 3.0
-STARTS = ((4.0, 3.0), (1.0, 3.0), (3.0, 1.0), (THIRD, 1.0), (1.0, THIRD), (100.0, 30.0), (30.0, 100.0))
+STARTS = ((4.0, 3.0), (1.2, 1.0), (1.0, 3.0), (3.0, 1.0), (THIRD, 1.0), (1.0, THIRD), (100.0, 30.0), (30.0, 100.0))
 FARTHEST = log(100.0)  # a ratio's logarithm where a search begins: the valleys are flat beyond
 STEPS, ENOUGH = 25, 1e-5  # of a search whose end is only compared; a share of the sum of squares
 
