@@ -50,6 +50,11 @@ def fourth_order(
     Standard errors as of `output_error`, or larger where `profile.spread` finds more that fits as well. Not
     identifiable: a standard error above the value, or three times the value or a third of it that fits as well; a
     value that ran away from its start by 10,000; or all, where their effects are numerically one.
+
+    Of 730 synthetic pulses of 60 ms (ratios 1 to 100 and beyond, noise 2 to 100 µrad, the knob's inertia known or not),
+    2063 of 3285 numbers were told, and their intervals held the truth in 96.7 %: 93 to 100 % by noise, by knowledge of
+    the inertia, and by whether K1/K2 = B1/B2. With the finger's inertia alone free, in 96 % of 112; with neither
+    inertia known in 82 % of the 90 told of 522, which is flagged.
     """
     known = {"inertia": inertia, "finger_inertia": finger_inertia}
     names = tuple(name for name in ORDER if known.get(name) is None)
@@ -122,6 +127,8 @@ def _fit(
             doubts.append(f"{name} is not identifiable from this motion: {reason}")
         estimates[name] = Estimate(float(value), float(std), sure)
         shares.append((value, own, share))
+    if len(names) == len(ORDER):
+        doubts.append("neither inertia is known: intervals have been too narrow in one of five synthetic cases")
     if not worst < WORST:
         doubts.append(f"the parameters' effects are numerically one (condition number {worst:.1g})")
     index = [ORDER.index(name) for name in names]

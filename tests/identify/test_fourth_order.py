@@ -105,6 +105,7 @@ def test_both_inertias_free_are_more_than_a_pulse_tells() -> None:
     angle = respond_fourth(parts, TORQUE, 1e-4) + 1e-5 * np.random.default_rng(0).normal(size=len(TORQUE))
     fit = fourth_order(Motion(1e-4, TORQUE, angle, noise_rad=1e-5), finger_inertia=None)
     assert not fit.parameters["finger_inertia"].identifiable
+    assert any(flag.startswith("neither inertia is known") for flag in fit.flags)
     assert set(fit.parameters) == set(ORDER)
 
 
