@@ -59,7 +59,7 @@ def split(damping: float, stiffness: float, ratio: float = SPLIT) -> dict[str, f
 
 def respond_fourth(parameters: Mapping[str, float], torque_nm: Array, dt_s: float) -> Array:
     """Angle (n,) rad of the knob, from rest at 0, under a torque held from sample i to i + 1."""
-    move, push = hold_matrices(*network(parameters), dt_s, np.empty((0, 4, 4)), np.empty((0, 4)))
+    move, push = hold_matrices(*network(parameters), dt_s)
     return respond_linear(move, push, torque_nm)[0]
 
 

@@ -63,7 +63,7 @@ def hidden_inertia(
 
 def _motion(parts: dict[str, float], torque_nm: Array, dt_s: float) -> Motion:
     matrix, push = network(parts)
-    move, added = (one[0] for one in hold_matrices(matrix, push, dt_s, np.empty((0, 4, 4)), np.empty((0, 4))))
+    move, added = (one[0] for one in hold_matrices(matrix, push, dt_s))
     states = np.zeros((len(torque_nm), 4))
     for i, torque in enumerate(torque_nm[:-1]):
         states[i + 1] = move @ states[i] + added * torque

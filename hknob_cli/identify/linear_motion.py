@@ -7,16 +7,20 @@ import numpy as np
 from hknob_cli.recordings.trial import Array
 
 
-def hold_matrices(matrix: Array, push: Array, dt_s: float, matrices: Array, pushes: Array) -> tuple[Array, Array]:
+def hold_matrices(
+    matrix: Array, push: Array, dt_s: float, matrices: Array | None = None, pushes: Array | None = None
+) -> tuple[Array, Array]:
     """What a hold does to the state, (1 + p, m, m), and what a unit torque adds, (1 + p, m): values, then derivatives.
 
     ``matrix`` (m, m) and ``push`` (m,) of x' = matrix x + push torque, the states angles and velocities in turn;
-    ``matrices`` (p, m, m), ``pushes`` (p, m): their derivatives by each of p parameters. The exponential of
+    ``matrices`` (p, m, m), ``pushes`` (p, m): their derivatives by each of p parameters, if any. The exponential of
     [[A, b], [0, 0]] dt, by `pulse.exponential`.
     """
     from hknob_cli.engine.jit import compiled
 
     order = len(push)
+    if matrices is None or pushes is None:
+        matrices, pushes = np.empty((0, order, order)), np.empty((0, order))
     whole = np.zeros((1 + len(pushes), order + 1, order + 1))
     whole[0, :order, :order], whole[0, :order, order] = matrix, push
     whole[1:, :order, :order], whole[1:, :order, order] = matrices, pushes
