@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.fourth_order import FINGER_INERTIA, network, respond_fourth, split
+from hknob_cli.identify.finger_network import FINGER_INERTIA, network, respond_fourth, split
 from hknob_cli.identify.least_squares import least_squares
 from hknob_cli.identify.linear_motion import hold_matrices
 from hknob_cli.identify.motion import Motion
@@ -63,7 +63,7 @@ def hidden_inertia(
 
 def _motion(parts: dict[str, float], torque_nm: Array, dt_s: float) -> Motion:
     matrix, push = network(parts)
-    move, added = (one[0].real for one in hold_matrices([(matrix, push)], dt_s))
+    move, added = (one[0] for one in hold_matrices(matrix, push, dt_s))
     states = np.zeros((len(torque_nm), 4))
     for i, torque in enumerate(torque_nm[:-1]):
         states[i + 1] = move @ states[i] + added * torque

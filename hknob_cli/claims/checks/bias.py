@@ -61,7 +61,7 @@ def regularised_inertia(
     inertia, damping, stiffness = (names[name] for name in ("J", "B", "K"))
     rates = np.array([[0.0, 1.0], [-stiffness / inertia, -damping / inertia]])
     push = np.array([0.0, 1.0 / inertia])
-    move, added = (one[0].real for one in hold_matrices([(rates, push)], 1e-4))
+    move, added = (one[0] for one in hold_matrices(rates, push, 1e-4))
     torque = np.where(np.arange(round(window_s / 1e-4)) < round(pulse_s / 1e-4), 1.0, 0.0)
     states = np.zeros((len(torque), 2))
     for i in range(1, len(torque)):

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.identify.fourth_order import FINGER_INERTIA, respond_fourth, split
+from hknob_cli.identify.finger_network import FINGER_INERTIA, respond_fourth, split
 from hknob_cli.identify.second_order import Plant
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
