@@ -18,7 +18,8 @@ if TYPE_CHECKING:
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
     from hknob_cli.spec.identification import SysidPlan
-    from hknob_cli.spec.plan import BenchPlan, ReportPlan
+    from hknob_cli.spec.page_plan import ReportPlan
+    from hknob_cli.spec.plan import BenchPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")

@@ -3,7 +3,8 @@
 from typing import Any
 
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.plan import PERSON, ChapterPlan, FigurePlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
+from hknob_cli.spec.plan import PERSON
 
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:

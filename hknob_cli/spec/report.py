@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
-from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import Name
