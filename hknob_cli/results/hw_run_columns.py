@@ -1,0 +1,45 @@
+"""The columns of a campaign's files."""
+
+import pyarrow as pa
+
+from hknob_cli.results.columns import Column
+from hknob_cli.spec.plan import COUNTS, RATE
+
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
+
+CELL = (
+    Column(RATE, _REAL, "Hz", "sample rate of the trial"),
+    Column(COUNTS, _WHOLE, "1/rev", "encoder counts per revolution that the wall sees"),
+)
+# Beside those of a recording.
+MORE_SAMPLES = (
+    *CELL,
+    Column("sample", _WHOLE, "1", "index of the sample since arming, by the device"),
+    Column("device_time_us", _WHOLE, "us", "time since arming, by the device's clock"),
+    Column("angle_counts", _WHOLE, "count", "angle in counts of the device's own encoder"),
+    Column("running", _FLAG, "", "whether the wall was on"),
+)
+TRIAL_KEYS = (
+    Column("order", _WHOLE, "1", "number of the trial, in the order they were run"),
+    Column("block", _WHOLE, "1", "how often the grid was gone through, from 1"),
+    *CELL,
+)
+TRIALS = (
+    *TRIAL_KEYS,
+    Column("sustained", _FLAG, "", "whether it still buzzed at the end"),
+    Column("p2p_rad", _REAL, "rad", "mean local maximum minus mean local minimum of the steady part; 0 at rest"),
+    Column("rms_rad", _REAL, "rad", "root mean square about the mean of the steady part; 0 at rest"),
+    Column("frequency_hz", _REAL, "Hz", "principal frequency of the steady part; 0 at rest"),
+    Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
+    Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),
+    Column("grip_zero_n", _REAL, "N", "what the grip cell showed before the start, subtracted"),
+    Column("ended", _TEXT, "", "why it ended: buzz, rest, longest, operator, over"),
+    Column("settled_s", _REAL, "s", "from the start until the grip counted as held; null if it never did"),
+    Column("steady_s", _REAL, "s", "length of the steady part"),
+    Column("samples", _WHOLE, "1", "samples received"),
+    Column("gaps", _WHOLE, "1", "samples whose index is missing"),
+    Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
+    Column("fault", _TEXT, "", "what is doubtful about it, in words; empty where nothing is"),
+    Column("device", _TEXT, "", "what the device calls itself"),
+    Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
+)
