@@ -13,13 +13,11 @@ from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.hardware.journal import Journal, read_journal
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.samples import joined
+from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
 from hknob_cli.results.store import partial
 
-FOLDER = "recording"
-EARLIER = "earlier"
-_ABOUT = "campaign.json"
 _ABORTED = "aborted"
 
 
@@ -28,7 +26,7 @@ class Archive:
 
     def __init__(self, out: Path, *, identity: str, is_source: bool, stamp: bytes) -> None:
         """``out``: the results folder; ``identity``: a digest that is another for another campaign."""
-        self.folder = out / FOLDER
+        self.folder = out / RECORDING
         self._identity = identity
         self._is_source = is_source
         self._stamp = stamp
@@ -37,34 +35,26 @@ class Archive:
         """Go on with what is there, or begin. Raises `RefusedError` if it is another campaign's, of a real device."""
         about = self._about()
         if about is not None and about.get("identity") != self._identity:
-            if about.get("source", True):
-                raise RefusedError(
-                    f"{self.folder}: holds recordings of a device, made with another spec; they are kept. "
-                    f"Go back to that spec, choose another --out, or begin anew with --force, which moves them to "
-                    f"{self.folder.parent / EARLIER}"
-                )
+            refuse_other(self.folder.parent, self._identity)
             self._remove()
             about = None
         try:
             self.folder.mkdir(exist_ok=True)
             if about is None:
-                half = partial(self.folder / _ABOUT)
+                half = partial(self.folder / ABOUT)
                 half.write_text(json.dumps({"identity": self._identity, "source": self._is_source}))
-                half.replace(self.folder / _ABOUT)
+                half.replace(self.folder / ABOUT)
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be written: {error.strerror or error}") from None
 
     def _about(self) -> dict[str, Any] | None:
         """What the folder says it is of; None where nothing is in it. Raises `RefusedError` if it is not ours."""
-        if not self.folder.exists():
-            return None
-        try:
-            found: dict[str, Any] = dict(json.loads((self.folder / _ABOUT).read_text()))
-            return found
-        except (OSError, ValueError, TypeError):
+        about = read_about(self.folder)
+        if about is None and self.folder.exists():
             if self.folder.is_dir() and all(path.name.startswith(".") for path in self.folder.iterdir()):
                 return None
-            raise RefusedError(f"{self.folder}: not written by hknob; move it away, or choose another --out") from None
+            raise RefusedError(f"{self.folder}: not written by hknob; move it away, or choose another --out")
+        return about
 
     def finished(self, trial: Trial) -> Recorded | None:
         """A trial that is done; None if it is not."""
@@ -137,6 +127,12 @@ class Archive:
         if not self._is_source:
             self._remove()
 
+    def clear(self) -> None:
+        """Remove what is there of an earlier campaign; never what holds recordings of a device."""
+        about = self._about()
+        if about is not None and not about.get("source", True):
+            self._remove()
+
     def _remove(self) -> None:
         try:
             shutil.rmtree(self.folder)
@@ -144,21 +140,3 @@ class Archive:
             pass
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be removed: {error.strerror or error}") from None
-
-
-def move_to_earlier(out: Path, names: tuple[str, ...]) -> Path | None:
-    """Move files and folders of ``out`` into a new folder under ``earlier``; None if nothing is there."""
-    there = [name for name in names if (out / name).exists()]
-    if not there:
-        return None
-    number = 1
-    while (out / EARLIER / str(number)).exists():
-        number += 1
-    place = out / EARLIER / str(number)
-    try:
-        place.mkdir(parents=True)
-        for name in there:
-            (out / name).rename(place / name)
-    except OSError as error:
-        raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
-    return place

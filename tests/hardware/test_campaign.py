@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, RefusedError
-from hknob_cli.hardware.archive import move_to_earlier
 from hknob_cli.hardware.operator import Nobody, View, Wish
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.sources import move_to_earlier
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.recordings.read import read
 from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
@@ -176,7 +176,7 @@ def test_recordings_of_a_device_are_kept(tmp_path: Path) -> None:
         campaign(tmp_path, device, identity="other", is_source=True).run()
     assert device.calls == []
     assert {path.name: path.read_bytes() for path in (tmp_path / "recording").glob("*.parquet")} == before
-    assert move_to_earlier(tmp_path, ("recording", "samples.parquet")) == tmp_path / "earlier" / "1"
+    assert move_to_earlier(tmp_path) == tmp_path / "earlier" / "1"
     campaign(tmp_path, device, identity="other", is_source=True).run()
     assert device.calls.count("start") == 4
     assert len(list((tmp_path / "earlier" / "1" / "recording").glob("*.parquet"))) == 4
