@@ -24,7 +24,7 @@ from hknob_cli.cli.options import (
 from hknob_cli.errors import UsageError
 
 PICTURE = "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png."
-UNATTENDED = "Nobody is at the knob: no keys, every trial begins at once. So it is without a terminal, and in simulation."
+UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
 
 
 def hw_run(

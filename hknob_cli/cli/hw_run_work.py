@@ -12,8 +12,7 @@ from hknob_cli.cli.strip import watching
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
-from hknob_cli.hardware.drivers import opened
-from hknob_cli.hardware.persons import who_of
+from hknob_cli.hardware.drivers import check_persons, opened, who_of
 from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, source_digests, spec_digest
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_hw_run, hw_run_text
@@ -57,6 +56,10 @@ class HwRunWork(Work):
         """Theirs, too."""
         return {**super().versions(), **self.surroundings()}
 
+    def verify(self, job: Job) -> None:
+        """Whether the simulated person can hold the knob as told."""
+        check_persons(job.plan)
+
     def refuse(self, job: Job) -> None:
         """Recordings of a real device that are of another spec stay as they are."""
         if not job.force:
@@ -82,7 +85,7 @@ class HwRunWork(Work):
                 say=partial(note, job),
             )
             done = campaign.run()
-        return campaign_tables(done)
+        return campaign_tables(done, job.plan.course)
 
     def finish(self, job: Job) -> None:
         """Single trials of a simulation, once all are in the results."""
@@ -100,9 +103,10 @@ class HwRunWork(Work):
         from hknob_cli.report.hw_run_picture import draw_hw_run
         from hknob_cli.report.timing_picture import draw_timing
 
-        samples, trials, timing = tables
-        draw_hw_run(samples, trials.to_pylist(), target_n=job.plan.course.grip_target_n, name=job.plan.name, path=paths[0])
-        draw_timing(samples, trials.to_pylist(), name=job.plan.name, path=paths[1])
+        samples, rows = tables[0], tables[1].to_pylist()
+        target, name = job.plan.course.grip_target_n, job.plan.name
+        draw_hw_run(samples, rows, target_n=target, name=name, path=paths[0])
+        draw_timing(samples, rows, name=name, path=paths[1])
         return paths
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:

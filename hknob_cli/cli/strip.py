@@ -1,4 +1,4 @@
-"""The strip an operator watches: grip against its target, state of the trial, torque, time; and the keys to steer it."""
+"""The strip an operator watches: grip against target, state of the trial, torque, time; and keys to steer it."""
 
 import contextlib
 import sys

@@ -49,7 +49,8 @@ def hw_run_text(summary: dict[str, Any]) -> str:
     rows, cells, grip = summary["trials"], summary["cells"], summary["grip"]
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     lines = [
-        f"{summary['name']}: {len(rows)} trial{'s' if len(rows) != 1 else ''}, {summary['sustained']} with sustained buzz; "
+        f"{summary['name']}: {len(rows)} trial{'s' if len(rows) != 1 else ''}, "
+        f"{summary['sustained']} with sustained buzz; "
         f"grip {_spread(grip['mean_n'], grip['std_n'])} N, target {short(grip['target_n'])}{stale}"
     ]
     across = len({cell[RATE] for cell in cells})

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 THUMBNAIL_CYCLES = 8
+LEAST_COUNTS = 3  # of the device's own encoder, to either side: less is not drawn larger
 _MOST_THUMBNAILS = 8  # of rows, and of columns
 
 
@@ -28,7 +29,7 @@ def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: 
     top = 0.5 * len(counts) + 2.2
     bottom = 1.1 * len(counts) + 0.9 if small else 0.0
     figure = Figure(figsize=(13.5, top + 2.6 + bottom), layout="constrained")
-    parts = figure.subfigures(3 if small else 2, 1, height_ratios=[top, 2.6, bottom][: 3 if small else 2])
+    parts: Any = figure.subfigures(3 if small else 2, 1, height_ratios=[top, 2.6, bottom][: 3 if small else 2])
     _maps(parts[0], cells, rates, counts)
     _grips(parts[1], trials, target_n)
     if small:
@@ -43,7 +44,10 @@ def _maps(figure: "SubFigure", cells: list[Row], rates: list[float], counts: lis
 
     grid = {(cell[COUNTS], cell[RATE]): cell for cell in cells}
     axes = figure.subplots(1, 2, sharey=True)
-    panels = (("p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"), ("frequency_hz", 1.0, "frequency, Hz"))
+    panels = (
+        ("p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
+        ("frequency_hz", 1.0, "frequency, Hz"),
+    )
     for ax, (column, scale, label) in zip(axes, panels, strict=True):
         values = np.array([[scale * grid[count, rate][column] for rate in rates] for count in counts])
         inks = colour_map(ax, values, label)
@@ -73,7 +77,7 @@ def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
         color="C0",
         label="mean and standard deviation of a trial",
     )
-    ax.set_ylim(bottom=0.0)
+    ax.set_ylim(0.0, 1.2 * max([target_n, *(row["grip_mean_n"] + row["grip_std_n"] for row in shown)]))
     ax.set_ylabel("grip force, N")
     ax.set_xlabel("trial, in the order they were run")
     ax.grid(alpha=0.3)
@@ -91,7 +95,10 @@ def _thumbnails(
         first[row[COUNTS], row[RATE]] = row
     ends = np.flatnonzero(np.diff(samples["trial"].to_numpy(), append=-1) != 0) + 1
     starts = np.concatenate([[0], ends[:-1]])
-    places = {int(samples["trial"][int(start)].as_py()): (int(start), int(end)) for start, end in zip(starts, ends, strict=True)}
+    places = {
+        int(samples["trial"][int(start)].as_py()): (int(start), int(end))
+        for start, end in zip(starts, ends, strict=True)
+    }
     axes = figure.subplots(len(counts), len(rates), sharey="row", squeeze=False)
     for i, count in enumerate(counts):
         for j, rate in enumerate(rates):
@@ -114,7 +121,10 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> None:
     if not time_s.size:
         return
     long = THUMBNAIL_CYCLES / row["frequency_hz"] if row["sustained"] and row["frequency_hz"] else 0.1
-    end = float(time_s[-1]) - (0.1 if row["ended"] == "operator" else 0.0)
+    end = float(samples["time_s"][row["steady_last"]].as_py())
     shown = (time_s >= end - long) & (time_s <= end)
+    least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"]
     values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
     ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
+    low, high = ax.get_ylim()
+    ax.set_ylim(min(low, -least), max(high, least))

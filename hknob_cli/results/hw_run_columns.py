@@ -33,9 +33,12 @@ TRIALS = (
     Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
     Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),
     Column("grip_zero_n", _REAL, "N", "what the grip cell showed before the start, subtracted"),
+    Column("wall_torque_nm", _REAL, "N*m", "mean torque of the wall in the steady part: what hand and push hold it by"),
     Column("ended", _TEXT, "", "why it ended: buzz, rest, longest, operator, over"),
     Column("settled_s", _REAL, "s", "from the start until the grip counted as held; null if it never did"),
     Column("steady_s", _REAL, "s", "length of the steady part"),
+    Column("steady_first", _WHOLE, "1", "row of the trial at which the steady part begins, from 0"),
+    Column("steady_last", _WHOLE, "1", "row of the trial at which it ends"),
     Column("samples", _WHOLE, "1", "samples received"),
     Column("gaps", _WHOLE, "1", "samples whose index is missing"),
     Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
@@ -43,3 +46,4 @@ TRIALS = (
     Column("device", _TEXT, "", "what the device calls itself"),
     Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
 )
+TIMING = (*TRIAL_KEYS,)
