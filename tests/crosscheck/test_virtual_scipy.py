@@ -16,7 +16,7 @@ WANDERING = HAND._replace(push_sines=(Sine(2e-4, 9.0, 0.3), Sine(1e-4, 0.7, 2.0)
 
 
 class Body:
-    """State (angle, speed, torque of the amplifier); it slides (mode -1 or 1), is held (0), or knows no friction (2)."""
+    """State (angle, speed, torque of the amplifier); it slides (mode -1 or 1), is held (0), or has no friction (2)."""
 
     def __init__(self, knob: Simulated, lag_s: float) -> None:
         self.knob, self.lag = knob, lag_s
