@@ -1,5 +1,6 @@
 """A campaign: every trial of the grid in its order, each recorded, none done twice, none lost."""
 
+import contextlib
 from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
@@ -142,12 +143,12 @@ class Campaign:
 
     def _broken_off(self, journal: Journal, trial: Trial, error: BaseException) -> None:
         """Keep what there is of a trial, and say where; the error of the device says it itself."""
-        kept: str | None = None
-        try:
+        with contextlib.suppress(OSError):
             journal.close()
+        try:
             found = self._archive.set_aside(trial)
             kept = f"what was recorded of it is in {found}" if found else "nothing was recorded of it"
-        except (OSError, HknobError):
+        except HknobError:
             kept = f"what was recorded of it is in {journal.path}"
         place = self._place(trial)
         if isinstance(error, DeviceError):

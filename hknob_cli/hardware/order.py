@@ -42,11 +42,16 @@ def trials_of(plan: HwRunPlan) -> tuple[Trial, ...]:
     return tuple(found)
 
 
+def period_ns(sample_rate_hz: float) -> int:
+    """Interval of the sample clock that a device is told."""
+    return round(1e9 / sample_rate_hz)
+
+
 def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
     """What the device is told for a trial."""
     block = round(trial.sample_rate_hz * BLOCK_S)
     return Settings(
-        period_ns=round(1e9 / trial.sample_rate_hz),
+        period_ns=period_ns(trial.sample_rate_hz),
         counts_per_rev=trial.counts_per_rev,
         wall_stiffness=plan.wall_stiffness,
         wall_damping=plan.wall_damping,

@@ -7,6 +7,8 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.hardware.course import Ended
+from hknob_cli.hardware.order import period_ns
+from hknob_cli.hardware.timing import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.measure.recorded import measure_trial
 from hknob_cli.results.arrays import build_table
@@ -88,6 +90,12 @@ def _doubts(one: Recorded) -> list[str]:
 
 def timing_row(one: Recorded) -> dict[str, Any]:
     """One trial's sample clock, audited."""
+    number, time_us = (one.table[name].to_numpy() for name in ("sample", "device_time_us"))
     trial = one.trial
-    keys = {"order": trial.number, "block": trial.block}
-    return {**keys, "sample_rate_hz": trial.sample_rate_hz, "counts_per_rev": trial.counts_per_rev}
+    return {
+        "order": trial.number,
+        "block": trial.block,
+        "sample_rate_hz": trial.sample_rate_hz,
+        "counts_per_rev": trial.counts_per_rev,
+        **audit(number, time_us, period_ns=period_ns(trial.sample_rate_hz), overruns=one.overruns)._asdict(),
+    }

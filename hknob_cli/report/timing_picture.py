@@ -5,11 +5,12 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.hardware.order import period_ns
+from hknob_cli.hardware.timing import histogram, jitter_of
 from hknob_cli.report.picture import save
 from hknob_cli.spec.plan import RATE
 
 Row = dict[str, Any]
-_BINS = 61
 
 
 def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) -> None:
@@ -22,14 +23,17 @@ def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) 
     lines = -(-len(rates) // columns)
     figure = Figure(figsize=(3.6 * columns + 1.0, 2.9 * lines + 0.7), layout="constrained")
     axes = figure.subplots(lines, columns, squeeze=False)
-    rate_of, trial = samples[RATE].to_numpy(), samples["trial"].to_numpy()
-    time_us, index = samples["device_time_us"].to_numpy(), samples["sample"].to_numpy()
-    follows = np.flatnonzero((np.diff(trial) == 0) & (np.diff(index) == 1))  # a gap is no jitter; it is counted
+    columns_of = {name: samples[name].to_numpy() for name in ("trial", "device_time_us", "sample")}
     for ax, rate in zip(axes.flat, rates, strict=False):
-        here = follows[rate_of[follows] == rate]
-        jitter = (time_us[here + 1] - time_us[here]) - 1e6 / rate
-        reach = max(1.5, float(np.abs(jitter).max())) if jitter.size else 1.5
-        ax.hist(jitter, bins=np.linspace(-reach, reach, _BINS), color="C0", log=True)
+        here = [columns_of["trial"] == row["order"] for row in trials if row[RATE] == rate]
+        parts = [
+            jitter_of(columns_of["sample"][one], columns_of["device_time_us"][one], period_ns=period_ns(rate))
+            for one in here
+        ]
+        jitter = np.concatenate(parts)
+        edges, found = histogram(jitter)
+        ax.stairs(found, 1e6 * edges, fill=True, color="C0")
+        ax.set_yscale("log")
         ax.set_ylim(0.5, 3.0 * max(1, jitter.size))
         ax.set_title(f"{rate:g} Hz: {jitter.size} intervals", fontsize=9)
         ax.grid(alpha=0.3)

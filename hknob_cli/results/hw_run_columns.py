@@ -46,4 +46,25 @@ TRIALS = (
     Column("device", _TEXT, "", "what the device calls itself"),
     Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
 )
-TIMING = (*TRIAL_KEYS,)
+# How evenly a trial was sampled, by the device's own clock; intervals are those between samples of consecutive index.
+TIMING = (
+    *TRIAL_KEYS,
+    Column("samples", _WHOLE, "1", "samples received"),
+    Column("period_s", _REAL, "s", "interval that was asked for"),
+    Column("interval_mean_s", _REAL, "s", "mean interval"),
+    Column("interval_std_s", _REAL, "s", "standard deviation of the intervals"),
+    Column("interval_min_s", _REAL, "s", "shortest interval"),
+    Column("interval_max_s", _REAL, "s", "longest interval"),
+    Column("jitter_p50_s", _REAL, "s", "median distance of an interval from the one asked for"),
+    Column("jitter_p95_s", _REAL, "s", "95th percentile of it"),
+    Column("jitter_p99_s", _REAL, "s", "99th percentile of it"),
+    Column("jitter_p999_s", _REAL, "s", "99.9th percentile of it"),
+    Column("jitter_max_s", _REAL, "s", "greatest distance of an interval from the one asked for"),
+    Column("drift", _REAL, "1", "share by which a tick takes longer than asked for, first sample to last"),
+    Column("gaps", _WHOLE, "1", "samples whose index is missing"),
+    Column("gap_count", _WHOLE, "1", "places at which some are missing"),
+    Column("repeated", _WHOLE, "1", "indices that do not rise"),
+    Column("missed_ticks", _WHOLE, "1", "ticks of the clock at which no sample was taken"),
+    Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
+    Column("backwards", _WHOLE, "1", "times that do not rise"),
+)
