@@ -17,6 +17,7 @@ from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, s
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
+from hknob_cli.spec.campaign import REPLAY, SERIAL
 
 HARDWARE = "hardware"
 
@@ -33,8 +34,8 @@ class HwRunWork(Work):
         return "hw_run.png", "timing.png"
 
     def reads(self, job: Job) -> tuple[Path, ...]:
-        """Recordings to replay."""
-        return tuple(job.plan.device.recordings)
+        """Recordings to replay; a folder stands for its samples."""
+        return tuple(path / RESULTS[0] if path.is_dir() else path for path in job.plan.device.recordings)
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
@@ -72,7 +73,9 @@ class HwRunWork(Work):
             if source_digests(job.out):
                 note(job, f"the earlier recordings are in {move_to_earlier(job.out)}")
             archive.clear()
-        simulated = job.plan.device.driver != "serial"
+        if job.plan.device.driver == REPLAY:
+            archive.clear()  # recordings of one cell take turns, from the first on
+        simulated = job.plan.device.driver != SERIAL or job.plan.device.target is not None
         show = not job.quiet
         attended = show and not (job.unattended or simulated) and sys.stdin.isatty() and sys.stderr.isatty()
         with watching(job.plan.course, attended=attended, show=show) as operator:

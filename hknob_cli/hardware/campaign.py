@@ -19,7 +19,7 @@ from hknob_cli.recordings.trial import Key
 from hknob_cli.spec.campaign import HwRunPlan
 
 Opened = Callable[[ExitStack], Device]
-Who = Callable[[Trial], Simulated | None]
+Who = Callable[[Trial], Simulated]
 Said = Callable[[str], None]
 GO_ON = "run the same command again to go on with it"
 
@@ -112,7 +112,7 @@ class Campaign:
                 trial=trial,
                 trials=len(self.trials),
                 settings=settings_of(self._plan, trial),
-                simulated=self._who(trial),
+                simulated=self._who(trial) if identity.simulated else None,
                 course=self._plan.course,
                 live=self._plan.is_source,
             )

@@ -1,7 +1,11 @@
 """From a plan to the device that it names, opened, and to who holds a simulated knob."""
 
+import contextlib
+import os
 from collections.abc import Callable
 from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.nuisances import Nuisances
@@ -10,7 +14,7 @@ from hknob_cli.hardware.port import Device
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.spec.campaign import REPLAY, VIRTUAL, HwRunPlan
 
-Who = Callable[[Trial], Simulated | None]
+Who = Callable[[Trial], Simulated]
 
 
 def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
@@ -30,14 +34,26 @@ def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
     if url is None:
         from hknob_cli.hardware.run_target import run_target
 
-        url = stack.enter_context(run_target(str(device.target)))
+        url = stack.enter_context(run_target(device.target or "host", _build_folder(stack)))
     return stack.enter_context(SerialDevice(url, baud=device.baud))
 
 
+def _build_folder(stack: ExitStack) -> Path:
+    """Where built targets are kept between runs; a folder for this run alone where there is no such place."""
+    from hknob_cli.engine.jit import cache_directory
+
+    cache = cache_directory()
+    if cache is not None:
+        folder = cache.parent / "targets"
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    return Path(stack.enter_context(TemporaryDirectory(prefix="hknob-")))
+
+
 def who_of(plan: HwRunPlan) -> Who:
-    """Who holds the knob in a trial, and what knob it is; nobody where the device is not simulated."""
-    if plan.device.driver != VIRTUAL and plan.device.target is None:
-        return lambda _trial: None
+    """Who holds the knob in a trial, and what knob it is, where the device is simulated."""
     from hknob_cli.hardware.person import Knob, Person, hold
 
     knob = Knob(*plan.knob)
@@ -56,7 +72,9 @@ def who_of(plan: HwRunPlan) -> Who:
 
 
 def check_persons(plan: HwRunPlan) -> None:
-    """Raise `UsageError` if nobody can hold the knob as a plan says in one of its trials."""
+    """Raise `UsageError` if nobody can hold a simulated knob as a plan says in one of its trials."""
+    if plan.device.driver != VIRTUAL and plan.device.target is None:
+        return
     who = who_of(plan)
     for trial in trials_of(plan):
         try:

@@ -1,7 +1,7 @@
 """What a valid hw-run spec says, as plain values: device, wall, grid, course of a trial, limits, person."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 SERIAL, VIRTUAL, REPLAY = "serial", "virtual", "replay"
 
@@ -12,7 +12,7 @@ class DevicePlan(NamedTuple):
     driver: str
     url: str | None = None
     baud: int = 921_600
-    target: str | None = None
+    target: Literal["host", "qemu"] | None = None
     recordings: tuple[Path, ...] = ()
 
 

@@ -233,10 +233,9 @@ def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
             found.append((("device", name), f"must be absent: it is for the driver {driver}"))
     if device.baud is not None and device.target is not None:
         found.append((("device", "baud"), "must be absent with target, which has no port to set"))
-    simulated = device.driver == "virtual" or device.target is not None
     for name in ("knob", "person"):
-        if getattr(spec, name) is not None and not simulated:
-            found.append(((name,), "must be absent: the device is not simulated"))
+        if getattr(spec, name) is not None and device.driver == REPLAY:
+            found.append(((name,), "must be absent: what is replayed was recorded"))
     if spec.nuisances is not None and device.driver != "virtual":
         found.append((("nuisances",), "must be absent: they are for the driver virtual"))
     return found

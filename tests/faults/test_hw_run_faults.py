@@ -161,9 +161,8 @@ def test_recordings_of_a_device_are_not_replaced(tmp_path: Path, hknob) -> None:
 
 
 def test_recordings_without_their_trials_are_not_gone_on_with(tmp_path: Path, hknob) -> None:
-    spec = SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", "")
-    recorded_by_a_device(tmp_path, spec)
-    (tmp_path / "spec.yaml").write_text(spec + "device: {driver: serial, url: /dev/null}\n")
+    recorded_by_a_device(tmp_path)
+    (tmp_path / "spec.yaml").write_text(SPEC + "device: {driver: serial, url: /dev/null}\n")
     done = hknob("hw-run", tmp_path / "spec.yaml", "-o", tmp_path / "out")
     assert done.returncode == 3
     assert "recording: is gone" in done.stderr
@@ -181,10 +180,10 @@ BROKEN = {
         "", "device: {driver: serial, target: host, baud: 9600}", "6:46: device.baud: must be absent with target",
     ),
     "replay of nothing": ("", "device: {driver: replay}", "6:9: device: needs recordings with the driver replay"),
-    "knob on a device": (
+    "knob of a recording": (
         "person: {wandering_push: false, grip_wander: false}",
-        "knob: {inertia: 2e-6}\ndevice: {driver: serial, url: x}",
-        "5:7: knob: must be absent: the device is not simulated",
+        "knob: {inertia: 2e-6}\ndevice: {driver: replay, recordings: [x]}",
+        "5:7: knob: must be absent: what is replayed was recorded",
     ),
     "noise on a target": (
         "", "device: {driver: serial, target: host}\nnuisances: {jitter: 1 us}",
