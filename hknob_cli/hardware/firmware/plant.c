@@ -159,7 +159,7 @@ void plant_advance(struct plant *p, double torque_nm)
             return;
         }
         double rate = pull - p->drag * p->speed - way * friction;
-        double u = friction > 0.0 ? time_to_rest(p, way * p->speed, way * rate) : INFINITY;
+        double u = friction > 0.0 ? time_to_rest(p, fabs(p->speed), way * rate) : INFINITY;
         if (!(u < left)) {
             slide(p, rate, left);
             return;
