@@ -147,7 +147,7 @@ def test_critical_damping() -> None:
 
 
 def test_without_stiffness_friction_stops_a_throw_where_it_must() -> None:
-    """Torque 3 for a second, then none, friction 1, inertia 2: its speed 1 is gone after two seconds more, at 0.5 + 1."""
+    """Torque 3 for a second, then none, friction 1, inertia 2: its speed 1 is gone two seconds later, at 0.5 + 1."""
     simulated = Simulated(2.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     angle, speed = followed(simulated, 1.0, np.array([3.0, 0.0, 0.0, 0.0, 1.0, -1.0, -1.5]))
     # The last torque exceeds friction by 0.5: a quarter of rad/s^2.

@@ -122,10 +122,10 @@ void target_sample(void)
     loop.angle_before = angle;
     loop.count_before = count;
     loop.before_ns = now;
-    /* Samples whose time has gone by are not made up for. */
+    /* Samples whose time has gone by are left out. */
     loop.due_ns += s->period_ns;
     if (loop.due_ns <= now) {
-        loop.due_ns += (now - loop.due_ns) / s->period_ns * s->period_ns;
+        loop.due_ns += ((now - loop.due_ns) / s->period_ns + 1u) * s->period_ns;
     }
     board_call_at(loop.due_ns);
 }
