@@ -43,6 +43,7 @@ class Manners:
 
     alter: Callable[[Any], Any] = lambda values: values  # of what it says it took
     mute: bool = False
+    simulated: bool = True
     late_s: float = 0.0
     version: int = 1
     trip: tuple[int, Trip] | None = None  # once this block is made
@@ -117,9 +118,10 @@ class FakeTarget:
                 self.__init__(boot=self.boot + 1)  # type: ignore[misc]
                 return out
         if self.state in (State.ARMED, State.RUNNING):
+            ahead = (len(self.blocks) - self.host_has) * settings.block_samples * settings.interval_s
             if now - self.last_word > self.slack * settings.watchdog_us * 1e-6:
                 out += self._trip(Trip.WATCHDOG, now)
-            elif (len(self.blocks) - self.host_has) * settings.block_samples * settings.interval_s > ROOM_S:
+            elif ahead > self.slack * ROOM_S:
                 out += self._trip(Trip.NO_ROOM, now)
         return out
 
@@ -146,7 +148,7 @@ class FakeTarget:
         out = b""
         match message.kind, self.state:
             case Kind.HELLO, _:
-                return out, About(10_000, 20_000, simulated=True, name="made up")
+                return out, About(10_000, 20_000, simulated=self.manners.simulated, name="made up")
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.errors import DeviceError
@@ -21,6 +21,7 @@ def order() -> BlockOrder:
     return BlockOrder(boot=BOOT, run=RUN)
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 30)))
 def test_any_arrivals_give_the_longest_run_from_the_first_on(numbers: list[int]) -> None:
     blocks, handed = order(), []
@@ -32,6 +33,7 @@ def test_any_arrivals_give_the_longest_run_from_the_first_on(numbers: list[int])
     assert blocks.expected == whole
 
 
+@settings(deadline=None)
 @given(st.lists(st.integers(0, 30)), st.integers(0, 30))
 def test_sending_again_what_is_asked_for_completes_any_run(numbers: list[int], last: int) -> None:
     blocks, handed, now = order(), [], 0.0

@@ -3,7 +3,7 @@
 import zlib
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.hardware.wire.frame import MOST_BODY_BYTES, MOST_STUFFED_BYTES, Decoder, body_of, frame
@@ -23,6 +23,7 @@ def test_zeros_are_stuffed() -> None:
     assert frame(body) == b"\1\1\6\1" + crc + b"\0"
 
 
+@settings(deadline=None)
 @given(bodies, st.lists(st.integers(1, 200), max_size=40))
 def test_any_split_of_the_stream_gives_the_same_bodies(sent: list[bytes], lengths: list[int]) -> None:
     stream, decoder, found = b"".join(map(frame, sent)), Decoder(), []
@@ -33,6 +34,7 @@ def test_any_split_of_the_stream_gives_the_same_bodies(sent: list[bytes], length
     assert decoder.damaged == 0
 
 
+@settings(deadline=None)
 @given(st.lists(st.binary(max_size=3000), max_size=10))
 def test_any_bytes_are_survived_and_the_next_frame_is_found(pieces: list[bytes]) -> None:
     decoder = Decoder()

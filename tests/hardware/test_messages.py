@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.hardware.port import Block, Settings
@@ -90,6 +90,7 @@ def test_the_largest_frame_has_the_bytes_that_the_page_of_the_wire_says() -> Non
     assert 845 <= len(frame(body)) <= 848
 
 
+@settings(deadline=None)
 @given(st.binary(max_size=1024))
 def test_any_bytes_decode_to_a_message_that_encodes_to_them_or_to_nothing(body: bytes) -> None:
     message = decode(body)
@@ -100,6 +101,7 @@ u32 = st.integers(0, 2**32 - 1)
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
+@settings(deadline=None)
 @given(u32, st.builds(Settings, u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1)))
 def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:
     body = encode(Configure(nonce, settings))
@@ -109,11 +111,13 @@ def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:
     assert encode(back) == body
 
 
+@settings(deadline=None)
 @given(u32, st.sampled_from([Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE]))
 def test_plain_commands_come_back(nonce: int, kind: Kind) -> None:
     assert decode(encode(Plain(kind, nonce))) == Plain(kind, nonce)
 
 
+@settings(deadline=None)
 @given(u32, u32, st.integers(1, 48), st.data())
 def test_blocks_come_back(first: int, overruns: int, count: int, data: st.DataObject) -> None:
     def column(of: st.SearchStrategy[float], kind: type) -> np.ndarray:

@@ -20,13 +20,13 @@ def trial(device: Device, told: Settings = SETTINGS, *, blocks: int = 20) -> lis
     device.arm()
     got: list[Block] = []
     while len(got) < blocks:
-        block = device.read(0.5)
+        block = device.read(2.0)
         assert block is not None
         got.append(block)
         if len(got) == blocks // 2:
             device.start()
     device.stop()
-    while (block := device.read(0.5)) is not None:
+    while (block := device.read(2.0)) is not None:
         got.append(block)
     return got
 
@@ -89,7 +89,7 @@ def test_reading_without_waiting_finds_nothing_and_is_no_fault() -> None:
         device.configure(SETTINGS)
         device.arm()
         assert device.read(0.0) is None
-        assert device.read(0.5) is not None
+        assert device.read(2.0) is not None
 
 
 def test_any_thread_may_release_while_another_reads() -> None:

@@ -25,6 +25,7 @@ class Wire:
     def __init__(self, manners: Manners | None = None, *, back: Callable[[bytes], bytes] = lambda data: data) -> None:
         self.session = Session(first_nonce=0xFFFFFFF0)  # wraps round soon
         self.target = FakeTarget(manners)
+        self.target.manners.simulated = False
         self.now = 0.0
         self.got: list[Block] = []
         self._back = back

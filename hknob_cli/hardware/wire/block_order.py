@@ -16,9 +16,10 @@ MOST_AHEAD = 256
 class BlockOrder:
     """Order of the blocks of one run; ``expected`` is the next block to be handed on."""
 
-    def __init__(self, *, boot: int, run: int) -> None:
+    def __init__(self, *, boot: int, run: int, patience_s: float = GAP_PATIENCE_S) -> None:
         self.boot = boot
         self.run = run
+        self.patience_s = patience_s
         self.expected = 0
         self.total: int | None = None
         self.dropped = 0
@@ -77,7 +78,7 @@ class BlockOrder:
 
     def is_overdue(self, now: float) -> bool:
         """Whether a gap has stayed for so long that it will not be filled."""
-        return self._gap_since is not None and now - self._gap_since > GAP_PATIENCE_S
+        return self._gap_since is not None and now - self._gap_since > self.patience_s
 
     def _time_gap(self, now: float, *, progress: bool) -> None:
         if self.gap is None:

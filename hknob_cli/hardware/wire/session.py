@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.wire.answers import Ack, Event, Samples
+from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
@@ -18,7 +18,8 @@ from hknob_cli.hardware.wire.sending import Sending
 
 ALIVE_EVERY_S = 0.01
 SILENCE_S = 0.1
-PROBE_AFTER_S = 0.05
+# A target without a knob shares a computer with other programs, and has no torque to fear for.
+SIMULATED_SILENCE_S = 1.0
 # Without anybody who takes samples the torque is not left on: the program may hang. Armed, it is memory that is saved.
 READER_PATIENCE_S = {State.ARMED: 60.0, State.RUNNING: 2.0}
 
@@ -32,6 +33,7 @@ class Session:
         self.answer: Ack | None = None
         self.failure: str | None = None
         self.state = State.IDLE
+        self.silence_s = SILENCE_S
         self.versions: set[int] = set()
         self.echoed = False
         self.rejected = 0
@@ -69,8 +71,11 @@ class Session:
         if kind is Kind.ARM:
             self.ready.clear()
             self.failure = self._event = self._probe = None
-            self._order = BlockOrder(boot=self.boot or 0, run=nonce)
+            self._order = BlockOrder(boot=self.boot or 0, run=nonce, patience_s=self.silence_s)
             self._alive_at = self._heard_at = self._taken_at = self._now
+        if kind is Kind.RELEASE:
+            # No more ALIVE from here on: should RELEASE not arrive, the watchdog acts.
+            self._order = self._event = None
         return nonce
 
     def is_waiting(self, nonce: int) -> bool:
@@ -151,6 +156,8 @@ class Session:
         self.answer = ack
         if sending.kind is Kind.HELLO:
             self.boot = ack.boot
+            if isinstance(ack.said, About) and ack.said.simulated:
+                self.silence_s = SIMULATED_SILENCE_S
         if sending.kind is Kind.ARM and ack.status is not Status.DONE:
             self._order = None
         if ack.status is not Status.DONE:
@@ -203,11 +210,11 @@ class Session:
 
     def _watch_silence(self) -> None:
         silent = self._now - self._heard_at
-        if silent > SILENCE_S:
+        if silent > self.silence_s:
             answers = self._probe is not None and self._answered_probe
             told = "it answers, but is not sampling." if answers else "is it on, and is the cable in?"
             self.fail(f"no samples came for {silent * 1e3:.0f} ms: {told} The target's watchdog takes the torque off")
-        elif silent > PROBE_AFTER_S and self._probe is None:
+        elif silent > self.silence_s / 2 and self._probe is None:
             # Asked who it is, a target that has restarted shows itself by another boot.
             self._answered_probe = False
             self._probe, _ = self._send(lambda nonce: Plain(Kind.HELLO, nonce))
