@@ -105,7 +105,7 @@ def _mark(row: Row) -> str:
 
 
 def _spread(value: float | None, std: float | None) -> str:
-    return short(value, 3) + (f" ± {short(std, 2)}" if std is not None else "")
+    return "-" if value is None else f"{value:.2f}" + (f" ± {std:.2f}" if std is not None else "")
 
 
 def _clock(summary: dict[str, Any]) -> list[str]:

@@ -132,6 +132,25 @@ def test_force_computes_anew_and_leaves_nothing_of_before(done, hknob) -> None:
     assert {path.name for path in out.iterdir()} == {*FILES, ".hknob.lock"}
 
 
+def test_replayed_trials_are_those_that_were_recorded(done, hknob) -> None:
+    folder, _ = done
+    text = SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", "")
+    (folder / "again.yaml").write_text(text + "device: {driver: replay, recordings: [out]}\n")
+    replayed = hknob("hw-run", folder / "again.yaml", "-o", folder / "replayed")
+    assert replayed.returncode == 0, replayed.stderr
+    one, other = (pq.read_table(folder / name / "samples.parquet").to_pandas() for name in ("out", "replayed"))
+    for column in ("trial", "time_s", "torque_nm", "angle_rad", "grip_n", "sample", "running"):
+        # Zeros of the grip cell were subtracted in the recording: what is left of their mean is rounding.
+        bound = 1e-15 if column == "grip_n" else 0.0
+        assert np.allclose(one[column], other[column], rtol=0.0, atol=bound)
+    # It plays what the folder has now: other samples are another input.
+    record = pq.read_schema(folder / "replayed" / "trials.parquet").metadata[b"hknob.provenance"]
+    assert "recording_0_samples.parquet" in json.loads(record)["inputs"]
+    refused = hknob("hw-run", folder / "again.yaml", "-o", folder / "other", "--set", "wall.stiffness=0.5")
+    assert refused.returncode == 4
+    assert refused.stderr.startswith("trial 1 of 4 (")
+
+
 def test_nuisances_are_audited(hknob, tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text(SPEC + "nuisances: {overruns: 0.01, jitter: 20 us, grip_noise: 0.01}\n")
     done = hknob("hw-run", "spec.yaml", "-o", "out", "--json")
