@@ -260,3 +260,15 @@ def test_samples_that_cannot_be_end_the_trial(manners: Manners, said: str) -> No
     assert said in wire.session.failure
     assert_whole(wire.got, samples=3 * SETTINGS.block_samples)
     assert wire.target.state is State.IDLE
+
+
+def test_after_release_the_watchdog_is_left_to_do_its_work() -> None:
+    """The answer never comes, so that RELEASE is sent six times: no ALIVE in between or after."""
+    wire = Wire()
+    wire.arm()
+    wire.do(Kind.START)
+    wire.target.manners.mute = True
+    wire.session.command(lambda nonce: Plain(Kind.RELEASE, nonce))
+    before = len(wire.target.heard)
+    wire.go(0.5)
+    assert wire.target.heard[before:] == [Kind.RELEASE] * 6
