@@ -5,6 +5,7 @@ import os
 import shlex
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Literal
 
@@ -36,8 +37,7 @@ def compiler(target: Target) -> list[str]:
         command = shlex.split(name)
         if command and shutil.which(command[0]):
             return command
-    asked = f"; tried {', '.join(names)}"
-    raise DeviceError(f"the target '{target}' cannot be built: it needs {NEEDS[target]}{asked}")
+    raise DeviceError(f"the target '{target}' cannot be built: it needs {NEEDS[target]}; tried {', '.join(names)}")
 
 
 def build_target(target: Target, folder: Path) -> Path:
@@ -49,22 +49,20 @@ def build_target(target: Target, folder: Path) -> Path:
     if target not in NEEDS:
         raise UsageError(f"unknown target '{target}'; there are {', '.join(NEEDS)}")
     command = [*compiler(target), *_options(target)]
-    place = folder / f"hknob-target-{target}-{_digest(command)}"
+    place = folder.absolute() / f"hknob-target-{target}-{_digest(command)}"
     if place.exists():
         return place
-    beside = folder / f".{place.name}.{os.getpid()}"
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        done = subprocess.run(
-            [*command, "-o", str(beside), *_libraries(target)], capture_output=True, text=True, cwd=SOURCES
-        )
-        if done.returncode != 0:
-            raise DeviceError(f"the target '{target}' cannot be built by {command[0]}: {_first_error(done.stderr)}")
-        beside.replace(place)
+        with tempfile.TemporaryDirectory(prefix=".building-", dir=place.parent) as beside:
+            made = Path(beside) / place.name
+            command += ["-o", str(made), *_libraries(target)]
+            done = subprocess.run(command, capture_output=True, text=True, cwd=SOURCES)
+            if done.returncode != 0:
+                raise DeviceError(f"the target '{target}' cannot be built by {command[0]}: {_first_error(done.stderr)}")
+            made.replace(place)
     except OSError as error:
         raise DeviceError(f"the target '{target}' cannot be built in {folder}: {error.strerror}") from error
-    finally:
-        beside.unlink(missing_ok=True)
     return place
 
 
