@@ -204,6 +204,29 @@ def test_it_is_built_once_and_again_when_the_sources_change(tmp_path: Path, monk
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["firmware", first.name, other.name])
 
 
+@pytest.mark.parametrize("target", TARGETS)
+def test_no_warnings(target: Target, tmp_path: Path) -> None:
+    need(target)
+    command = [*compiler(target), "-Werror", *building.options(target), "-o", os.fspath(tmp_path / "target")]
+    done = subprocess.run([*command, *building.libraries(target)], cwd=SOURCES, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_all_targets_are_built_or_what_they_need_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(building, "build_target", lambda target, folder: folder / target)
+    with pytest.raises(SystemExit, match="False"):
+        building.main(os.fspath(tmp_path))
+    assert capsys.readouterr().out == f"host: {tmp_path}/host\nqemu: {tmp_path}/qemu\n"
+    monkeypatch.undo()
+    monkeypatch.setenv("PATH", os.fspath(tmp_path))
+    monkeypatch.delenv("CC", raising=False)
+    with pytest.raises(SystemExit, match="True"):
+        building.main(os.fspath(tmp_path))
+    assert "apt install gcc" in capsys.readouterr().err
+
+
 def test_what_is_missing_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PATH", os.fspath(tmp_path))
     monkeypatch.delenv("CC", raising=False)
