@@ -75,7 +75,7 @@ def need_compiler() -> list[str]:
 
 def compiled(output: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Compile strictly; the compiler's result."""
-    command = [*need_compiler(), *STRICT, *ARITHMETIC, f"-I{SOURCES}", *arguments, "-o", str(output), "-lm"]
+    command = [*need_compiler(), *STRICT, "-Werror", *ARITHMETIC, f"-I{SOURCES}", *arguments, "-o", str(output), "-lm"]
     return subprocess.run(command, capture_output=True, text=True)
 
 
