@@ -7,7 +7,8 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.port import Block
+from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.virtual import VirtualDevice
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
@@ -42,21 +43,22 @@ def test_noise_is_as_told() -> None:
 )
 def test_each_is_switched_off_by_itself(name: str, changes: tuple[str, ...]) -> None:
     """On a knob that is held, so that nothing passes from one to another but time."""
-    both = virtual_trial(settings(), STILL, nuisances=ALL)
-    less = virtual_trial(settings(), STILL, nuisances=ALL._replace(**{name: 0.0}))
+    both = virtual_trial(settings(), STILL, nuisances=ALL, duration_s=1.0)
+    less = virtual_trial(settings(), STILL, nuisances=ALL._replace(**{name: 0.0}), duration_s=1.0)
     assert same(both, less, but=changes)
     assert not any(np.array_equal(getattr(both, field), getattr(less, field)) for field in changes)
 
 
 def test_noise_depends_on_seed_and_trial_alone() -> None:
+    def run(told: Settings, knob: Simulated, nuisances: Nuisances) -> Block:
+        return virtual_trial(told, knob, nuisances=nuisances, duration_s=0.4)
+
     told = settings()
-    again = virtual_trial(told, HAND, nuisances=ALL)
-    with VirtualDevice(ALL, identity=ALIGNED):
-        virtual_trial(settings(2000), HAND, nuisances=ALL)  # another trial before it
-    assert same(virtual_trial(told, HAND, nuisances=ALL), again)
-    for other in (ALL._replace(seed=7), ALL):
-        knob = HAND if other.seed == 7 else HAND._replace(push_nm=1.01e-3)
-        assert not np.array_equal(virtual_trial(told, knob, nuisances=other).time_us, again.time_us)
+    first = run(told, HAND, ALL)
+    run(settings(2000), HAND, ALL)  # another trial, before the same again
+    assert same(run(told, HAND, ALL), first)
+    for knob, seed in ((HAND, 7), (HAND._replace(push_nm=1.01e-3), 6)):
+        assert not np.array_equal(run(told, knob, ALL._replace(seed=seed)).time_us, first.time_us)
 
 
 def test_how_samples_are_cut_into_blocks_changes_nothing() -> None:
