@@ -34,7 +34,7 @@ class VirtualLoop:
         self._counts: int | None = None  # at the sample before, and of the wall's encoder
         self._coarse: int | None = None
         self._began: float | None = None  # when the wall was switched on, in periods
-        self._held: tuple[float, float] | None = None  # torque and push since the sample before, and when that began
+        self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
         self._last = 0.0
 
     def block(self, *, running: bool) -> Block:
