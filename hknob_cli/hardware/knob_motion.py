@@ -5,11 +5,16 @@ person does not pass the amplifier; where that lags, its last state is the sum o
 is added to it directly, which leaves its equation as it is: the push is constant from sample to sample.
 """
 
-from hknob_cli.engine.general.glide import coast
+from typing import Any
+
+from hknob_cli.engine.general.body import SECOND
+from hknob_cli.engine.general.glide import coast, glide
 from hknob_cli.engine.general.slide_two import rub_two
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.spec.plan import Actuator, Hand, Knob, Scene, Wall
+
+PATIENCE = 8000  # moves with friction and lag, 0.3 ms each, after which the same code compiled is worth its loading
 
 
 class KnobMotion:
@@ -18,6 +23,8 @@ class KnobMotion:
     ``interval_s``: the unit of time of `move`; ``counts_per_rev``: of `angle_counts`; ``amplifier_s``: time constant of
     the amplifier's lag, 0 without. Raises `ComputationError` if the numbers overflow.
     """
+
+    _is_compiled = False
 
     def __init__(
         self, simulated: Simulated, *, interval_s: float, counts_per_rev: int, amplifier_s: float = 0.0
@@ -32,24 +39,26 @@ class KnobMotion:
         )
         knob = sample_general(scene, sample_rate_hz=1.0 / interval_s, counts_per_rev=counts_per_rev)
         self._knob, self._body, self._unit_nm = knob, knob.body, knob.torque_nm
-        self._state = knob.start(simulated.angle_rad, 0.0)
-        self._pad = [0.0] * (2 * knob.body.order)
+        self._state: Any = knob.start(simulated.angle_rad, 0.0)
+        self._pad: Any = [0.0] * (2 * knob.body.order)
         self._push = 0.0
+        self._coast: Any = coast
+        self._moves = 0
 
     @property
     def angle_counts(self) -> float:
         """Angle in counts, whole and broken."""
-        return self._state[0]
+        return float(self._state[0])
 
     @property
     def angle_rad(self) -> float:
         """Angle."""
-        return self._knob.angle_rad(self._state[0])
+        return self._knob.angle_rad(float(self._state[0]))
 
     @property
     def speed_rad_s(self) -> float:
         """Speed."""
-        return self._state[1] * self._knob.quantum_rad / self._knob.period_s
+        return float(self._state[1]) * self._knob.quantum_rad / self._knob.period_s
 
     def move(self, torque_nm: float, push_nm: float, periods: float = 1.0) -> None:
         """Move for some sample periods under a commanded torque, and a push into the wall, both constant."""
@@ -58,6 +67,13 @@ class KnobMotion:
         if body.lag > 0.0:
             state[-1] -= (push_nm - self._push) / self._unit_nm
             self._push = push_nm
+            if periods == 1.0 and body.friction == 0.0:
+                glide(state, command, SECOND, body, self._pad)
+                return
+            self._moves += 1
+            if self._moves == (1 if KnobMotion._is_compiled else PATIENCE):
+                self._compile()
+                body, state = self._body, self._state
         elif periods == 1.0:
             if body.friction > 0.0:
                 state[0], state[1] = rub_two(state[0], state[1], command, 1.0, body.s2, body.g2, body.f2, body)
@@ -67,5 +83,16 @@ class KnobMotion:
                 state[0], state[1] = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
             return
         while periods > 0.0:
-            coast(state, command, min(periods, 1.0), body, self._pad)
+            self._coast(state, command, min(periods, 1.0), body, self._pad)
             periods -= 1.0
+
+    def _compile(self) -> None:
+        """Go on with compiled code, which is the same to the last bit."""
+        import numpy as np
+
+        from hknob_cli.engine.general.search import as_arrays
+        from hknob_cli.engine.jit import compiled
+
+        self._coast, self._body = compiled("general")["general.coast"], as_arrays(self._body)
+        self._state, self._pad = np.array(self._state), np.array(self._pad)
+        KnobMotion._is_compiled = True

@@ -17,6 +17,7 @@ TREMOR_HZ = (8.0, 12.0)  # physiological tremor: McAuley & Marsden 2000, Brain 1
 WANDER_HZ = (0.15, 1.0)  # an assumption: slower than vision corrects
 STEADY_S = 2.0  # "1-3 seconds of sustained buzzing" (sec. 8.2): the part over which a trial's mean grip is taken
 
+_DRAWS = 100  # of a push: each is good with a chance of about a half, or better
 _GRIP, _PUSH, _ZERO = range(3)  # last number of each stream
 
 
@@ -36,6 +37,9 @@ class Person(NamedTuple):
     percent of a light force held with sight of it: Jones, Hamilton & Wolpert 2002, J. Neurophysiol. 88, 1533-1544) and
     ``grip_tremor_share``; ``push_nm`` into the wall, by how much it differs from trial to trial (``push_cv``), wanders
     and trembles, for "bias torque was not controlled" (sec. 8.4); ``grip_rise_s``, and the spread of the cell's zero.
+
+    Who pushes more weakly than friction feels no wall; "just enough torque to maintain contact" (sec. 8.2) is more. A
+    push whose weakest moment is below friction is therefore drawn again, unless ``push_nm`` itself is no better.
 
     ``wandering_push`` and ``grip_wander`` off: the push is ``push_nm``, the grip ``grip_target_n``, in every trial.
     """
@@ -71,7 +75,7 @@ def hold(person: Person, knob: Knob, *, seed: int, place: tuple[int, ...], angle
     if person.grip_wander:
         grip, grip_sines = _grip(person, stream(seed, Purpose.PERSON, *place, _GRIP))
     if person.wandering_push:
-        push, push_sines = _push(person, stream(seed, Purpose.PERSON, *place, _PUSH))
+        push, push_sines = _push(person, knob.coulomb_nm, stream(seed, Purpose.PERSON, *place, _PUSH))
     hand = hand_at(grip)
     inertia = knob.inertia + hand.inertia
     if inertia <= 0.0:
@@ -126,10 +130,16 @@ def _grip(person: Person, rng: np.random.Generator) -> tuple[float, tuple[Sine, 
     return max(0.0, scale * mean + own * float(rng.standard_normal())), sines
 
 
-def _push(person: Person, rng: np.random.Generator) -> tuple[float, tuple[Sine, ...]]:
+def _push(person: Person, friction_nm: float, rng: np.random.Generator) -> tuple[float, tuple[Sine, ...]]:
+    """Mean push of a trial and the sines about it; drawn so that friction changes it only where it would stop it."""
+    sines = _sines(rng, 1.0, person.push_wander_share, person.push_tremor_share)
+    weakest = 1.0 - sum(sine.amplitude for sine in sines)
     variance = log1p(person.push_cv**2)
-    push = person.push_nm * exp(sqrt(variance) * float(rng.standard_normal()) - 0.5 * variance)
-    return push, _sines(rng, push, person.push_wander_share, person.push_tremor_share)
+    for _ in range(_DRAWS if person.push_nm * weakest > friction_nm else 1):
+        push = person.push_nm * exp(sqrt(variance) * float(rng.standard_normal()) - 0.5 * variance)
+        if push * weakest > friction_nm:
+            break
+    return push, tuple(sine._replace(amplitude=push * sine.amplitude) for sine in sines if push > 0.0)
 
 
 def _sines(rng: np.random.Generator, mean: float, wander_share: float, tremor_share: float) -> tuple[Sine, ...]:

@@ -34,7 +34,7 @@ class VirtualLoop:
         self._counts: int | None = None  # at the sample before, and of the wall's encoder
         self._coarse: int | None = None
         self._began: float | None = None  # when the wall was switched on, in periods
-        self._held: tuple[float, float] | None = None  # torque and push since the sample before, and when that began
+        self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
         self._last = 0.0
 
     def block(self, *, running: bool) -> Block:
@@ -50,7 +50,9 @@ class VirtualLoop:
         for i, (begin, push, extra) in enumerate(zip(begins.tolist(), pushes.tolist(), noise.tolist(), strict=True)):
             if self._held is not None:
                 self._motion.move(*self._held, begin - self._last)
-            angles[i], torque = self._sample(self._index + i, self._motion.angle_counts + extra, running)
+            # A speed is over the time that passed, which is longer than a period after a late sample.
+            passed_s = max(1.0, begin - self._last) * self._settings.interval_s
+            angles[i], torque = self._sample(self._index + i, self._motion.angle_counts + extra, passed_s, running)
             if self.fault:
                 on[i], taken = False, i + 1
                 break
@@ -68,7 +70,7 @@ class VirtualLoop:
             overruns=self._overruns,
         )
 
-    def _sample(self, index: int, position: float, running: bool) -> tuple[int, float]:
+    def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, float]:
         """Angle in counts and torque at a sample, in the order of the wire; notes a fault, which means no torque."""
         settings = self._settings
         if not -_MOST_COUNTS <= position < _MOST_COUNTS:  # nor is it where it is not a number
@@ -79,7 +81,7 @@ class VirtualLoop:
         coarse = counts * settings.counts_per_rev // self._native
         coarse_before, self._coarse = self._coarse, coarse
         if before is not None:
-            speed = abs(counts - before) * (tau / self._native) / settings.interval_s
+            speed = abs(counts - before) * (tau / self._native) / passed_s
             if speed > settings.speed_limit_rad_s:
                 limit = f"limit {settings.speed_limit_rad_s:g} rad/s"
                 self.fault = f"the knob moved at {speed:.4g} rad/s, {limit}, at sample {index}"

@@ -1,5 +1,6 @@
 """The measures of Chapter 8 of one recorded trial: sustained or not, how large, how fast, how firmly held."""
 
+from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,7 +56,8 @@ def measure_trial(
 
     ``angle_rad`` by the device's own encoder, whose step is ``step_rad``; ``running``: where the wall was on.
     ``grip_n`` before the start is the cell's zero; one that was subtracted before is 0 there. ``noise_rad``: rms of the
-    encoder's noise, by default what it shows before the start, where the knob rests. The others: see `find_buzz`.
+    encoder's noise, by default what it shows before the start, where the knob rests but for a touch. The others: see
+    `find_buzz`.
 
     p2p is at best good to ``step_rad`` and to what `find_swing` says of peaks between samples.
     """
@@ -63,7 +65,7 @@ def measure_trial(
     rest = slice(0, int(on[0]) if on.size else time_s.size)
     zero = float(grip_n[rest].mean()) if rest.stop else 0.0
     if noise_rad is None:
-        noise_rad = float(angle_rad[rest].std()) if rest.stop > 1 else 0.0
+        noise_rad = _noise(angle_rad[rest])
     if not on.size:
         return _at_rest((0, 0), time_s, torque_nm, grip_n, zero)
     first, last = int(on[0]), int(on[-1])
@@ -97,6 +99,13 @@ def measure_trial(
         grip_zero_n=zero,
         wall_torque_nm=float(torque_nm[part].mean()),
     )
+
+
+def _noise(angle_rad: Array) -> float:
+    """Rms of the noise from sample to sample, by that of 68.27 % of the steps: a knob that is touched adds none."""
+    if angle_rad.size < 2:
+        return 0.0
+    return float(np.percentile(np.abs(np.diff(angle_rad)), 68.27)) / sqrt(2.0)
 
 
 def _at_rest(part: tuple[int, int], time_s: Array, torque_nm: Array, grip_n: Array, zero: float) -> TrialMeasures:

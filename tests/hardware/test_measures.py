@@ -108,6 +108,16 @@ def test_noise_makes_no_cycles() -> None:
     assert 0.0 < spoilt.p2p_rad - clean.p2p_rad + 0.01 * clean.p2p_rad < 6 * noise
 
 
+def test_a_touch_before_the_start_is_no_noise() -> None:
+    got = virtual_trial(settings(), duration_s=3.0, before=10)
+    before = np.flatnonzero(~got.running)
+    angle = got.angle_counts.copy()
+    angle[before[50:150]] += (2000 * np.sin(np.arange(100) / 99 * pi)).astype(np.int64)
+    assert measured(got._replace(angle_counts=angle), tau / ALIGNED.native_counts) == measured(
+        got, tau / ALIGNED.native_counts
+    )
+
+
 def test_rest_is_zero_and_not_sustained() -> None:
     n = 3000
     t, flat = np.arange(n) * 1e-3, np.full(n, -0.01)

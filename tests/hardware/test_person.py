@@ -53,10 +53,28 @@ def test_another_target_scatters_in_proportion() -> None:
 
 def test_push_differs_as_it_is_told() -> None:
     """Mean and coefficient of variation within four standard errors; a lognormal's are 1.2 times a normal's."""
-    pushes = np.array([one.push_nm for one in DRAWN])
+    smooth = Knob(1.9e-6, coulomb_nm=0.0)
+    pushes = np.array([hold(Person(), smooth, seed=3, place=(1000, 256, i)).push_nm for i in range(1500)])
     assert abs(pushes.mean() - 1e-3) < 4 * 0.2e-3 / np.sqrt(pushes.size)
     assert abs(pushes.std() / pushes.mean() - 0.2) < 4 * 1.2 * 0.2 / np.sqrt(2 * pushes.size)
     assert (pushes > 0.0).all()
+
+
+def test_a_push_keeps_contact_against_friction() -> None:
+    """Only those are drawn again that friction would stop, and the others are the same without it."""
+    smooth = Knob(1.9e-6, coulomb_nm=0.0)
+    again = 0
+    for i, one in enumerate(DRAWN[:500]):
+        free = hold(Person(), smooth, seed=3, place=(1000, 256, i))
+        weakest = [each.push_nm - sum(sine.amplitude for sine in each.push_sines) for each in (one, free)]
+        assert weakest[0] > KNOB.coulomb_nm
+        if weakest[1] > KNOB.coulomb_nm:
+            assert (one.push_nm, one.push_sines) == (free.push_nm, free.push_sines)
+        else:
+            again += 1
+    assert 0 < again < 250
+    weak = hold(Person(push_nm=3e-4), KNOB, seed=3, place=(1,))
+    assert weak.push_nm < KNOB.coulomb_nm
 
 
 def test_wander_is_slow_and_tremor_in_its_band() -> None:
