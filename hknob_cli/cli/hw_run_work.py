@@ -1,11 +1,14 @@
 """The work of ``hknob hw-run``."""
 
 import hashlib
+import signal
 import sys
+import time
 from functools import partial
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.cli.console import interrupt
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.strip import watching
@@ -75,6 +78,8 @@ class HwRunWork(Work):
             archive.clear()
         if job.plan.device.driver == REPLAY:
             archive.clear()  # recordings of one cell take turns, from the first on
+        if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # a terminal that is closed interrupts, too
+            signal.signal(signal.SIGHUP, interrupt)
         simulated = job.plan.device.driver != SERIAL or job.plan.device.target is not None
         show = not job.quiet
         attended = show and not (job.unattended or simulated) and sys.stdin.isatty() and sys.stderr.isatty()
@@ -87,7 +92,11 @@ class HwRunWork(Work):
                 operator=operator,
                 say=partial(note, job),
             )
+            begin = time.perf_counter()
             done = campaign.run()
+        if job.verbose:
+            seconds = time.perf_counter() - begin
+            note(job, f"{len(done)} trials, {campaign.recorded} of them recorded now, {seconds:.2f} s")
         return campaign_tables(done, job.plan.course)
 
     def finish(self, job: Job) -> None:

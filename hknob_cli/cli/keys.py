@@ -14,13 +14,22 @@ class Keys:
         self._descriptor = descriptor
 
     def pressed(self, wait_s: float = 0.0) -> str:
-        """The next key within a time, lower case; nothing if there is none."""
+        """The next key within a time, lower case; nothing if there is none.
+
+        Raises `KeyboardInterrupt` where the terminal is gone, and with it whoever was there.
+        """
         if self._descriptor is None:
             return ""
         ready, _, _ = select.select([self._descriptor], [], [], wait_s)
         if not ready:
             return ""
-        return os.read(self._descriptor, 1).decode("latin-1").lower()
+        try:
+            found = os.read(self._descriptor, 1)
+        except OSError:
+            found = b""
+        if not found:
+            raise KeyboardInterrupt
+        return found.decode("latin-1").lower()
 
 
 @contextlib.contextmanager

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.cli.console import heed
 from hknob_cli.cli.keys import Keys, keys
-from hknob_cli.hardware.operator import Nobody, Operator, View, Wish
+from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -20,7 +20,7 @@ REFRESH_S = 0.1
 WIDTH = 41  # of the gauge, odd so that the target is in its middle
 _WISHES = {" ": Wish.END, "r": Wish.REPEAT, "q": Wish.STOP}
 _SAID = {
-    "hands off": "hands off the knob, then press space",
+    HANDS_OFF: "hands off the knob, then press space",
     "zero": "hands off: reading the empty grip cell",
     "grip": "grip the knob, into the band",
     "buzz": "buzzing: hold it",
@@ -90,7 +90,8 @@ class Watching(Operator):
         text.append(f"  target {plan.grip_target_n:g} N\n")
         text.append(f"torque {1e3 * view.torque_nm:7.2f} mN m   time {view.running_s:5.1f} s")
         if self._attended:
-            text.append("   space: next   r: again   q: stop", style="dim")
+            space = "space: begin" if view.state == HANDS_OFF else "space: end   r: again"
+            text.append(f"   {space}   q: stop", style="dim")
         return text
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from hknob_cli.errors import DeviceError, HknobError, RefusedError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
-from hknob_cli.hardware.operator import Nobody, Operator, View, Wish
+from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
 from hknob_cli.hardware.port import Block, Device
 from hknob_cli.hardware.samples import joined
@@ -45,6 +45,7 @@ class Campaign:
         self._operator = operator or Nobody()
         self._say = say
         self.trials = trials_of(plan)
+        self.recorded = 0
 
     def run(self) -> list[Recorded]:
         """All trials, from the disk or from the device.
@@ -85,7 +86,7 @@ class Campaign:
     def _run(self, device: Device, trial: Trial) -> Recorded:
         """Run a trial until it is finished, once more where the operator wants it."""
         while True:
-            if self._operator.ready(View(trial, len(self.trials), "hands off")) is Wish.STOP:
+            if self._operator.ready(View(trial, len(self.trials), HANDS_OFF)) is Wish.STOP:
                 raise KeyboardInterrupt
             try:
                 return self._attempt(device, trial)
@@ -139,6 +140,7 @@ class Campaign:
             native_counts=native_counts,
         )
         self._archive.finish(recorded)
+        self.recorded += 1
         return recorded
 
     def _broken_off(self, journal: Journal, trial: Trial, error: BaseException) -> None:

@@ -5,6 +5,8 @@ from typing import NamedTuple, Protocol
 
 from hknob_cli.hardware.order import Trial
 
+HANDS_OFF = "hands off"  # the state of a trial that has not begun
+
 
 class Wish(str, Enum):
     """What the operator wants of the trial at hand."""

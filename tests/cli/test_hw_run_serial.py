@@ -13,7 +13,9 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.hardware.journal import read_journal
 from hknob_cli.hardware.order import trials_of
+from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.wire.codes import Kind
 from tests.conftest import HKNOB
 from tests.hardware.campaigns import planned
@@ -112,7 +114,34 @@ def test_nobody_answers(hknob, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
+    with PtyTarget() as pretended:
+        target = pretended.target
+        arguments = arranged(tmp_path, pretended.url, longest="1.5")
+        label = trials_of(planned((tmp_path / "spec.yaml").read_text()))[0].label
+        part = tmp_path / "out" / "recording" / f"{label}.part"
+        process = subprocess.Popen([HKNOB, *arguments], stderr=subprocess.DEVNULL)
+        wait_for(lambda: Kind.START in target.heard and part.stat().st_size > 10_000)
+        before = part.read_bytes()
+        process.kill()
+        process.wait()
+        assert part.read_bytes().startswith(before)
+        wait_for(lambda: target.torque_off_at is not None)  # its watchdog, here at ten times its time
+        done = hknob(*arguments, "--json", "-v")
+        assert done.returncode == 0, done.stderr
+        assert "2 trials, 2 of them recorded now" in done.stderr
+    kept = pq.read_table(tmp_path / "out" / "recording" / "aborted" / f"{label}_1.parquet").to_pandas()
+    known = made_up(0, len(kept), 1000.0, started=int(np.argmax(kept["running"])))
+    (tmp_path / "before.part").write_bytes(before)
+    earlier = read_journal(tmp_path / "before.part")
+    assert earlier is not None
+    assert len(kept) >= joined(earlier.blocks).number.size > 200
+    assert np.array_equal(kept["sample"], np.arange(len(kept)))
+    assert np.array_equal(kept["angle_counts"], known.angle_counts)
+    assert np.array_equal(kept["running"], known.running)
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_interrupted_the_torque_is_off_at_once(tmp_path: Path, kind: signal.Signals) -> None:
     with PtyTarget() as pretended:
         arguments = arranged(tmp_path, pretended.url, longest="60")
