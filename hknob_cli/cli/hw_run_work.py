@@ -16,7 +16,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.drivers import check_persons, opened, who_of
-from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, source_digests, spec_digest
+from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, spec_digest
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
@@ -73,8 +73,9 @@ class HwRunWork(Work):
         """Run what is not finished, then measure all."""
         archive = self._archive(job)
         if job.force:
-            if source_digests(job.out):
-                note(job, f"the earlier recordings are in {move_to_earlier(job.out)}")
+            earlier = move_to_earlier(job.out)
+            if earlier is not None:
+                note(job, f"the earlier recordings are in {earlier}")
             archive.clear()
         if job.plan.device.driver == REPLAY:
             archive.clear()  # recordings of one cell take turns, from the first on

@@ -18,6 +18,7 @@ from hknob_cli.hardware.order import trials_of
 from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.wire.codes import Kind
 from tests.conftest import HKNOB
+from tests.hardware.campaigns import SPEC as VIRTUAL
 from tests.hardware.campaigns import planned
 from tests.hardware.fake_target import Manners, PtyTarget, made_up
 
@@ -242,6 +243,15 @@ def test_an_operator_steers(tmp_path: Path) -> None:
         terminal.process.send_signal(signal.SIGTERM)
         assert terminal.finish()[0] == 130
         assert heard.count(Kind.START) == starts + 1
+
+
+def test_a_simulation_is_shown_and_asks_nothing(tmp_path: Path) -> None:
+    (tmp_path / "spec.yaml").write_text(VIRTUAL)
+    terminal = Terminal("hw-run", tmp_path / "spec.yaml", "-o", tmp_path / "out")
+    terminal.wait_for("trial 4/4")
+    assert "space:" not in terminal.shown
+    code, printed = terminal.finish()
+    assert (code, printed.splitlines()[0][:8]) == (0, "bench: 4")
 
 
 def test_quiet_shows_nothing(tmp_path: Path) -> None:
