@@ -305,6 +305,16 @@ def test_the_event_is_said_again_until_release(target: ScriptedTarget) -> None:
     assert target.said() == []
 
 
+def test_the_next_run_trips_with_an_event_of_its_own(target: ScriptedTarget) -> None:
+    begun(target, State.TRIPPED)
+    target.plain(Kind.RELEASE)
+    begun(target, State.ARMED)
+    target.emergency = 1
+    target.sample()
+    (event,) = events_of(target.tell(Alive(3, 0)))
+    assert event.run == target.nonce
+
+
 def test_blocks_wait_for_the_host_and_come_again(target: ScriptedTarget) -> None:
     begun(target, State.ARMED)
     first = take(target, 20)
@@ -331,9 +341,10 @@ def test_blocks_can_be_had_after_stop_and_after_new_settings(target: ScriptedTar
     assert again[0].samples.time_us.tolist() == blocks[0].samples.time_us.tolist()
 
 
-def test_no_room_trips_after_100_ms_at_least(target: ScriptedTarget) -> None:
+@pytest.mark.parametrize("block_samples", [5, 16])
+def test_no_room_trips_after_100_ms_at_least(target: ScriptedTarget, block_samples: int) -> None:
     """At the shortest period the ring of 4096 samples is full after 164 ms; no sample is lost."""
-    begun(target, State.RUNNING, period_ns=40_000)
+    begun(target, State.RUNNING, period_ns=40_000, block_samples=block_samples)
     target.angle = -5000
     blocks = []
     while target.call_at < NEVER:
@@ -343,8 +354,9 @@ def test_no_room_trips_after_100_ms_at_least(target: ScriptedTarget) -> None:
     assert target.torque == 0.0
     answer = target.plain(Kind.HELLO)
     assert answer[3:5] == (State.TRIPPED, Trip.NO_ROOM)
-    assert answer.blocks == len(blocks) == 4096 // 5
-    assert samples_of(target.tell(Again(5, 0, 1)))[0].samples.time_us.tolist() == [0, 40, 80, 120, 160]
+    assert answer.blocks == len(blocks) == 4096 // block_samples
+    (first,) = samples_of(target.tell(Again(5, 0, 1)))
+    assert first.samples.time_us.tolist() == [40 * i for i in range(block_samples)]
 
 
 def test_the_ring_goes_round(target: ScriptedTarget) -> None:
@@ -390,6 +402,9 @@ def test_late_samples_are_counted_and_not_made_up_for(target: ScriptedTarget) ->
     ticks = [time // PERIOD for time in times]
     assert ticks == [0, 1, 2, 3, 4, 6, 7, 11, 12, 13]
     assert overruns == [1, 3]
+    target.plain(Kind.RELEASE)
+    begun(target, State.ARMED, block_samples=1)
+    assert take(target, 1)[0].samples.overruns == 0
 
 
 def test_a_restart_shows(target: ScriptedTarget) -> None:
