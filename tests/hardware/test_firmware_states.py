@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.hardware.simulated import Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
@@ -88,8 +89,20 @@ def test_edges_of_the_ranges_are_taken(target: ScriptedTarget) -> None:
         assert target.command(Configure(nonce, TRIAL._make(edge))).said == TRIAL._make(edge)
 
 
-@pytest.mark.parametrize("change", [{"inertia": 0.0}, {"damping": -1.0}, {"stiffness": -1.0}, {"coulomb_nm": -1e-9}])
-def test_an_impossible_knob_is_refused(target: ScriptedTarget, change: dict[str, float]) -> None:
+IMPOSSIBLE: list[dict[str, Any]] = [
+    {"inertia": 0.0},
+    {"damping": -1.0},
+    {"stiffness": -1.0},
+    {"coulomb_nm": -1e-9},
+    {"grip_rise_s": -0.1},
+    {"angle_rad": 1e7},
+    {"push_sines": (Sine(1e-3, 1e7, 0.0),)},
+    {"grip_sines": (Sine(1e7, 1.0, 0.0),)},
+]
+
+
+@pytest.mark.parametrize("change", IMPOSSIBLE)
+def test_an_impossible_knob_is_refused(target: ScriptedTarget, change: dict[str, Any]) -> None:
     assert target.command(Simulate(1, WITH_SINES._replace(**change))).status == Status.OUT_OF_RANGE
 
 
@@ -121,6 +134,22 @@ def test_each_command_in_each_state(target: ScriptedTarget, state: State, what: 
 
 def test_arming_needs_settings(target: ScriptedTarget) -> None:
     assert target.plain(Kind.ARM).status == Status.NOT_NOW
+
+
+def test_a_board_that_cannot_keep_the_settings_is_not_armed(target: ScriptedTarget) -> None:
+    begun(target, State.IDLE)
+    target.unable = 1
+    answer = target.plain(Kind.ARM)
+    assert (answer.status, answer.state) == (Status.OUT_OF_RANGE, State.IDLE)
+    assert target.call_at == NEVER
+
+
+def test_the_main_loop_is_told_when_not_to_sleep(target: ScriptedTarget) -> None:
+    busy = [target.c.target_busy()]
+    begun(target, State.TRIPPED)
+    busy.append(target.c.target_busy())
+    target.plain(Kind.RELEASE)
+    assert [*busy, target.c.target_busy()] == [False, True, False]
 
 
 @pytest.mark.parametrize("state", [State.ARMED, State.RUNNING, State.TRIPPED])

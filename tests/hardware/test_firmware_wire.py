@@ -104,6 +104,17 @@ def test_a_body_too_long_is_dropped() -> None:
     assert unstuffed(cobs.encode(body + zlib.crc32(body).to_bytes(4, "little"))) == b""
 
 
+def test_a_line_that_never_ends_is_dropped_up_to_its_zero() -> None:
+    class Receiver(c.Structure):
+        _fields_ = (("bytes", c.c_uint8 * 1033), ("count", c.c_size_t), ("too_long", c.c_bool))
+
+    receiver, good = Receiver(), frame(encode(Plain(Kind.START, 77)))
+    line = good[:-1] + bytes([5]) * 5000 + b"\0" + good
+    lengths = [library().frame_take(c.byref(receiver), byte) for byte in line]
+    assert lengths == [0] * (len(line) - 1) + [6]
+    assert bytes(receiver.bytes[:6]) == encode(Plain(Kind.START, 77))
+
+
 def test_one_turned_bit_is_noticed() -> None:
     whole = frame(encode(Plain(Kind.START, 77)))[:-1]
     for place in range(len(whole) * 8):
