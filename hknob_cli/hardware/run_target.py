@@ -31,6 +31,8 @@ def run_target(target: Target, folder: Path) -> Iterator[str]:
     It ends with this process too, however that ends. To be used from a thread that lives as long. Raises `DeviceError`
     if it cannot be built or does not start; `UsageError` for an unknown target.
     """
+    if sys.platform == "win32":
+        raise DeviceError(f"the target '{target}' cannot be run: it needs a pseudo-terminal, which Windows has not")
     with contextlib.ExitStack() as stack:
         if target == "qemu" and shutil.which(QEMU) is None:
             raise DeviceError(f"the target 'qemu' cannot be run: it needs {NEEDS_QEMU}")
