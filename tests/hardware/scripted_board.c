@@ -72,12 +72,12 @@ size_t board_send(const uint8_t *bytes, size_t count)
 /* Odd while the lock is held; a lock taken twice would hang a real board. */
 void board_lock(void)
 {
-    scripted_locks += scripted_locks % 2u == 0u ? 1u : 1000001u;
+    scripted_locks += scripted_locks % 2u == 0u ? 1u : 100000001u;
 }
 
 void board_unlock(void)
 {
-    scripted_locks += scripted_locks % 2u == 1u ? 1u : 1000001u;
+    scripted_locks += scripted_locks % 2u == 1u ? 1u : 100000001u;
 }
 
 bool board_armed(const struct settings *settings)
