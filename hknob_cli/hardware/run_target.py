@@ -31,6 +31,8 @@ def run_target(target: Target, folder: Path) -> Iterator[str]:
     It ends with this process too, however that ends. To be used from a thread that lives as long. Raises `DeviceError`
     if it cannot be built or does not start; `UsageError` for an unknown target.
     """
+    if sys.platform == "win32":
+        raise DeviceError(f"the target '{target}' cannot be run: it needs a pseudo-terminal, which Windows has not")
     with contextlib.ExitStack() as stack:
         if target == "qemu" and shutil.which(QEMU) is None:
             raise DeviceError(f"the target 'qemu' cannot be run: it needs {NEEDS_QEMU}")
@@ -142,9 +144,11 @@ def _end(process: "subprocess.Popen[bytes]") -> None:
 
 
 def _last_words(process: "subprocess.Popen[bytes]") -> str:
-    """What it wrote to its standard error, or that it is silent."""
-    if process.poll() is None:
+    """What it wrote to its standard error, or how it ended, or that it is silent."""
+    try:
+        code = process.wait(0.5)
+    except subprocess.TimeoutExpired:
         return f"no answer within {READY_WITHIN_S:g} s"
     assert process.stderr is not None
     lines = process.stderr.read().decode(errors="replace").strip().splitlines()
-    return lines[-1] if lines else f"it ended with {process.returncode}"
+    return lines[-1] if lines else f"it ended with {code}"

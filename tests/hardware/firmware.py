@@ -130,6 +130,7 @@ class ScriptedTarget:
     starts = Variable(c.c_uint32)
     locks = Variable(c.c_uint32)
     emergency = Variable(c.c_uint8)
+    unable = Variable(c.c_uint8)
     in_count = Variable(c.c_size_t)
     in_at = Variable(c.c_size_t)
     out_count = Variable(c.c_size_t)
@@ -138,7 +139,7 @@ class ScriptedTarget:
     def __init__(self) -> None:
         self.c = library()
         self.now, self.angle, self.torque, self.grip, self.emergency = 10**12, 0, 0.0, 0.0, 0
-        self.trials = self.starts = self.locks = self.in_count = self.in_at = self.out_count = 0
+        self.unable = self.trials = self.starts = self.locks = self.in_count = self.in_at = self.out_count = 0
         self.out_room, self.boot, self.call_at = 1 << 18, 7, 2**64 - 1
         self.nonce = 100
         self.decoder = Decoder()

@@ -13,7 +13,7 @@ uint64_t scripted_now, scripted_call_at = BOARD_NEVER;
 int32_t scripted_angle;
 double scripted_torque, scripted_grip;
 uint32_t scripted_boot = 7u, scripted_trials, scripted_starts, scripted_locks;
-uint8_t scripted_emergency, scripted_in[65536], scripted_out[262144];
+uint8_t scripted_emergency, scripted_unable, scripted_in[65536], scripted_out[262144];
 size_t scripted_in_count, scripted_in_at, scripted_out_count, scripted_out_room = sizeof scripted_out;
 
 uint32_t board_boot(void)
@@ -72,19 +72,19 @@ size_t board_send(const uint8_t *bytes, size_t count)
 /* Odd while the lock is held; a lock taken twice would hang a real board. */
 void board_lock(void)
 {
-    scripted_locks += scripted_locks % 2u == 0u ? 1u : 1000001u;
+    scripted_locks += scripted_locks % 2u == 0u ? 1u : 100000001u;
 }
 
 void board_unlock(void)
 {
-    scripted_locks += scripted_locks % 2u == 1u ? 1u : 1000001u;
+    scripted_locks += scripted_locks % 2u == 1u ? 1u : 100000001u;
 }
 
 bool board_armed(const struct settings *settings)
 {
     (void)settings;
-    scripted_trials++;
-    return true;
+    scripted_trials += scripted_unable ? 0u : 1u;
+    return scripted_unable == 0u;
 }
 
 void board_started(void)

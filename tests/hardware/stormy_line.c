@@ -1,5 +1,6 @@
-/* 100,000 frames that are none: random bytes, and good frames with bits turned, bytes lost and ends cut off. To be built
-   with the sanitizers. Prints how many were taken for frames, and what the target made of them. */
+/* 100,000 frames that are none: random bytes, and good frames with bits turned, bytes lost and ends cut off; then 50,000
+   good ones in any order, at a knob that jumps about. To be built with the sanitizers. Prints how many of the former were
+   taken for frames, and what the target made of all. */
 #include <stdio.h>
 #include <string.h>
 
@@ -72,6 +73,41 @@ static void serve(size_t count)
     (void)target_serve();
 }
 
+/* Settings that can be taken, else any good frame. */
+static size_t sensible_frame(uint8_t *frame)
+{
+    uint8_t body[64] = {WIRE_VERSION, CONFIGURE};
+    if (chance(4u) != 0u) {
+        return good_frame(frame);
+    }
+    for (size_t i = 2u; i < 6u; i++) {
+        body[i] = (uint8_t)chance(256u);
+    }
+    struct settings settings = {40000u + chance(2000000u), 1u + chance(640000u), 0.1 * chance(100u), 1e-4 * chance(3u),
+                                0.05, 1e4, 1000u + chance(49001u), (uint16_t)(1u + chance(48u))};
+    return frame_encode(frame, body, settings_write(body, 6u, &settings));
+}
+
+/* Good frames in any order, samples and time between them; how often there was torque without a sample clock. */
+static unsigned wander(unsigned *running)
+{
+    unsigned astray = 0u;
+    for (unsigned i = 0; i < 50000u; i++) {
+        scripted_out_count = 0u;
+        serve(sensible_frame(scripted_in));
+        for (uint32_t samples = chance(20u); samples > 0u && scripted_call_at != UINT64_MAX; samples--) {
+            scripted_now = scripted_now > scripted_call_at ? scripted_now : scripted_call_at;
+            scripted_now += chance(3u) == 0u ? chance(2000000u) : 0u;
+            scripted_angle = chance(2000u) == 0u ? INT32_MIN : scripted_angle / 2 + (int32_t)chance(101u) - 52;
+            scripted_emergency = chance(2000u) == 0u;
+            target_sample();
+            *running += scripted_torque != 0.0 ? 1u : 0u;
+        }
+        astray += scripted_torque != 0.0 && scripted_call_at == UINT64_MAX ? 1u : 0u;
+    }
+    return astray;
+}
+
 int main(void)
 {
     static uint8_t frame[2048];
@@ -91,5 +127,8 @@ int main(void)
     serve(frame_encode(scripted_in, hello, sizeof hello));
     printf("taken %u, trials %u, bytes answered %zu, to a good frame then %zu\n", taken, scripted_trials, answered,
            scripted_out_count - answered);
+    unsigned running = 0u, astray = wander(&running);
+    printf("torque without a clock %u, locks %s, torque seen %s\n", astray,
+           scripted_locks < 100000000u && scripted_locks % 2u == 0u ? "in order" : "astray", running > 1000u ? "often" : "never");
     return 0;
 }

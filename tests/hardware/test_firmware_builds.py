@@ -14,6 +14,7 @@ import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import build_target as building
+from hknob_cli.hardware import run_target as running
 from hknob_cli.hardware.build_target import SOURCES, Target, build_target, compiler
 from hknob_cli.hardware.port import Block, Device, Settings
 from hknob_cli.hardware.run_target import QEMU, run_target
@@ -256,6 +257,30 @@ def test_a_failing_compiler_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     (tmp_path / "file").write_text("")
     with pytest.raises(DeviceError, match=r"cannot be built in .*file"):
         build_target("host", tmp_path / "file")
+
+
+def test_a_target_that_does_not_start_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    script = tmp_path / "target"
+    monkeypatch.setattr(running, "build_target", lambda target, folder: script)
+    for text, message in [("exit 3", "it ended with 3"), ("echo no terminal >&2; exit 1", "no terminal")]:
+        script.write_text(f"#!/bin/sh\n{text}\n")
+        script.chmod(0o755)
+        with pytest.raises(DeviceError, match=f"the target 'host' did not start: {message}"):
+            running.run_target("host", tmp_path).__enter__()
+    script.chmod(0o644)
+    with pytest.raises(DeviceError, match="cannot be run: Permission denied"):
+        running.run_target("host", tmp_path).__enter__()
+
+
+def test_qemu_with_no_firmware_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    need("qemu")
+    monkeypatch.setattr(running, "build_target", lambda target, folder: tmp_path / "gone")
+    with pytest.raises(DeviceError, match=r"the target 'qemu' did not start: .*gone"):
+        running.run_target("qemu", tmp_path).__enter__()
+    (tmp_path / "gone").write_bytes(bytes(64))
+    monkeypatch.setattr(running, "READY_WITHIN_S", 0.5)
+    with pytest.raises(DeviceError, match=r"the target 'qemu' did not start: "):
+        running.run_target("qemu", tmp_path).__enter__()
 
 
 def test_the_wheel_has_the_sources() -> None:

@@ -120,13 +120,13 @@ static double time_to_rest(const struct plant *p, double speed, double rate)
         return atan2(speed * w, -fall) / w;
     }
     if (fall >= 0.0) {
-        return INFINITY;
+        return HUGE_VAL;
     }
     if (bend == 0.0) {
         return speed / -fall;
     }
     double w = sqrt(bend), ratio = speed * w / -fall;
-    return ratio < 1.0 ? atanh(ratio) / w : INFINITY;
+    return ratio < 1.0 ? atanh(ratio) / w : HUGE_VAL;
 }
 
 static void slide(struct plant *p, double rate, double u)
@@ -159,7 +159,7 @@ void plant_advance(struct plant *p, double torque_nm)
             return;
         }
         double rate = pull - p->drag * p->speed - way * friction;
-        double u = friction > 0.0 ? time_to_rest(p, fabs(p->speed), way * rate) : INFINITY;
+        double u = friction > 0.0 ? time_to_rest(p, fabs(p->speed), way * rate) : HUGE_VAL;
         if (!(u < left)) {
             slide(p, rate, left);
             return;

@@ -4,7 +4,7 @@
 
 #include "messages.h"
 
-/* 28 bytes each. A power of two, and at least 100 ms of the fastest sample clock. */
+/* 24 bytes each. A power of two, and at least 100 ms of the fastest sample clock. */
 #ifndef RECORD_SAMPLES
 #define RECORD_SAMPLES 4096u
 #endif

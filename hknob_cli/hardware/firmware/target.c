@@ -13,11 +13,11 @@
 #define EVENT_EVERY_NS 20000000u
 
 static struct {
-    bool configured, answered, answer_due, event_sent;
+    bool configured, answered, answer_due;
     uint8_t last_type, last_status;
     uint32_t boot, run, last_nonce;
     uint32_t sent, again, again_end; /* next block to send first; blocks to send again */
-    uint64_t event_ns;
+    uint64_t event_due_ns;
     struct simulated simulated;
     struct command command;
     struct frame_receiver receiver;
@@ -44,7 +44,7 @@ static uint8_t arm(uint32_t nonce)
     }
     self.run = nonce;
     self.sent = self.again = self.again_end = 0u;
-    self.event_sent = false;
+    self.event_due_ns = 0u;
     return DONE;
 }
 
@@ -127,7 +127,7 @@ static void obey(const struct command *c)
     } else if (c->type == AGAIN) {
         /* Only what was sent before and is still kept; the rest comes by itself. */
         uint32_t end = c->first + c->count;
-        self.again = c->first < loop.record.oldest ? loop.record.oldest : c->first;
+        self.again = c->first;
         self.again_end = end > self.sent ? self.sent : end;
     } else {
         if (!self.answered || c->nonce != self.last_nonce || c->type != self.last_type) {
@@ -166,10 +166,9 @@ static size_t next_body(uint64_t now)
     if (self.answer_due && (self.last_type != STOP || last_sent)) {
         self.answer_due = false;
         count = answer();
-    } else if (loop.state == TRIPPED && last_sent && (!self.event_sent || now - self.event_ns >= EVENT_EVERY_NS)) {
+    } else if (loop.state == TRIPPED && last_sent && now >= self.event_due_ns) {
         struct event e = {self.boot, self.run, loop.tripped_index, loop.tripped_us, made, loop.fault};
-        self.event_sent = true;
-        self.event_ns = now;
+        self.event_due_ns = now + EVENT_EVERY_NS;
         count = event_write(self.body, &e);
     }
     board_unlock();
