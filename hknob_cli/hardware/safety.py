@@ -17,7 +17,7 @@ class Watch:
     def __init__(self, settings: Settings, native_counts: int) -> None:
         self._settings = settings
         self._count_rad = 2.0 * math.pi / native_counts
-        self._last: tuple[int, int] | None = None  # index and angle of the last sample
+        self._last: tuple[int, int, int] | None = None  # index, time and angle of the last sample
         self.gaps = 0
 
     def check(self, block: Block) -> None:
@@ -29,15 +29,17 @@ class Watch:
         self._refuse(~np.isfinite(block.grip_n), block, "the grip force is not a number")
         what = f"the torque is beyond the limit of {limit:g} N m"
         self._refuse(np.abs(block.torque_nm) > limit * _SLACK, block, what)
-        index, angle = self._last if self._last is not None else (block.first, int(block.angle_counts[0]))
-        self.gaps += max(0, block.first - index - 1) if self._last is not None else 0
-        moved = np.abs(np.diff(block.angle_counts, prepend=angle)).astype(np.float64)
-        steps = np.ones(moved.size)
-        steps[0] = max(1, block.first - index)
-        most = self._settings.speed_limit_rad_s * self._settings.interval_s / self._count_rad
+        index, time_us, angle = self._last or (block.first - 1, int(block.time_us[0]), int(block.angle_counts[0]))
+        self.gaps += max(0, block.first - index - 1)
+        passed = np.diff(block.time_us, prepend=time_us) * 1e-6
+        self._refuse(passed < 0.0, block, "the device's clock runs backwards")
+        moved = np.abs(np.diff(block.angle_counts, prepend=angle)) * self._count_rad
+        # A sample that is late is not told from a fast knob by its index: the speed is over the time that passed.
+        most = self._settings.speed_limit_rad_s * np.maximum(passed, self._settings.interval_s)
         what = f"the knob is faster than the limit of {self._settings.speed_limit_rad_s:g} rad/s"
-        self._refuse(moved > most * steps * _SLACK + 1.0, block, what)
-        self._last = (block.first + moved.size - 1, int(block.angle_counts[-1]))
+        self._refuse(moved > most * _SLACK + self._count_rad, block, what)
+        last = block.first + len(block.time_us) - 1
+        self._last = last, int(block.time_us[-1]), int(block.angle_counts[-1])
 
     def _refuse(self, bad: np.ndarray[tuple[int], np.dtype[np.bool_]], block: Block, what: str) -> None:
         if bad.any():
