@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import interrupt
+from hknob_cli.cli.console import interrupt, say
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.strip import watching
@@ -91,13 +91,13 @@ class HwRunWork(Work):
                 partial(opened, job.plan),
                 who_of(job.plan),
                 operator=operator,
-                say=partial(note, job),
+                say=say,
             )
             begin = time.perf_counter()
             done = campaign.run()
         if job.verbose:
             seconds = time.perf_counter() - begin
-            note(job, f"{len(done)} trials, {campaign.recorded} of them recorded now, {seconds:.2f} s")
+            note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
         return campaign_tables(done, job.plan.course)
 
     def finish(self, job: Job) -> None:

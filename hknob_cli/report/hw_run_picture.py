@@ -17,6 +17,7 @@ Row = dict[str, Any]
 THUMBNAIL_CYCLES = 8
 LEAST_COUNTS = 3  # of the device's own encoder, to either side: less is not drawn larger
 _MOST_THUMBNAILS = 8  # of rows, and of columns
+_MOST_TICKS = 40
 
 
 def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: str, path: Path) -> None:
@@ -35,7 +36,7 @@ def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: 
     if small:
         _thumbnails(parts[2], samples, trials, rates, counts)
     buzzing = sum(row["sustained"] for row in trials)
-    figure.suptitle(f"{name}: {len(trials)} trials against a virtual wall, {buzzing} with sustained buzz")
+    figure.suptitle(f"{name}: trials against a virtual wall, {buzzing} of {len(trials)} with sustained buzz")
     save(figure, path, stage="hw-run", name=name)
 
 
@@ -78,6 +79,9 @@ def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
         label="mean and standard deviation of a trial",
     )
     ax.set_ylim(0.0, 1.2 * max([target_n, *(row["grip_mean_n"] + row["grip_std_n"] for row in shown)]))
+    ax.set_xlim(0.5, len(trials) + 0.5)
+    if len(trials) <= _MOST_TICKS:
+        ax.set_xticks([row["order"] for row in trials])
     ax.set_ylabel("grip force, N")
     ax.set_xlabel("trial, in the order they were run")
     ax.grid(alpha=0.3)

@@ -130,7 +130,7 @@ def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
         wait_for(lambda: target.torque_off_at is not None)  # its watchdog, here at ten times its time
         done = hknob(*arguments, "--json", "-v")
         assert done.returncode == 0, done.stderr
-        assert "2 trials, 2 of them recorded now" in done.stderr
+        assert "2 of 2 trials recorded now" in done.stderr
     kept = pq.read_table(tmp_path / "out" / "recording" / "aborted" / f"{label}_1.parquet").to_pandas()
     known = made_up(0, len(kept), 1000.0, started=int(np.argmax(kept["running"])))
     (tmp_path / "before.part").write_bytes(before)
