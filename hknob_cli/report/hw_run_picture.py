@@ -105,17 +105,20 @@ def _thumbnails(
     }
     axes = figure.subplots(len(counts), len(rates), sharey="row", squeeze=False)
     for i, count in enumerate(counts):
+        reach = 0.0
         for j, rate in enumerate(rates):
             ax, row = axes[i][j], first[count, rate]
             start, end = places[row["order"]]
-            _thumbnail(ax, samples.slice(start, end - start), row)
+            reach = max(reach, _thumbnail(ax, samples.slice(start, end - start), row))
             if i == 0:
                 ax.set_title(f"{rate:g} Hz", fontsize=9)
         axes[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
+        axes[i][0].set_ylim(-1.1 * reach, 1.1 * reach)
     figure.supxlabel(f"time, ms: {THUMBNAIL_CYCLES} cycles, or the last 0.1 s; angle about its mean", fontsize=8)
 
 
-def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> None:
+def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
+    """Draw one; how far its scale must reach, mrad."""
     import numpy as np
 
     running = samples["running"].to_numpy(zero_copy_only=False)
@@ -123,12 +126,11 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> None:
     ax.tick_params(labelsize=7)
     ax.grid(alpha=0.2)
     if not time_s.size:
-        return
+        return 0.0
     long = THUMBNAIL_CYCLES / row["frequency_hz"] if row["sustained"] and row["frequency_hz"] else 0.1
     end = float(samples["time_s"][row["steady_last"]].as_py())
     shown = (time_s >= end - long) & (time_s <= end)
     least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"]
     values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
     ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
-    low, high = ax.get_ylim()
-    ax.set_ylim(min(low, -least), max(high, least))
+    return max(least, float(np.abs(values).max(initial=0.0)))
