@@ -133,4 +133,4 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
     least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"]
     values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
     ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
-    return max(least, float(np.abs(values).max(initial=0.0)))
+    return float(max(least, np.abs(values).max(initial=0.0)))
