@@ -33,6 +33,7 @@ class Archive:
 
     def enter(self) -> None:
         """Go on with what is there, or begin. Raises `RefusedError` if it is another campaign's, of a real device."""
+        self._finish_removing()
         about = self._about()
         if about is not None and about.get("identity") != self._identity:
             refuse_other(self.folder.parent, self._identity)
@@ -134,9 +135,19 @@ class Archive:
             self._remove()
 
     def _remove(self) -> None:
+        """Remove the folder; one that was half removed would not say any more what it is of, so it is renamed first."""
+        self._finish_removing()
         try:
-            shutil.rmtree(self.folder)
-        except FileNotFoundError:
-            pass
+            if self.folder.exists():
+                self.folder.rename(partial(self.folder))
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be removed: {error.strerror or error}") from None
+        self._finish_removing()
+
+    def _finish_removing(self) -> None:
+        going = partial(self.folder)
+        try:
+            if going.exists():
+                shutil.rmtree(going)
+        except OSError as error:
+            raise ComputationError(f"{going}: cannot be removed: {error.strerror or error}") from None

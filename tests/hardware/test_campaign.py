@@ -1,5 +1,6 @@
 """A campaign: its order, what becomes of every trial, and that the torque is off on every way out."""
 
+import shutil
 from collections import Counter
 from pathlib import Path
 
@@ -187,6 +188,23 @@ def test_what_was_computed_gives_way(tmp_path: Path) -> None:
     device = Faulty()
     campaign(tmp_path, device, identity="other").run()
     assert device.calls.count("start") == 4
+
+
+def test_a_folder_that_is_half_removed_is_no_hindrance(tmp_path: Path) -> None:
+    campaign(tmp_path, Faulty()).run()
+    plain = shutil.rmtree
+
+    def cut_short(path: Path) -> None:
+        (path / "campaign.json").unlink()
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shutil, "rmtree", cut_short)
+        with pytest.raises(KeyboardInterrupt):
+            campaign(tmp_path, Faulty())._archive.leave()
+    assert shutil.rmtree is plain
+    assert len(campaign(tmp_path, Faulty(), identity="other").run()) == 4
+    assert {path.name for path in tmp_path.iterdir()} == {"recording", "whole"}
 
 
 def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
