@@ -12,6 +12,7 @@ WORK = {
     "bench": "hknob_cli.cli.bench_work",
     "report": "hknob_cli.cli.report_work",
     "sysid": "hknob_cli.cli.sysid_work",
+    "hw-run": "hknob_cli.cli.hw_run_work",
 }
 
 
@@ -34,6 +35,7 @@ class Job(NamedTuple):
     as_json: bool = False
     quiet: bool = False
     verbose: bool = False
+    unattended: bool = False  # nobody is there to press keys
 
     def run(self) -> None:
         """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.campaign import HwRunPlan
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 from hknob_cli.spec.page_plan import ReportPlan
@@ -248,7 +249,7 @@ class PipelinePlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | HwRunPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:
