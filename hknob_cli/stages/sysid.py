@@ -134,8 +134,11 @@ class SysidStage:
             parameters["damping_ratio"] = damping_ratio(fit)
         own = self._of_experiment(self.plan.apparatus, one)
         if own is not None and "inertia" in parameters:
-            parameters["inertia"], below = without_apparatus(parameters["inertia"], own)
+            whole = parameters["inertia"]
+            parameters["inertia"], below = without_apparatus(whole, own)
             flags += below
+            if whole.identifiable and not parameters["inertia"].identifiable:
+                flags.append(f"inertia cannot be told from the apparatus's own: {whole.value:.4g} less {own:.4g}")
         radius = self._of_experiment(self.plan.radius, one)
         moved = {key: parameters[key] for key in columns.SKIN if key in parameters}
         skin = at_the_skin(moved, radius) if radius is not None else {}

@@ -12,6 +12,7 @@ from hknob_cli.apparatus.experiment import record_experiments, truths
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import write_csv
+from hknob_cli.report.sysid_picture import draw_hands
 from tests.conftest import SPEC
 
 VIRTUAL = """\
@@ -187,6 +188,44 @@ def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None
     truth = truths(**SMALL)[trials[0].key]
     for column, value in zip(("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad"), truth, strict=False):
         assert abs(row[column] - value) < 4.0 * row[f"{column}_std"]
+
+
+def test_recordings_of_one_name_are_told_apart(hknob, spec_file, tmp_path: Path) -> None:
+    """monday/mine.csv and tuesday/mine.csv: what changes in either is seen."""
+    spec = spec_file(RECORDED.replace("[mine.csv]", "[a/mine.csv, b/mine.csv]"))
+    for folder, subject in (("a", "S1"), ("b", "S2")):
+        (tmp_path / folder).mkdir()
+        recorded(tmp_path / folder, lambda t, name=subject: t._replace(key=t.key._replace(subject=name)))
+    assert hknob("sysid", spec, "-o", "out").returncode == 0
+    recorded(tmp_path / "a", lambda t: t._replace(key=t.key._replace(subject="S3")))
+    assert hknob("sysid", spec, "-o", "out").returncode == 0
+    assert {row["subject"] for row in rows(tmp_path / "out" / "trials.parquet")} == {"S2", "S3"}
+
+
+def test_what_is_no_file_is_refused(hknob, spec_file) -> None:
+    """/dev/zero was read until the memory was full."""
+    for place in ("/dev/zero", "."):
+        done = hknob("sysid", spec_file(RECORDED.replace("mine.csv", place)), "-o", "out")
+        assert (done.returncode, "is not a file" in done.stderr) == (2, True), done.stderr
+
+
+def test_nothing_told_is_no_picture(tmp_path: Path) -> None:
+    """`fourth_order` of one pulse may tell nothing but that it fits; `--plot` then ended in a traceback."""
+    keys = {"level": "all", "experiment": "1", "subject": None, "grip_target_n": 0.71, "estimator": "fourth_order"}
+    assert not draw_hands([{**keys, "inertia_kg_m2": None}], title="a", path=tmp_path / "a.png")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_hand_lost_in_its_apparatus_is_said(hknob, spec_file, tmp_path: Path) -> None:
+    """The grasp's inertia is told, but less the apparatus the rest is below its error: null, with a reason."""
+    recorded(tmp_path)
+    spec = spec_file(RECORDED + "prepare: {average: false}\n")
+    assert hknob("sysid", spec, "-o", "whole").returncode == 0
+    whole = rows(tmp_path / "whole" / "trials.parquet")[0]["inertia_kg_m2"]
+    assert hknob("sysid", spec, "-o", "hand", "--set", f"subtract_apparatus={whole!r}").returncode == 0
+    hand = rows(tmp_path / "hand" / "trials.parquet")[0]
+    assert hand["inertia_kg_m2"] is None
+    assert "inertia cannot be told from the apparatus's own" in hand["flags"]
 
 
 def test_bad_specs(hknob, spec_file) -> None:
