@@ -48,7 +48,7 @@ def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
     median = float(np.median(steps))
     gaps = steps[steps > GAP * median]
     if gaps.size:
-        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s; samples are {median:.3g} s apart"
+        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s, of samples {median:.3g} s apart"
     if sample_rate_hz is not None and abs(median * sample_rate_hz - 1.0) > RATE_SHARE:
         yield f"sampled at {1.0 / median:.4g} Hz, not at {sample_rate_hz:.4g} Hz"
 

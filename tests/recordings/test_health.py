@@ -62,7 +62,7 @@ SPOILT = {
     "no pulse": (flat, "no pulse: the commanded torque is zero throughout"),
     "wrong sign": (lambda t: t._replace(angle_rad=-t.angle_rad), "pulse of the wrong sign: the angle moves by -0.1"),
     "held": (clipped, "angle at the end of its range, 0.0"),
-    "gap": (gap, "1 gap in time, the longest 0.0006 s; samples are 0.0001 s apart"),
+    "gap": (gap, "1 gap in time, the longest 0.0006 s, of samples 0.0001 s apart"),
     "frozen": (frozen, "angle repeats itself during motion 1 time, then jumps"),
     "moving": (drifting, "angle not at rest before the pulse: it moves by 0.01"),
     "loose": (lambda t: t._replace(grip_n=0.7 * t.grip_n), "grip of 1.68 N at the pulse, -30% off its target of 2.4 N"),
