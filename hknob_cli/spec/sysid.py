@@ -141,6 +141,9 @@ def validate_sysid(source: Source) -> SysidPlan:
         faults.append(source.fault(("kind",), "needs recordings, or virtual to make some, or a study"))
     if spec.recordings is not None and spec.virtual is not None:
         faults.append(source.fault(("virtual",), "must be absent where recordings are given", at_key=True))
+    if spec.counts_per_rev is not None and spec.virtual is not None:
+        text = "must be absent where recordings are virtual; the encoder's is virtual.rig.counts_per_rev"
+        faults.append(source.fault(("counts_per_rev",), text, at_key=True))
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent

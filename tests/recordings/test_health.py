@@ -94,5 +94,13 @@ def test_coarse_encoder() -> None:
     assert flags(coarse) == (found,)
 
 
+def test_more_counts_than_stated() -> None:
+    """Of 4096 counts said to be 512, changes are eighths of a count; said to be more, nothing shows it."""
+    fine = trial(counts=4096)
+    assert any("is counts_per_rev right?" in flag for flag in flags(fine, counts_per_rev=512))
+    for stated in (4096, 8192, None):
+        assert not any("counts_per_rev" in flag for flag in flags(fine, counts_per_rev=stated))
+
+
 def test_another_rate() -> None:
     assert flags(trial(), sample_rate_hz=4000.0) == ("sampled at 1e+04 Hz, not at 4000 Hz",)
