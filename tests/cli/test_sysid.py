@@ -182,9 +182,11 @@ def test_what_averaging_does_is_said_once_and_is_no_doubt(hknob, spec_file, tmp_
 def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None:
     trials: list[Trial] = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
     write_csv(tmp_path / "mine.csv", trials[:1])
-    assert hknob("sysid", spec_file(RECORDED), "-o", "out").returncode == 0
+    done = hknob("sysid", spec_file(RECORDED), "-o", "out")
+    assert done.returncode == 0, done.stderr
     (row,) = rows(tmp_path / "out" / "trials.parquet")
     assert row["flags"] == ""
+    assert f"± {1e3 * row['stiffness_nm_per_rad_std']:.2g}" in done.stdout  # one person has no spread over persons
     truth = truths(**SMALL)[trials[0].key]
     for column, value in zip(("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad"), truth, strict=False):
         assert abs(row[column] - value) < 4.0 * row[f"{column}_std"]
@@ -245,6 +247,7 @@ def test_bad_specs(hknob, spec_file) -> None:
         (VIRTUAL.replace("8.9e-3", "8.9 N"), "knob_radius: '8.9 N' is in newton, which is not a kind of m"),
         (VIRTUAL.replace("19.8 g*cm^2", "-1"), "subtract_apparatus.1: must be >= 0, got -1"),
         (VIRTUAL.replace("coulomb_nm: 0.0", "angle_noise_rad: 1 mm"), "angle_noise_rad: '1 mm' is in millimeter"),
+        (VIRTUAL + "counts_per_rev: 1000\n", "counts_per_rev: must be absent where recordings are virtual"),
         (VIRTUAL + "prepare: {average: maybe}\n", "prepare.average: must be true or false, got 'maybe'"),
         (VIRTUAL.replace("[least_squares, output_error]", "[]"), "estimators: must have at least 1 item, got"),
         (VIRTUAL.replace("8.9e-3", "8.9 N"), "knob_radius: '8.9 N' is in newton, which is not a kind of m"),
@@ -300,3 +303,5 @@ def test_the_apparatus_alone(hknob, spec_file, tmp_path: Path) -> None:
     found = {row["subject"]: row for row in rows(tmp_path / "out" / "conditions.parquet", level="subject")}
     for setup, inertia in (("shaft", 12.0e-7), ("small_experimental", 19.8e-7), ("medium_experimental", 32.7e-7)):
         assert found[setup]["inertia_kg_m2"] == pytest.approx(inertia, rel=2e-3)
+        assert any(line.split()[:1] == [setup] for line in done.stdout.splitlines())  # and no mean of three knobs
+    assert "over persons" not in done.stdout
