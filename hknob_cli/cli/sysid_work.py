@@ -62,11 +62,12 @@ class SysidWork(Work):
         return tuple(map(file_of, NUMBERS))
 
     def inputs(self, job: Job) -> dict[str, str]:
-        """Digests of the same."""
-        try:
-            return {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in self.reads(job)}
-        except OSError as error:
-            raise UsageError(f"recordings: {error.filename}: {error.strerror or error}") from None
+        """Digests of the same, by name; files of one name in several folders by their order, too."""
+        found: dict[str, str] = {}
+        for path in self.reads(job):
+            name = path.name if path.name not in found else f"{path.name} ({len(found) + 1})"
+            found[name] = _digest(path)
+        return found
 
     def surroundings(self) -> dict[str, str]:
         """SciPy smooths and solves."""
@@ -111,7 +112,9 @@ class SysidWork(Work):
         else:
             from hknob_cli.report.sysid_picture import draw_hands
 
-            draw_hands(tables[1].to_pylist(), title=title, path=paths[0])
+            if not draw_hands(tables[1].to_pylist(), title=title, path=paths[0]):
+                note(job, "no picture: none of the parameters that it shows can be told")
+                return []
         return paths
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
@@ -127,6 +130,17 @@ class SysidWork(Work):
         if job.plan.study:
             return study_text(summary)
         return sysid_text(summary)
+
+
+def _digest(path: Path) -> str:
+    """Of a file's bytes. Raises `UsageError` for what is none: a device would be read without end."""
+    try:
+        if path.exists() and not path.is_file():
+            raise UsageError(f"recordings: {path}: is not a file; must be CSV or Parquet")
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError as error:
+        raise UsageError(f"recordings: {path}: {error.strerror or error}") from None
 
 
 def _studies(job: Job) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hknob_cli.errors import UsageError
 from hknob_cli.identify.finger_network import FINGER_INERTIA, network, respond_fourth, split
 from hknob_cli.identify.least_squares import least_squares
 from hknob_cli.identify.linear_motion import hold_matrices
@@ -17,6 +18,7 @@ from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.recordings.trial import Array
 
+FASTEST = 1e9  # rate of the finger times the interval, beyond which rounding costs the fitted damping more than 1e-6
 RATIOS = tuple(float(ratio) for ratio in np.geomspace(1.0, 1000.0, 13))
 
 
@@ -46,8 +48,14 @@ def hidden_inertia(
 
     ``damping``, ``stiffness``: of finger and pad in series (Table 1's at 14.2 N in the dissertation's figure);
     ``inertia`` of the knob and what turns with it, ``finger_inertia`` (kg·m²). Velocity and acceleration are the
-    model's own, so that nothing but the model's order is at work.
+    model's own, so that nothing but the model's order is at work. Raises `UsageError` for a finger too light to follow.
     """
+    for ratio in ratios:
+        if (1.0 + ratio) ** 2 / ratio * damping / finger_inertia * dt_s > FASTEST:
+            raise UsageError(
+                f"a finger of {finger_inertia:g} kg*m^2 at the ratio {ratio:g} is too fast to be followed; "
+                "make it heavier, or the ratio nearer to 1"
+            )
     torque = np.zeros(round(window_s / dt_s) + 1)
     torque[: round(pulse_s / dt_s)] = 1.0
     found = []

@@ -99,7 +99,7 @@ def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:
     found = align(trial, dt_s=dt_s, before_s=before + _MARGIN_S, after_s=after + _MARGIN_S)
     left = (found.angle_rad.size - 1 - found.onset) * dt_s
     if left < after - 0.5 * dt_s:
-        raise UnusableError(f"it ends {left:.3g} s after the onset; the window needs {after:g} s")
+        raise UnusableError(f"it ends {left:.3g} s after the onset, the window needs {after:g} s")
     return found
 
 

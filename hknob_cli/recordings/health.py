@@ -18,6 +18,7 @@ WRONG_SIGN = "pulse of the wrong sign"
 LONGEST_PULSE_S = 0.5  # a hand reacts long before
 GAP = 1.5
 REST_S = 0.02
+FINER = 0.5  # of a count; an encoder of that many counts changes by whole ones, but for digits lost in a file
 GRIP_SHARE = 0.2
 REST_SHARE = 0.05
 TORQUE_SHARE = 0.2
@@ -48,7 +49,7 @@ def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
     median = float(np.median(steps))
     gaps = steps[steps > GAP * median]
     if gaps.size:
-        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s; samples are {median:.3g} s apart"
+        yield f"{_times(gaps.size, 'gap')} in time, the longest {gaps.max():.3g} s, of samples {median:.3g} s apart"
     if sample_rate_hz is not None and abs(median * sample_rate_hz - 1.0) > RATE_SHARE:
         yield f"sampled at {1.0 / median:.4g} Hz, not at {sample_rate_hz:.4g} Hz"
 
@@ -81,9 +82,12 @@ def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
 
 
 def _motion(trial: Trial, pulse: Pulse, counts_per_rev: float | None) -> Iterator[str]:
-    """Angle not at rest before, moving the wrong way, at the end of its range, stuck, or in too few steps."""
+    """Angle in finer steps than counts, not at rest before, moving the wrong way, at its end, stuck, or coarse."""
     sign = math.copysign(1.0, pulse.torque_nm)
-    step = quantum(trial.angle_rad) if counts_per_rev is None else 2.0 * math.pi / counts_per_rev
+    finest = quantum(trial.angle_rad)
+    step = finest if counts_per_rev is None else 2.0 * math.pi / counts_per_rev
+    if 0.0 < finest < FINER * step:
+        yield f"the angle changes by {finest:.2g} rad, less than a count of {step:.2g} rad: is counts_per_rev right?"
     begin = int(np.searchsorted(trial.time_s, trial.time_s[pulse.onset] - REST_S))
     before = trial.angle_rad[min(begin, pulse.onset - 1) : pulse.onset + 1]
     after = sign * (trial.angle_rad[pulse.onset : pulse.end + 1] - before.mean())

@@ -28,9 +28,16 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
         "fits": trials.num_rows,
         "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
         "conditions": [row for row in rows if row["level"] == "all"],
+        "alone": _alone([row for row in rows if row["level"] == "subject"]),
         "flags": dict(flags.most_common(20)),
         "averages": _averages(fits),
     }
+
+
+def _alone(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
+    held = any(row["grip_target_n"] for row in rows)
+    return rows if not held or len({row["subject"] for row in rows}) == 1 else []
 
 
 def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
@@ -50,17 +57,23 @@ def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
 
 
 def sysid_text(summary: dict[str, Any]) -> str:
-    """A table of each experiment and estimator: mean and standard deviation over persons; what is doubtful below."""
+    """A table of each experiment and estimator: mean and standard deviation over persons; what is doubtful below.
+
+    Of one person, or of setups that nobody grips, each by its name, mean over blocks and its standard error.
+    """
     if "calibration" in summary:
         return _calibration_text(summary)
-    rows = summary["conditions"]
+    rows = summary["alone"] or summary["conditions"]
+    named = len({row["subject"] for row in rows}) > 1
+    whose = "standard error" if summary["alone"] else "standard deviation over persons"
+    first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
-        lines += ["", f"experiment {key[0]}, {key[1]}: mean ± standard deviation over persons"]
-        lines.append("  ".join(f"{title:>18}" for title in ("grip N", *(one[0] for one in _COLUMNS), "VAF %")))
+        lines += ["", f"experiment {key[0]}, {key[1]}: mean ± {whose}"]
+        lines.append("  ".join(f"{title:>18}" for title in (first, *(one[0] for one in _COLUMNS), "VAF %")))
         for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
-            cells = [short(row["grip_target_n"])]
+            cells = [row["subject"] if named else short(row["grip_target_n"])]
             cells += [_spread(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
             cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
             lines.append("  ".join(f"{cell:>18}" for cell in cells) + ("  *" if row["flags"] else ""))

@@ -22,17 +22,20 @@ _PARAMETERS = (
 )
 
 
-def draw_hands(conditions: list[Row], *, title: str, path: Path) -> None:
+def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
     """Draw into ``path`` (PNG): a row for each experiment, a column for each parameter, a line for each estimator.
 
     Bars: standard deviation over persons. Of knobs that nobody grips, each setup by its name, bars: standard error over
-    blocks. Raises `ComputationError` if the file cannot be written.
+    blocks. False, and no file, where none of the parameters could be told. Raises `ComputationError` if the file cannot
+    be written.
     """
     from matplotlib.figure import Figure
 
     held = any(row["grip_target_n"] for row in conditions)
     rows = [row for row in conditions if row["level"] == ("all" if held else "subject")]
     parameters = [one for one in _PARAMETERS if any(row.get(one[0]) is not None for row in rows)]
+    if not parameters:
+        return False
     experiments = list(dict.fromkeys(row["experiment"] for row in rows))
     estimators = list(dict.fromkeys(row["estimator"] for row in rows))
     places: list[Any] = sorted({row["grip_target_n"] for row in rows})
@@ -63,6 +66,7 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> None:
     whose = "means over persons and their standard deviations" if held else "means over blocks and standard errors"
     figure.suptitle(f"{title}: {whose}")
     save(figure, path, stage="sysid", name=title)
+    return True
 
 
 def _places(rows: list[Row], places: list[Any], *, held: bool, shift: float) -> list[float]:
@@ -106,5 +110,7 @@ def _label(axes: "Axes", places: list[Any], *, held: bool) -> None:
     if len(places) > 1:
         axes.set_xscale("log")
         axes.xaxis.set_minor_locator(NullLocator())
+    else:
+        axes.margins(x=3.0)  # of one grip the estimators stand together, not at the edges
     axes.set_xticks(places, [f"{place:g}" for place in places])
     axes.set_xlabel("grip force, N")

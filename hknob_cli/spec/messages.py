@@ -21,6 +21,9 @@ _KINDS = {
     "dict_type": "a mapping of keys to values",
     "model_type": "a mapping of keys to values",
     "model_attributes_type": "a mapping of keys to values",
+    "float_parsing": "a number",
+    "int_parsing": "a whole number",
+    "bool_parsing": "true or false",
     "finite_number": "a finite number",
     "int_from_float": "a whole number",
 }
@@ -78,7 +81,8 @@ def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:
         return f"must be {_KINDS[kind]}, got {shown(value)}"
     if kind in {"too_short", "too_long"}:
         side = "at least" if kind == "too_short" else "at most"
-        return f"must have {side} {context.get('min_length', context.get('max_length'))} items, got {shown(value)}"
+        bound = context.get("min_length", context.get("max_length"))
+        return f"must have {side} {bound} item{'s' if bound != 1 else ''}, got {shown(value)}"
     if kind.startswith("string_"):
         return f"{error['msg'].replace('String should', 'must')}, got {shown(value)}"
     if isinstance(value, dict | BaseModel):

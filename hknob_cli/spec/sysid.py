@@ -1,15 +1,15 @@
 """The identification's spec: what to identify, from which recordings, how they are prepared, by which estimators."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Field, ValidationError
+from pydantic import Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.identification import PreparePlan, SysidPlan, VirtualPlan
 from hknob_cli.spec.part import Part
-from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque
+from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque, Unit
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.study import StudySpec, plan_study
 from hknob_cli.spec.sweep import Name
@@ -18,8 +18,18 @@ What = Literal["hand", "motor", "grip_cell", "apparatus"]
 Estimator = Literal["least_squares", "least_squares_friction", "output_error", "output_error_friction", "fourth_order"]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Number = Annotated[int, Field(strict=True, ge=1, le=5)]
-Radius = Annotated[float, Field(gt=0, le=1.0, allow_inf_nan=False)]
+Radius = Annotated[float, Field(strict=True, gt=0, le=1.0, allow_inf_nan=False), Unit("m")]
+Noise = Annotated[float, Field(strict=True, ge=0, le=1.0, allow_inf_nan=False), Unit("rad")]
 ALL = ""
+T = TypeVar("T")
+
+
+def _how_many(value: Any) -> str:
+    return "each" if isinstance(value, dict) else "one"
+
+
+# A discriminator, so that what is wrong with one is not said to be no mapping, too.
+OneOrEach = Annotated[Annotated[T, Tag("one")] | Annotated[dict[str, T], Tag("each")], Discriminator(_how_many)]
 
 
 class WindowSpec(Part):
@@ -51,7 +61,7 @@ class RigSpec(Part):
     counts_per_rev: Annotated[int | None, Field(strict=True, ge=0, le=2**31, description="0: no quantisation")] = None
     coulomb_nm: Annotated[Torque | None, Field(description="Coulomb friction of motor and bearings")] = None
     amplifier_s: Annotated[Seconds | None, Field(description="time constant of the amplifier's lag")] = None
-    angle_noise_rad: Annotated[float | None, Field(ge=0, le=1.0, description="rms, before the encoder rounds")] = None
+    angle_noise_rad: Annotated[Noise | None, Field(description="rms, before the encoder rounds")] = None
     torque_error: Annotated[float | None, Field(gt=-1, le=10.0, description="share by which torque exceeds")] = None
 
 
@@ -71,12 +81,12 @@ class VirtualSpec(Part):
         """As plain values."""
         rig = {name: value for name, value in self.rig if name != "ideal" and value is not None}
         return VirtualPlan(
-            experiments=tuple(self.experiments),
+            experiments=tuple(dict.fromkeys(self.experiments)),  # once each: a trial twice is no evidence
             subjects=self.subjects,
             blocks=self.blocks,
             trials=self.trials,
             seed=self.seed,
-            grips=tuple(self.grips) if self.grips else None,
+            grips=tuple(dict.fromkeys(self.grips)) if self.grips else None,
             model=self.model,
             ideal=self.rig.ideal,
             rig=rig,
@@ -106,11 +116,11 @@ class SysidSpec(Part):
     coulomb_torque: Annotated[Torque, Field(description="friction known of the apparatus, for output_error")] = 0.0
     settling_time_constant: Annotated[Seconds, Field(description="lag known from command to torque")] = 0.0
     subtract_apparatus: Annotated[
-        AddedInertia | dict[str, AddedInertia] | None,
+        OneOrEach[AddedInertia] | None,
         Field(description="inertia to subtract, one or by experiment; null: none"),
     ] = None
     knob_radius: Annotated[
-        Radius | dict[str, Radius] | None,
+        OneOrEach[Radius] | None,
         Field(description="radius of the knob, m, one or by experiment, for translational models; null: none"),
     ] = None
 
@@ -131,6 +141,9 @@ def validate_sysid(source: Source) -> SysidPlan:
         faults.append(source.fault(("kind",), "needs recordings, or virtual to make some, or a study"))
     if spec.recordings is not None and spec.virtual is not None:
         faults.append(source.fault(("virtual",), "must be absent where recordings are given", at_key=True))
+    if spec.counts_per_rev is not None and spec.virtual is not None:
+        text = "must be absent where recordings are virtual; the encoder's is virtual.rig.counts_per_rev"
+        faults.append(source.fault(("counts_per_rev",), text, at_key=True))
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent

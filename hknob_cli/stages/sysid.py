@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from hknob_cli.apparatus.bench_rigs import record_apparatus
 from hknob_cli.apparatus.experiment import record_experiments
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import ComputationError, UsageError
 from hknob_cli.identify.combine import over_blocks, over_subjects
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
@@ -98,7 +98,14 @@ class SysidStage:
         return self.plan.counts_per_rev
 
     def run(self, trials: list[Trial], progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
-        """Fits of every motion, and of every condition. Raises `ComputationError` where no trial can be used."""
+        """Fits of every motion, and of every condition.
+
+        Raises `UsageError` where an experiment's name in the spec is misspelt, and `ComputationError` where no trial
+        can be used.
+        """
+        there = list(dict.fromkeys(trial.key.experiment for trial in trials))
+        for name, given in (("subtract_apparatus", self.plan.apparatus), ("knob_radius", self.plan.radius)):
+            _check_names(name, given, there)
         fitted = list(self._fitted(trials, progress))
         if not any(value.identifiable for one in fitted for value in one.fit.parameters.values()):
             said = list(dict.fromkeys(flag for one in fitted for flag in one.flags))
@@ -134,8 +141,11 @@ class SysidStage:
             parameters["damping_ratio"] = damping_ratio(fit)
         own = self._of_experiment(self.plan.apparatus, one)
         if own is not None and "inertia" in parameters:
-            parameters["inertia"], below = without_apparatus(parameters["inertia"], own)
+            whole = parameters["inertia"]
+            parameters["inertia"], below = without_apparatus(whole, own)
             flags += below
+            if whole.identifiable and not parameters["inertia"].identifiable:
+                flags.append(f"inertia cannot be told from the apparatus's own: {whole.value:.4g} less {own:.4g}")
         radius = self._of_experiment(self.plan.radius, one)
         moved = {key: parameters[key] for key in columns.SKIN if key in parameters}
         skin = at_the_skin(moved, radius) if radius is not None else {}
@@ -250,6 +260,14 @@ class SysidStage:
 def kept_recordings(trials: list[Trial]) -> pa.Table:
     """The recordings as a table, to keep beside what was identified from them."""
     return recordings_table(trials)
+
+
+def _check_names(name: str, given: dict[str, float], there: list[str]) -> None:
+    """Raise `UsageError` where an experiment goes without, and one that is not recorded has it: a name is misspelt."""
+    strange = [one for one in given if one and one not in there]
+    if strange and not set(there) <= set(given) and "" not in given:
+        without = ", ".join(f"'{one}'" for one in there if one not in given)
+        raise UsageError(f"{name}: no recording is of experiment '{strange[0]}', and {without} would go without")
 
 
 def _told(estimates: Iterable[Estimate | None]) -> list[Estimate]:

@@ -111,7 +111,7 @@ def test_figures_of_an_earlier_page_go_and_foreign_ones_are_refused(hknob, spec_
 
 
 BAD = {
-    "no results": ("results: {mine: results/small}", "results: {}", "results: must have at least 1 items"),
+    "no results": ("results: {mine: results/small}", "results: {}", "results: must have at least 1 item"),
     "no such folder": (
         "results/small",
         "results/none",

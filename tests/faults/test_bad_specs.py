@@ -38,7 +38,7 @@ BROKEN = {
     "both biases": ("{torque: 0.001}", "{torque: 1, half_quantum: true}", "7:9: scene.bias: must have exactly one of"),
     "neither bias": ("{torque: 0.001}", "{}", "7:9: scene.bias: must have exactly one of"),
     "half a half-quantum": ("{torque: 0.001}", "{half_quantum: false}", "7:24: scene.bias.half_quantum: must be True"),
-    "no rates": ("[1000]", "[]", "9:19: grid.sample_rate_hz: must have at least 1 items"),
+    "no rates": ("[1000]", "[]", "9:19: grid.sample_rate_hz: must have at least 1 item"),
     "negative rate": ("[1000]", "[1000, -5]", "9:26: grid.sample_rate_hz[1]: must be >= 0.001, got -5"),
     "log from zero": ("[1000]", "{log: [0, 10, 3]}", "9:26: grid.sample_rate_hz.log[0]: must be >= 0.001, got 0"),
     "log of two": ("[1000]", "{log: [1, 10]}", "9:20: grid.sample_rate_hz.log[2]: missing, and required"),

@@ -150,7 +150,7 @@ def test_a_folder_that_cannot_be_written(hknob, spec_file, tmp_path: Path) -> No
 
 
 BAD = {
-    "no stages": ("stages: {}\n", "stages: must have at least 1 items"),
+    "no stages": ("stages: {}\n", "stages: must have at least 1 item"),
     "unknown key": (
         "stages: {a: {spec: s.yaml, needs: b}}\n",
         "stages.a.needs: unknown key; allowed: spec, folder, set",

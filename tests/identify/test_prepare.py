@@ -164,7 +164,7 @@ def test_torque_smoothed_as_the_angle_leaves_no_bias() -> None:
 UNUSABLE = {
     "no pulse": (lambda t: t._replace(torque_nm=0.0 * t.torque_nm), "trial 2 left out: no pulse"),
     "late": (lambda t: cut(t, slice(500, None)), "trial 2 left out: the pulse has begun before the recording"),
-    "short": (lambda t: cut(t, slice(0, 750)), "trial 2 left out: it ends 0.0249 s after the onset; the window needs"),
+    "short": (lambda t: cut(t, slice(0, 750)), "trial 2 left out: it ends 0.0249 s after the onset, the window"),
     "gap": (lambda t: cut(t, np.r_[0:600, 620:1500]), "trial 2 left out: gap of 0.0021 s in time, over 3 intervals"),
     "few": (lambda t: cut(t, slice(0, 1500, 400)), "trial 2 left out: "),
     "tiny": (lambda t: cut(t, slice(0, 3)), "trial 2 left out: "),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from hknob_cli.errors import UsageError
 from hknob_cli.identify.bias_study import bias_study
 from hknob_cli.identify.fourth_study import hidden_inertia
 
@@ -52,3 +53,14 @@ def test_a_stiff_finger_hides_its_inertia() -> None:
         # Equal ratios of dampers and springs keep that share but for the finger's own inertia: of second order in it.
         assert row.inertia == pytest.approx(expected, rel=0.006 / row.ratio)
         assert row.vaf > 0.99999
+
+
+@pytest.mark.parametrize("ratio", [1e-6, 1e6])
+def test_a_finger_too_light_to_follow_is_refused(ratio: float) -> None:
+    """The hold is squared from one so short that the finger hardly moves in it, where rounding is of the size of what
+    the knob does: all damping was lost, at a VAF of 1. Within the limit damping is told to some 1e-6."""
+    hand = {"damping": 1.15e-3, "stiffness": 0.23, "inertia": MOTOR_INERTIA, "ratios": [ratio]}
+    with pytest.raises(UsageError, match="too fast to be followed"):
+        hidden_inertia(**hand, finger_inertia=1e-16)
+    found = hidden_inertia(**hand, finger_inertia=1.3e-10)[-1]
+    assert found.damping == pytest.approx(1.15e-3, rel=1e-5)

@@ -62,7 +62,7 @@ SPOILT = {
     "no pulse": (flat, "no pulse: the commanded torque is zero throughout"),
     "wrong sign": (lambda t: t._replace(angle_rad=-t.angle_rad), "pulse of the wrong sign: the angle moves by -0.1"),
     "held": (clipped, "angle at the end of its range, 0.0"),
-    "gap": (gap, "1 gap in time, the longest 0.0006 s; samples are 0.0001 s apart"),
+    "gap": (gap, "1 gap in time, the longest 0.0006 s, of samples 0.0001 s apart"),
     "frozen": (frozen, "angle repeats itself during motion 1 time, then jumps"),
     "moving": (drifting, "angle not at rest before the pulse: it moves by 0.01"),
     "loose": (lambda t: t._replace(grip_n=0.7 * t.grip_n), "grip of 1.68 N at the pulse, -30% off its target of 2.4 N"),
@@ -92,6 +92,14 @@ def test_coarse_encoder() -> None:
     (found,) = flags(coarse, counts_per_rev=512)
     assert found.startswith("encoder too coarse: the motion is 1")
     assert flags(coarse) == (found,)
+
+
+def test_more_counts_than_stated() -> None:
+    """Of 4096 counts said to be 512, changes are eighths of a count; said to be more, nothing shows it."""
+    fine = trial(counts=4096)
+    assert any("is counts_per_rev right?" in flag for flag in flags(fine, counts_per_rev=512))
+    for stated in (4096, 8192, None):
+        assert not any("counts_per_rev" in flag for flag in flags(fine, counts_per_rev=stated))
 
 
 def test_another_rate() -> None:
