@@ -144,7 +144,7 @@ def fourth_order(
         estimates,
         share,
         white,
-        (*flags, *misfit(white, share, found.rms_rad, motion.noise_rad), *doubts),
+        (*flags, *misfit(white, share, found.rms_rad, motion), *doubts),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
         covariance=tuple(map(tuple, covariance.tolist())),
