@@ -45,6 +45,7 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "p2p_rad": measured.p2p_rad,
         "rms_rad": measured.rms_rad,
         "frequency_hz": measured.frequency_hz,
+        "cycle_hz": measured.cycle_hz,
         "grip_mean_n": measured.grip_mean_n,
         "grip_std_n": measured.grip_std_n,
         "grip_zero_n": one.zero_n,
