@@ -1,5 +1,6 @@
 """A campaign's trials as the cells of a sweep: the same columns, so that recorded and simulated knobs compare."""
 
+from math import pi
 from statistics import fmean
 from typing import Any
 
@@ -17,7 +18,7 @@ COLUMNS = (
     Column(COUNTS, _WHOLE, "1/rev", "encoder counts per revolution"),
     Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, mean of the trials; rest counts as 0"),
     Column("rms_rad", _REAL, "rad", "root mean square about the mean, mean of the trials; rest counts as 0"),
-    Column("frequency_hz", _REAL, "Hz", "local maxima per second, mean of the trials; rest counts as 0"),
+    Column("frequency_hz", _REAL, "Hz", "cycles per second, mean of the trials; rest counts as 0"),
     Column("spectral_hz", _REAL, "Hz", "highest peak of the spectrum, mean of the trials; rest counts as 0"),
     Column("at_rest_fraction", _REAL, "1", "share of the trials without a sustained buzz"),
     Column("diverged_fraction", _REAL, "1", "share of the trials that diverge: none, for the wall is switched off"),
@@ -26,16 +27,16 @@ COLUMNS = (
     Column("grip_mean_n", _REAL, "N", "mean grip force of the trials"),
     Column("wall_torque_nm", _REAL, "N*m", "mean torque of the wall in the trials"),
 )
-# Columns of a trial; its frequency as a sweep has it, of cycles, not of the spectrum.
+# The other columns of a trial.
 _MEANS = {
     "p2p_rad": "p2p_rad",
     "rms_rad": "rms_rad",
-    "frequency_hz": "cycle_hz",
     "spectral_hz": "frequency_hz",
     "grip_mean_n": "grip_mean_n",
     "wall_torque_nm": "wall_torque_nm",
 }
-NEEDED = (RATE, COUNTS, "sustained", *_MEANS.values())
+NEEDED = (RATE, COUNTS, "sustained", "cycle_hz", "torque_hz", "native_counts", *_MEANS.values())
+LEAST_COUNTS = 10.0  # of the device's own encoder: of a smaller swing it misses maxima
 
 
 def campaign_cells(trials: list[Row]) -> pa.Table:
@@ -56,4 +57,15 @@ def _cell(rate: float, counts: int, same: list[Row]) -> Row:
     for name, column in _MEANS.items():
         found = [one[column] for one in same if one[column] is not None]
         row[name] = fmean(found) if found else None
+    row["frequency_hz"] = fmean(_pitch(one) for one in same)
     return row
+
+
+def _pitch(trial: Row) -> float:
+    """Cycles per second, as a sweep counts them: local maxima, or, of a swing too small for that, rises of the torque.
+
+    So small a swing crosses one edge of the wall's encoder, if that is the coarser, and so raises the torque once.
+    """
+    own = 2.0 * pi / trial["native_counts"]
+    small = trial["p2p_rad"] < LEAST_COUNTS * own < 2.0 * pi / trial[COUNTS]
+    return float(trial["torque_hz"] if small else trial["cycle_hz"])

@@ -42,6 +42,7 @@ TRIALS = (
         "principal frequency of the steady part, the highest peak of its spectrum; 0 at rest",
     ),
     Column("cycle_hz", _REAL, "Hz", "local maxima per second of the steady part, as a sweep counts cycles; 0 at rest"),
+    Column("torque_hz", _REAL, "Hz", "rises of the torque per second, one a cycle below a count in size; 0 at rest"),
     Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
     Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),
     Column("grip_zero_n", _REAL, "N", "what the grip cell showed before the start, subtracted"),

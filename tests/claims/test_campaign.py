@@ -26,6 +26,8 @@ def trial(rate: float, counts: int, p2p: float, cycles: float, **more: Any) -> d
         "rms_rad": 0.35 * p2p,
         "frequency_hz": 0.7 * cycles,
         "cycle_hz": cycles,
+        "torque_hz": 2.0 * cycles,
+        "native_counts": 640_000,
         "grip_mean_n": 0.7,
         "wall_torque_nm": 1e-3,
         **more,
@@ -79,6 +81,20 @@ def test_repeated_trials_are_averaged_and_those_at_rest_are_no_cycle(made: Made)
     assert (found["p2p_rad"], found["frequency_hz"]) == (pytest.approx(4.0 / 3.0), pytest.approx(400.0 / 3.0))
     pitch = {"result": "knob", "against": "sim", "quantity": "frequency"}
     assert compute("ratio", evidence, pitch) == pytest.approx(2.0)  # the mean of 100 and 300, over 100
+
+
+@pytest.mark.parametrize(("own_counts", "pitch"), [(9.9, 200.0), (10.1, 100.0)])
+def test_pitch_of_a_swing_too_small_to_see_is_that_of_the_torque(made: Made, own_counts: float, pitch: float) -> None:
+    row = trial(1000.0, 256, own_counts * 2.0 * pi / 640_000, 100.0)
+    (found,) = made("knob", {"trials": [row]}, stage="hw-run")["knob"].rows("cells")
+    assert found["frequency_hz"] == pytest.approx(pitch)
+
+
+def test_a_coarse_encoder_of_the_device_leaves_only_maxima(made: Made) -> None:
+    """Where the wall sees counts nearly as fine as the device's own, a swing of ten of these crosses several."""
+    row = trial(1000.0, 512, 1e-4, 100.0, native_counts=2048)
+    (found,) = made("knob", {"trials": [row]}, stage="hw-run")["knob"].rows("cells")
+    assert found["frequency_hz"] == pytest.approx(100.0)
 
 
 def test_a_campaign_of_an_earlier_version_says_what_it_lacks(made: Made) -> None:
