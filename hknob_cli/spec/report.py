@@ -20,6 +20,9 @@ Draw = Literal[
     "all_persons",
     "bias_curves",
     "block_diagram",
+    "campaign_lines",
+    "campaign_thumbnails",
+    "campaign_trial",
     "cases",
     "contact_energy",
     "error_time",
@@ -51,7 +54,9 @@ Draw = Literal[
     "staircase",
     "surface",
     "time_response",
+    "torque_reach",
     "trial_thumbnails",
+    "what_explains",
 ]
 
 

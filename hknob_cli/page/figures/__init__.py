@@ -23,6 +23,9 @@ MODULES: dict[str, str] = {
     "all_persons": "persons",
     "bias_curves": "bias",
     "block_diagram": "relay_loop",
+    "campaign_lines": "campaign_lines",
+    "campaign_thumbnails": "campaign",
+    "campaign_trial": "campaign",
     "cases": "cases",
     "contact_energy": "contact",
     "error_time": "error_time",
@@ -54,7 +57,9 @@ MODULES: dict[str, str] = {
     "staircase": "staircase",
     "surface": "surface",
     "time_response": "motion",
+    "torque_reach": "torque_reach",
     "trial_thumbnails": "recorded",
+    "what_explains": "what_explains",
 }
 
 
