@@ -18,7 +18,7 @@ PIPELINE = EXPERIMENTS / "dissertation.yaml"
 
 def run(out: Path, *more: str) -> dict[str, Any]:
     done = subprocess.run(
-        [HKNOB, "run", PIPELINE, "-o", out, "--json", *more], capture_output=True, text=True, check=False, timeout=300
+        [HKNOB, "run", PIPELINE, "-o", out, "--json", *more], capture_output=True, text=True, check=False, timeout=900
     )
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
