@@ -18,6 +18,7 @@ ORDER = [
     "spec",
     "engine",
     "scene",
+    "remedies",
     "theory",
     "rivals",
     "measure",

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 
@@ -103,6 +104,7 @@ class Scene(NamedTuple):
     encoder: Encoder | None
     actuator: Actuator | None
     sampled: bool = True
+    controller: Controller | None = None
 
 
 class Starts(NamedTuple):

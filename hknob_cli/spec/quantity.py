@@ -99,6 +99,7 @@ def _number(unit: str, **bounds: Any) -> Any:
 Inertia = _number("kg*m^2", gt=0, le=1e6)
 AddedInertia = _number("kg*m^2", ge=0, le=1e6)
 Damping = _number("N*m*s/rad", ge=0, le=1e9)
+SignedDamping = _number("N*m*s/rad", ge=-1e9, le=1e9)
 Stiffness = _number("N*m/rad", ge=0, le=1e12)
 Torque = _number("N*m", ge=0, le=1e9)
 SignedTorque = _number("N*m", ge=-1e9, le=1e9)

@@ -1,7 +1,7 @@
 """The tables of a sweep, with the columns that its scene has."""
 
 from collections.abc import Callable, Iterator, Sequence
-from math import nan
+from math import isfinite, nan
 from typing import Any
 
 import pyarrow as pa
@@ -54,7 +54,7 @@ def _cell_row(result: CellResult) -> dict[str, Any]:
     bounded = [
         (a.trials, m)
         for a, m in zip(result.attractors, result.measures, strict=True)
-        if a.outcome in (Outcome.CYCLE, Outcome.REST)
+        if a.outcome in (Outcome.CYCLE, Outcome.REST) or isfinite(m.p2p_rad)
     ]
     weight = sum(trials for trials, _ in bounded)
 
