@@ -66,7 +66,7 @@ def prove(mover: Mover, found: State, period: int) -> Orbits:
     reach = np.sqrt(np.maximum(np.einsum("il,lij,jl->l", off, form, off), 0.0))
     root = np.linalg.inv(np.linalg.cholesky(form))  # P = L L^T; a functional r is bounded by |L^-1 r|
     margin = np.full(lanes, np.inf)
-    safe = contracts.copy()
+    safe = contracts & (np.abs(base - z) <= SURE * (1.0 + np.abs(z))).all(axis=0)
     for i, step in enumerate(run.steps):
         here = run.first if i == 0 else run.steps[i - 1].state
         watched = [here.x, *(step.looked if step.looked is not None else ())]

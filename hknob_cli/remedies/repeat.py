@@ -8,7 +8,7 @@ from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.remedies.lanes import Array
 from hknob_cli.remedies.motion import Mover, State
 
-FEWEST, MOST = 2048, 65_536  # samples of a search
+MOST = 65_536  # samples of a search
 GREW = 1e9  # counts
 LOOK = 256  # samples between looks for lanes that have grown
 
@@ -17,11 +17,12 @@ class Effort(NamedTuple):
     """How long to wait and how near a return must be.
 
     ``settle``: transient, in time constants of the slowest mode or of the controller's memory; ``patience``: further ones
-    in which a motion must repeat; ``near``: of a state that has returned, relative.
+    in which a motion must repeat, and ``fewest`` samples; ``near``: of a state that has returned, relative.
     """
 
     settle: float
     patience: float
+    fewest: int
     near: float
 
 
@@ -91,7 +92,7 @@ def find_repeats(mover: Mover, start: State, effort: Effort) -> Found:
     """Run all lanes until each repeats, grows beyond bounds, or has had its time."""
     longest = float(np.max(time_constants(mover)))
     skip = int(min(np.ceil(effort.settle * longest), MOST))
-    budget = int(np.clip(np.ceil(effort.patience * longest), FEWEST, MOST))
+    budget = int(np.clip(np.ceil(effort.patience * longest), effort.fewest, MOST))
     lanes = _Lanes(mover, start)
     period = np.zeros(len(start.x), dtype=np.int64)
     grew = np.zeros(len(start.x), dtype=bool)

@@ -12,7 +12,10 @@ from hknob_cli.remedies.remedy import Remedy
 from hknob_cli.remedies.repeat import Effort, find_repeats, take
 
 # First a rough return, whose orbit Newton's method completes and the proof checks; for the rest a patient one.
-EFFORTS = (Effort(settle=5.0, patience=4.0, near=1e-4), Effort(settle=4.0, patience=24.0, near=1e-8))
+EFFORTS = (
+    Effort(settle=5.0, patience=4.0, fewest=1024, near=1e-4),
+    Effort(settle=4.0, patience=24.0, fewest=8192, near=1e-8),
+)
 SAME = 1e-6  # of two orbits that are one, relative
 AT_REST = 1e-9  # counts
 WINDOW_S, WINDOW = 0.5, (256, 4096)  # of motion that does not repeat: time, and least and most samples
