@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = ("sysid", *GRIDS, "bench", "report")
+KINDS = ("sysid", *GRIDS, "remedies", "bench", "report")
 PIPELINE = "pipeline"
 
 
@@ -121,6 +121,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.bench import validate_bench
 
         return validate_bench(source)
+    if given == "remedies":
+        from hknob_cli.spec.remedies import validate_remedies
+
+        return validate_remedies(source)
     if given == "sysid":
         from hknob_cli.spec.sysid import validate_sysid
 
@@ -300,7 +304,7 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"sysid": "SysidSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
+    models = {"sysid": "SysidSpec", "remedies": "RemediesSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
     if kind not in models:
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
     model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
+from hknob_cli.spec.remedies_plan import RemediesPlan
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 GRIP = "hand.grip_n"
@@ -299,7 +300,7 @@ class PipelinePlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

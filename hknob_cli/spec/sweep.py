@@ -127,6 +127,10 @@ class SweepSpec(Part):
             found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
         if self.record and self.record.pulse and self.scene.sampling == "continuous":
             found.append((("record", "pulse"), "must be absent where sampling is continuous"))
+        if self.record and self.record.pulse and self.scene.controller:
+            found.append((("record", "pulse"), "must be absent where a controller is given"))
+        if self.growth and self.scene.controller:
+            found.append((("growth",), "must be absent where a controller is given"))
         if self.record:
             rows = self._recorded_rows(axes)
             if rows > MOST_ROWS:
