@@ -12,6 +12,7 @@ WORK = {
     "bench": "hknob_cli.cli.bench_work",
     "report": "hknob_cli.cli.report_work",
     "sysid": "hknob_cli.cli.sysid_work",
+    "remedies": "hknob_cli.cli.remedies_work",
 }
 
 
