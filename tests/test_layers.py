@@ -21,6 +21,7 @@ ORDER = [
     "theory",
     "rivals",
     "measure",
+    "perception",
     "results",
     "recordings",
     "apparatus",
