@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.level import Array, Verdict, combine, decibels
+from hknob_cli.perception.level import Array, Verdict, combine, decibels, refuse_outside
 from hknob_cli.perception.published import columns, published
 
 REFERENCE_PA = 20e-6  # of sound pressure levels
@@ -38,12 +38,7 @@ def parameters(frequency_hz: ArrayLike, *, edition: int | None = None) -> Parame
     table = columns(data["editions"][edition]["file"])
     low, high = data["range_hz"]
     frequency = np.asarray(frequency_hz, dtype=np.float64)
-    outside = ~((frequency >= low) & (frequency <= high))
-    if outside.any():
-        given = np.atleast_1d(frequency)[np.atleast_1d(outside)][0]
-        raise UsageError(
-            f"a frequency of {given:.6g} Hz is outside {low:g} to {high:g} Hz, beyond which ISO 226 has none"
-        )
+    refuse_outside(frequency, low, high, what="a frequency of", unit="Hz", why="which ISO 226 is for")
     at, where = np.log(table["frequency_hz"]), np.log(frequency)
     return Parameters(*(np.interp(where, at, table[name]) for name in Parameters._fields))
 
@@ -53,6 +48,15 @@ def in_range(frequency_hz: ArrayLike) -> NDArray[np.bool_]:
     low, high = published("hearing")["range_hz"]
     frequency = np.asarray(frequency_hz, dtype=np.float64)
     inside: NDArray[np.bool_] = (frequency >= low) & (frequency <= high)
+    return inside
+
+
+def is_specified(frequency_hz: ArrayLike, phon: ArrayLike) -> NDArray[np.bool_]:
+    """Whether tones are within the loudness levels that the standard is for; they broadcast, NaN is not."""
+    frequency, loudness = np.asarray(frequency_hz, dtype=np.float64), np.asarray(phon, dtype=np.float64)
+    low, high = _least_and_most(frequency)
+    # A level that the formula gives for exactly 20 or 90 phon is within, whatever it is rounded to.
+    inside: NDArray[np.bool_] = np.asarray((loudness >= low - 1e-9) & (loudness <= high + 1e-9))
     return inside
 
 
@@ -147,19 +151,22 @@ def judge(frequency_hz: ArrayLike, spl_db: ArrayLike, *, edition: int | None = N
 
 
 def _refuse_loudness(frequency: Array, phon: Array) -> None:
-    data = published("hearing")
-    (low, high), above = data["range_phon"], data["above"]
-    most = np.where(frequency > above["hz"], float(above["phon"]), float(high))
-    # A level that the formula gives for exactly 20 or 90 phon is within, whatever it is rounded to.
-    slack = 1e-9
-    outside = ~((phon >= low - slack) & (phon <= most + slack))
+    outside = ~is_specified(frequency, phon)
     if outside.any():
         at = np.unravel_index(int(np.argmax(outside)), outside.shape)
         given = "below threshold" if np.isnan(phon[at]) else f"{phon[at]:.4g} phon"
+        low, high = _least_and_most(frequency[at])
         raise UsageError(
-            f"a tone of {frequency[at]:g} Hz at {given} is outside {low:g} to {most[at]:g} phon, "
+            f"a tone of {frequency[at]:g} Hz at {given} is outside {low:g} to {high:g} phon, "
             f"which ISO 226 is for; ask for extrapolation to go on"
         )
+
+
+def _least_and_most(frequency: Array) -> tuple[float, Array]:
+    """Loudness levels between which the standard is for tones, phon."""
+    data = published("hearing")
+    (low, high), above = data["range_phon"], data["above"]
+    return float(low), np.where(frequency > above["hz"], float(above["phon"]), float(high))
 
 
 def _log10(values: Array) -> Array:

@@ -68,12 +68,14 @@ def combine(frequency_hz: ArrayLike, levels_db: ArrayLike, *, how: str = "most_e
     return Verdict(np.where(some, level, np.nan), np.where(some, which, np.nan))
 
 
-def refuse_outside(values: Array, low: float, high: float, *, what: str, unit: str, source: str) -> None:
-    """Raises `UsageError` where a value is outside the range that a source covers, or is not a number."""
+def as_published(source: str) -> str:
+    """The reason for a range that a source has."""
+    return f"which is what is published ({source}); ask for extrapolation to go on"
+
+
+def refuse_outside(values: Array, low: float, high: float, *, what: str, unit: str, why: str) -> None:
+    """Raises `UsageError`, which ends in ``why``, where a value is outside a range, or is not a number."""
     outside = ~((values >= low) & (values <= high))
     if outside.any():
         given: Any = np.atleast_1d(values)[np.atleast_1d(outside)][0]
-        raise UsageError(
-            f"{what} {given:.6g} {unit} is outside {low:g} to {high:g} {unit}, which is what is published "
-            f"({source}); ask for extrapolation to go on"
-        )
+        raise UsageError(f"{what} {given:.6g} {unit} is outside {low:g} to {high:g} {unit}, {why}")

@@ -57,9 +57,14 @@ def columns(file: str) -> dict[str, tuple[float, ...]]:
     return {name: tuple(float(row[name]) for row in rows) for name in rows[0]}
 
 
+def data_files() -> tuple[Path, ...]:
+    """All files of the folder."""
+    return tuple(sorted(path for kind in ("*.csv", "*.yaml") for path in folder().glob(kind)))
+
+
 def data_digest() -> str:
     """Digest of all files, as an input of what is computed from them."""
     digest = hashlib.sha256()
-    for path in sorted(folder().glob("*.*")):
+    for path in data_files():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hknob_cli.errors import UsageError
-from hknob_cli.perception.level import Array, decibels, refuse_outside
+from hknob_cli.perception.level import Array, as_published, decibels, refuse_outside
 from hknob_cli.perception.published import threshold_set
 
 
@@ -45,5 +45,6 @@ def level(
         raise UsageError("a torque step must not be below 0")
     if not extrapolate:
         low, high = found["period_deg"]
-        refuse_outside(360.0 / counts, low, high, what="a count of", unit="degrees", source=found["source"])
+        why = as_published(found["source"])
+        refuse_outside(360.0 / counts, low, high, what="a count of", unit="degrees", why=why)
     return decibels(torque / found["torque_nm"] + 0.0 * counts)

@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hknob_cli.perception.level import Array, Verdict, combine, decibels, refuse_outside, to_peak
+from hknob_cli.perception.level import Array, Verdict, as_published, combine, decibels, refuse_outside, to_peak
 from hknob_cli.perception.published import published, threshold_set
 
+# Where thresholds are extrapolated to: vibration is felt up to about 1 kHz (Tan et al. 1994, sec. 2).
+FELT_HZ = (1.0, 1000.0)
 RADII_M = {"small": 8.9e-3, "medium": 14.95e-3}  # of the dissertation's knobs, 17.8 and 29.9 mm across
 
 
@@ -42,17 +44,18 @@ def in_range(frequency_hz: ArrayLike, *, name: str | None = None) -> NDArray[np.
 
 
 def detection_threshold(frequency_hz: ArrayLike, *, name: str | None = None, extrapolate: bool = False) -> Array:
-    """Least displacement detected, m, peak, at any shape of frequencies (Hz) above 0.
+    """Least displacement detected, m, peak, at any shape of frequencies (Hz).
 
     Level over the logarithm of frequency is linear between the published points and, where ``extrapolate``, beyond
-    them; there it is a guess: above about 300 Hz thresholds rise again, which no set here has. Raises `UsageError`
-    outside the range otherwise.
+    them, from 1 Hz to 1 kHz; there it is a guess: above about 300 Hz thresholds rise again, which no set here has.
+    Raises `UsageError` outside the range.
     """
     found, frequency = thresholds(name), np.asarray(frequency_hz, dtype=np.float64)
     if not extrapolate:
-        refuse_outside(frequency, found.low_hz, found.high_hz, what="a frequency of", unit="Hz", source=found.source)
+        why = as_published(found.source)
+        refuse_outside(frequency, found.low_hz, found.high_hz, what="a frequency of", unit="Hz", why=why)
     else:
-        refuse_outside(frequency, 1e-3, 1e6, what="a frequency of", unit="Hz", source="what can be extrapolated to")
+        refuse_outside(frequency, *FELT_HZ, what="a frequency of", unit="Hz", why="where vibration can be felt")
     at, level = np.log(found.points[:, 0]), np.log(found.points[:, 1])
     where = np.log(frequency)
     inner = np.interp(where, at, level)
@@ -96,6 +99,8 @@ def judge(
     """
     frequency = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
     displacement = to_peak(displacement_m, convention)
-    some = frequency > 0.0 if extrapolate else in_range(frequency, name=name)
+    some = in_range(frequency, name=name)
+    if extrapolate:
+        some = (frequency >= FELT_HZ[0]) & (frequency <= FELT_HZ[1])
     levels = sensation_level(frequency[some], displacement[..., some], name=name, extrapolate=extrapolate)
     return combine(frequency[some], levels, how=how)

@@ -94,8 +94,8 @@ def test_outside_its_range_a_set_is_refused_unless_extrapolation_is_asked_for(na
             detection_threshold(hertz, name=name)
     ends = detection_threshold([0.99 * found.low_hz, 1.01 * found.high_hz], name=name, extrapolate=True)
     assert ends == pytest.approx(found.points[[0, -1], 1], rel=0.03)  # 14 dB per octave is 2.3 % over 1 %
-    for hertz in (0.0, float("nan")):
-        with pytest.raises(UsageError):
+    for hertz in (0.0, 1001.0, float("nan")):
+        with pytest.raises(UsageError, match="outside 1 to 1000 Hz"):
             detection_threshold(hertz, name=name, extrapolate=True)
 
 
@@ -163,5 +163,7 @@ def test_parts_outside_the_range_are_left_out_and_nothing_is_said_without_others
     assert np.isnan(judge([5.0, 5000.0], [1.0, 1.0]).level_db)
     assert np.isnan(judge([], np.zeros((2, 0))).level_db).all()
     assert np.isnan(judge([100.0], [0.0]).level_db)
-    assert judge([5000.0], [1e-6], extrapolate=True).frequency_hz == 5000.0
+    # Extrapolation ends where vibration is no longer felt.
+    assert judge([500.0, 5000.0], [1e-6, 1.0], extrapolate=True).frequency_hz == 500.0
+    assert np.isnan(judge([5000.0], [1.0], extrapolate=True).level_db)
     assert in_range([5.0, 10.0, 320.0, 321.0]).tolist() == [False, True, True, False]
