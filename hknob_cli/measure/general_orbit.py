@@ -10,7 +10,7 @@ from hknob_cli.engine.general.search import Chart, GeneralEngine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.forms import Integrals, integrate
-from hknob_cli.measure.general_harmonics import of_chart
+from hknob_cli.measure.general_harmonics import MOST_WORK, of_chart
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, scaled
 from hknob_cli.measure.leak import Leak, split_leak
 from hknob_cli.measure.moments import RULE, Forms, hold_forms
@@ -59,7 +59,10 @@ class GeneralMeasurer:
         body, period_s = self.knob.body, self.knob.period_s
         count = harmonic_count(attractor.period, sample_period_s=period_s, highest_hz=highest_hz)
         chart = self.engine.chart(body, self.knob.wall, attractor)
-        amplitudes = np.zeros(0, complex) if chart is None else of_chart(body, chart, attractor.period, count)
+        amplitudes = np.zeros(0, complex)
+        if chart is not None:
+            count = min(count, MOST_WORK // len(chart.spans))
+            amplitudes = of_chart(body, chart, attractor.period, self.knob.wall.split, count)
         return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:

@@ -15,14 +15,22 @@ from hknob_cli.measure.period import Array
 Complex = NDArray[np.complex128]
 
 
+MOST_HARMONICS = 200_000  # of an orbit
+
+
 class Harmonics(NamedTuple):
     """The motion is the mean plus Re Σ A exp(2πi f t), t from the orbit's first sample.
 
-    ``frequency_hz`` (n,): whole multiples of the period's; ``angle_rad`` (n,): complex amplitudes A, peak.
+    ``frequency_hz`` (n,): whole multiples of the period's; ``angle_rad`` (n,): complex amplitudes A, peak. Of a very
+    long period the highest that were asked for may be missing.
     """
 
     frequency_hz: Array
     angle_rad: Complex
+
+    def reach(self, hertz: float) -> bool:
+        """Whether none up to a frequency are missing."""
+        return len(self.frequency_hz) > 0 and bool(self.frequency_hz[-1] + self.frequency_hz[0] > hertz)
 
     @property
     def speed_rad_s(self) -> Array:
@@ -32,8 +40,8 @@ class Harmonics(NamedTuple):
 
 
 def harmonic_count(period_samples: int, *, sample_period_s: float, highest_hz: float) -> int:
-    """Number of harmonics of a period up to and with ``highest_hz``."""
-    return int(highest_hz * period_samples * sample_period_s * (1.0 + 1e-12))
+    """Number of harmonics of a period up to and with ``highest_hz``, at most `MOST_HARMONICS`."""
+    return min(MOST_HARMONICS, int(highest_hz * period_samples * sample_period_s * (1.0 + 1e-12)))
 
 
 def scaled(amplitudes: Complex, period_samples: int, *, sample_period_s: float, quantum_rad: float) -> Harmonics:

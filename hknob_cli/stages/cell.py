@@ -150,7 +150,7 @@ class CellFinder:
         )
         search = Search((whole(Outcome.UNDECIDED, Reason.NO_DAMPING, phases),), int(phases * duration / knob.period_s))
         found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces")
-        return found._replace(growth=energy_growth(peaks))
+        return _perceived(plan, None, found._replace(growth=energy_growth(peaks)))
 
     def _find_unsampled(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.unsampled import settle
@@ -184,7 +184,7 @@ class CellFinder:
 
 
 def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult:
-    """The result with what is felt and heard of its cycles, if the plan asks for it."""
+    """The result with what is felt and heard of its cycles, if the plan asks for it; no ``measurer``: it has none."""
     if plan.perceive is None:
         return result
     from hknob_cli.stages.perceived import HIGHEST_HZ, Perceived, perceive

@@ -28,9 +28,14 @@ class Perceived(NamedTuple):
 
 
 def perceive(lines: Harmonics, how: Perceive) -> Perceived:
-    """Levels of a cycle by its harmonics."""
+    """Levels of a cycle by its harmonics; none of a sense for which the highest of a very long period are missing."""
+    if not lines.reach(touch.FELT_HZ[1] if how.extrapolate else touch.thresholds(how.thresholds).high_hz):
+        return Perceived()
     skin = touch.skin_displacement(np.abs(lines.angle_rad), knob_radius_m=how.knob_radius)
     felt = touch.judge(lines.frequency_hz, skin, name=how.thresholds, how=how.combine, extrapolate=how.extrapolate)
+    one = Perceived(touch_db=float(felt.level_db), touch_hz=float(felt.frequency_hz))
+    if not lines.reach(HIGHEST_HZ):
+        return one
     speed = lines.speed_rad_s
     if how.sound_gain is None:
         sound, phon = decibels(speed), nan
@@ -38,9 +43,7 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
         sound = hearing.heard_level(speed, gain_pa_s_per_rad=how.sound_gain)
         phon = _loudest(lines.frequency_hz, sound, how)
     heard = hearing.judge(lines.frequency_hz, sound, edition=how.edition)
-    return Perceived(
-        touch_db=float(felt.level_db),
-        touch_hz=float(felt.frequency_hz),
+    return one._replace(
         hearing_db=float(heard.level_db),
         hearing_hz=float(heard.frequency_hz),
         hearing_phon=phon,

@@ -11,7 +11,7 @@ from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
-from hknob_cli.measure.harmonics import harmonic_count
+from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
@@ -112,3 +112,11 @@ def test_the_number_of_harmonics_is_up_to_and_with_the_highest() -> None:
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=300.0) == 3
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=299.0) == 2
     assert harmonic_count(10, sample_period_s=1e-3, highest_hz=99.0) == 0
+    assert harmonic_count(10**9, sample_period_s=1e-3, highest_hz=99.0) == MOST_HARMONICS
+
+
+def test_what_is_missing_is_known() -> None:
+    some = Harmonics(np.array([100.0, 200.0, 300.0]), np.ones(3, complex))
+    assert some.reach(320.0)
+    assert not some.reach(400.0)
+    assert not Harmonics(np.zeros(0), np.zeros(0, complex)).reach(1.0)

@@ -137,7 +137,9 @@ def test_outside_what_is_published_there_is_no_value_unless_extrapolation_is_ask
 
 
 def lines(hertz: float, angle: float) -> Harmonics:
-    return Harmonics(np.array([hertz]), np.array([angle], dtype=complex))
+    """One sinusoid, as a harmonic of a period of a tenth of a second."""
+    frequency = 10.0 * np.arange(1, 1251)
+    return Harmonics(frequency, np.where(frequency == hertz, angle, 0.0).astype(complex))
 
 
 def test_loudness_is_of_iso_226_only_where_it_is_specified() -> None:
@@ -154,6 +156,13 @@ def test_loudness_is_of_iso_226_only_where_it_is_specified() -> None:
 def test_ten_times_the_radius_is_20_db() -> None:
     near, far = (perceive(lines(100.0, 1e-4), HOW._replace(knob_radius=radius)) for radius in (1e-3, 1e-2))
     assert far.touch_db - near.touch_db == pytest.approx(20.0)
+
+
+def test_a_period_whose_highest_harmonics_are_missing_is_not_judged_by_the_others() -> None:
+    whole = lines(100.0, 1e-3)
+    for count, known in ((1250, (True, True)), (500, (True, False)), (31, (False, False))):
+        one = perceive(Harmonics(whole.frequency_hz[:count], whole.angle_rad[:count]), HOW)
+        assert (np.isfinite(one.touch_db), np.isfinite(one.hearing_db)) == known
 
 
 def test_without_a_cycle_there_is_no_level() -> None:
@@ -176,6 +185,16 @@ def test_a_knob_at_rest_and_a_wall_without_stiffness_have_no_levels() -> None:
     (cell,) = rows(still.cells)
     assert cell["touch_db"] is cell["hearing_db"] is cell["torque_step_db"] is None
     assert cell["felt_fraction"] == cell["heard_fraction"] == 0.0
+
+
+def test_a_knob_that_nothing_damps_has_no_cycle_to_feel() -> None:
+    """A sweep of such a scene takes the growth of its energy unasked; an axis may have it in some cells only."""
+    ball = SPEC.replace("damping: 3.45e-4, stiffness: 0.04", "damping: 0.0, stiffness: 0.0")
+    (cell,) = rows(sweep(ball + BLOCK).cells)
+    assert cell["growth_j_per_s2"] > 0.0
+    assert cell["touch_db"] is None
+    axis = ball.replace("  counts_per_rev:", "  hand.damping: [0.0, 1.0e-3]\n  counts_per_rev:")
+    assert len(rows(sweep(axis + BLOCK).cells)) == 2
 
 
 def test_beyond_the_plain_loop_and_for_people() -> None:
