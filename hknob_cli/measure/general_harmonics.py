@@ -59,5 +59,6 @@ def _transform(times: Array, jumps: Array, n: int, split: float, w: Array) -> Co
     block = max(1, _BLOCK // max(1, int(left.sum())))
     for first in range(0, len(w) if left.any() else 0, block):
         part = slice(first, first + block)
-        found[part] += np.exp(-1j * np.outer(w[part], times[left])) @ jumps[left]
+        # Not a matrix product, whose last digit may depend on the number of threads.
+        found[part] += np.einsum("ij,jk->ik", np.exp(-1j * np.outer(w[part], times[left])), jumps[left])
     return found

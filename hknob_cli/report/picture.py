@@ -12,7 +12,7 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
-from hknob_cli.report.perceived import Level, perceived_levels
+from hknob_cli.report.perceived import level_limits, perceived_levels
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -50,7 +50,7 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
         draw_growth(figure, rows, wide or axes[:1], axis_name)
     elif len(wide) == 2:
         tall = 0.52 * len({row[wide[0]] for row in rows}) + 2.2
-        figure = Figure(figsize=(13.5, tall * (2 if map_levels(rows) else 1) + 0.4), layout="constrained")
+        figure = Figure(figsize=(13.5, tall * (2 if perceived_levels(rows) else 1) + 0.4), layout="constrained")
         _draw_maps(figure, rows, wide)
     else:
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
@@ -86,15 +86,14 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
     down, across = wide
     downs, acrosses = (sorted({row[axis] for row in rows}) for axis in wide)
     grid = {(row[down], row[across]): row for row in rows}
-    levels = map_levels(rows)
+    levels = perceived_levels(rows)
     places = figure.subplots(2 if levels else 1, 2, sharey=True, squeeze=False)
     panels: list[tuple[Axes, str, float, str, tuple[float, float] | None]] = [
         (places[0, 0], "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)", None),
         (places[0, 1], "frequency_hz", 1.0, "frequency, Hz", None),
     ]
     for one, level in zip(places[1:].flat, levels, strict=False):
-        known = [row[level.column] for row in rows if row[level.column] is not None]
-        panels.append((one, level.column, 1.0, level.title, (min(0.0, *known), max(1.0, *known))))
+        panels.append((one, level.column, 1.0, level.title, level_limits(rows, level)))
     for empty in list(places.flat)[len(panels) :]:
         empty.set_axis_off()
     for axes, column, scale, label, limits in panels:
@@ -119,11 +118,6 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
         + ("; levels are those of the most noticeable)" if levels else ")")
     )
     figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
-
-
-def map_levels(rows: list[dict[str, Any]]) -> list[Level]:
-    """Levels of touch and hearing that are drawn beside size and pitch."""
-    return [one for one in perceived_levels(rows) if one.column in ("touch_db", "hearing_db")]
 
 
 def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, float] | None = None) -> list[list[str]]:

@@ -78,3 +78,13 @@ def test_the_main_grid_is_felt_everywhere(hknob) -> None:
     cells = json.loads(done.stdout)["cells"]
     assert len(cells) == 49
     assert all(row["touch_db"] > 0.0 and row["felt_fraction"] == 1.0 for row in cells)
+
+
+def test_a_page_shows_the_levels(hknob, spec_file, tmp_path: Path) -> None:
+    assert hknob("sweep", spec_file(GRID + GAIN), "-o", "felt").returncode == 0
+    page = "kind: report\nname: page\ntitle: Felt\nresults: {small: felt}\n"
+    done = hknob("report", spec_file(page, "page.yaml"), "-o", "out")
+    assert done.returncode == 0, done.stderr
+    figures = {path.name for path in (tmp_path / "out" / "figures").iterdir()}
+    assert {"fig-small-touch.svg", "fig-small-sound.svg"} <= figures
+    assert "touch, dB above threshold" in (tmp_path / "out" / "figures" / "fig-small-touch.svg").read_text()
