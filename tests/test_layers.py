@@ -22,6 +22,7 @@ ORDER = [
     "theory",
     "rivals",
     "measure",
+    "perception",
     "results",
     "recordings",
     "apparatus",

@@ -28,6 +28,22 @@ class SweepWork(Work):
         """Recordings, where none are asked for."""
         return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
 
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The published thresholds, where levels above them are asked for."""
+        if not job.plan.perceive:
+            return {}
+        from hknob_cli.perception.published import data_digest
+
+        return {"perception_sha256": data_digest()}
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        if not job.plan.perceive:
+            return super().reads(job)
+        from hknob_cli.perception.published import data_files
+
+        return (*super().reads(job), *data_files())
+
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""
         begin = time.perf_counter()

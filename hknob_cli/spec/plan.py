@@ -11,11 +11,11 @@ from typing import Any, NamedTuple
 from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
+from hknob_cli.spec.perception import Perceive
 from hknob_cli.spec.remedies_plan import RemediesPlan
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
-GRIP = "hand.grip_n"
-PERSON = "person"
+GRIP, PERSON = "hand.grip_n", "person"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
@@ -181,6 +181,7 @@ class SweepPlan(NamedTuple):
     values: dict[str, Any]
     record: Record | None = None
     growth_s: float | None = None
+    perceive: Perceive | None = None
 
 
 class BenchScene(NamedTuple):
