@@ -13,6 +13,7 @@ WORK = {
     "report": "hknob_cli.cli.report_work",
     "sysid": "hknob_cli.cli.sysid_work",
     "remedies": "hknob_cli.cli.remedies_work",
+    "design": "hknob_cli.cli.design_work",
 }
 
 

@@ -92,7 +92,7 @@ def _as_hand(folder: Path) -> str:
 
 def _is_hand(path: str) -> bool:
     """Whether a path in a spec says where a hand, or a population of them, is from."""
-    return path.endswith(("hand.from", "population.from"))
+    return path.endswith(("hand.from", "population.from", "people.from"))
 
 
 def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:

@@ -7,6 +7,7 @@ from typing import Any
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.remedies import describe_trial, trial_text
 from hknob_cli.stages.remedies import RemediesStage
 
@@ -18,6 +19,14 @@ class RemediesWork(Work):
         """The grid, and the cases."""
         del job
         return "remedies.parquet", "cases.parquet"
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The published thresholds, where levels above them are asked for."""
+        return threshold_inputs(job.plan.remedies[0].grid.perceive)
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        return (*super().reads(job), *threshold_files(job.plan.remedies[0].grid.perceive))
 
     def pictures(self, _job: Job) -> tuple[str, ...]:
         """The cases."""

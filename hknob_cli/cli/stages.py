@@ -46,6 +46,10 @@ STAGES = {
         "Try remedies against the buzz: how much smaller, at what pitch, and what stiffness is left.",
         "Draw every case into remedies.png beside the results.",
     ),
+    "design": (
+        "Find the cheapest design whose limit cycles nobody minds, with proof, and say what binds it.",
+        "Draw cost against level, and the grid, into design.png beside the results.",
+    ),
     "bench": (
         "Compare the engine with SciPy, fixed steps and MuJoCo, scene by scene: error against run time.",
         "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",

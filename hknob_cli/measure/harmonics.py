@@ -4,6 +4,7 @@ In the plain loop the drive is constant over each hold and the plant is a filter
 by one Fourier transform of its values, times the plant's frequency response.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -52,13 +53,23 @@ def scaled(amplitudes: Complex, period_samples: int, *, sample_period_s: float, 
 
 def of_holds(loop: Loop, older: Array, newer: Array, count: int) -> Complex:
     """Amplitudes (count,), in counts, of the period whose drives are these (n each, see `engine.trace.trace`)."""
-    n = len(newer)
+    if loop.split > 0.0:
+        return of_parts(loop, [(newer, loop.split, 1.0), (older, 0.0, loop.split)], count)
+    return of_parts(loop, [(newer, 0.0, 1.0)], count)
+
+
+def of_parts(loop: Loop, parts: Sequence[tuple[Array, float, float]], count: int) -> Complex:
+    """Amplitudes (count,), in counts, of a period of n samples, whose drive is constant in every part of an interval.
+
+    ``parts``: drives (n,) in counts per sample period squared, and from where to where in each interval they act.
+    """
+    n = len(parts[0][0])
     k = np.arange(1, count + 1)
     w: Array = np.asarray(2.0 * np.pi / n * k, dtype=np.float64)
-    middle = newer.mean()  # a constant drive has no harmonics, and would only cost digits
-    drive: Complex = np.fft.fft(newer - middle)[k % n] * _hold(w, loop.split, 1.0)
-    if loop.split > 0.0:
-        drive = drive + np.fft.fft(older - middle)[k % n] * _hold(w, 0.0, loop.split)
+    middle = parts[0][0].mean()  # a constant drive has no harmonics, and would only cost digits
+    drive: Complex = np.zeros(count, dtype=np.complex128)
+    for values, start, end in parts:
+        drive = drive + np.fft.fft(values - middle)[k % n] * _hold(w, start, end)
     found: Complex = 2.0 / n * drive / (loop.beta - w * w + 1j * loop.alpha * w)
     return found
 

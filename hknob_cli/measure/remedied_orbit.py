@@ -10,6 +10,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.energy import damping_loss, wall_work
 from hknob_cli.measure.extrema import find_extrema
+from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_parts, scaled
 from hknob_cli.measure.moments import find_moments, hold_forms
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.measure.period import Period
@@ -45,6 +46,17 @@ def measure_settled(knob: SampledKnob, parts: Sequence[float], settled: Settled)
         wall_work_j=wall_work(period) * knob.energy_j if repeats else nan,
         damping_loss_j=damping_loss(period, moments) * knob.energy_j if repeats else nan,
     )
+
+
+def settled_harmonics(knob: SampledKnob, parts: Sequence[float], settled: Settled, highest_hz: float) -> Harmonics:
+    """Harmonics of an orbit up to ``highest_hz``, exact; ``parts`` as in `measure_settled`."""
+    samples = len(settled.drive) // len(parts)
+    count = harmonic_count(samples, sample_period_s=knob.period_s, highest_hz=highest_hz)
+    drive = settled.drive.reshape(samples, len(parts))
+    ends = np.cumsum(parts)
+    held = [(drive[:, i], float(ends[i] - part), float(ends[i])) for i, part in enumerate(parts)]
+    amplitudes = of_parts(knob.loop, held, count)
+    return scaled(amplitudes, samples, sample_period_s=knob.period_s, quantum_rad=knob.quantum_rad)
 
 
 def _period(plant: Loop, parts: Sequence[float], settled: Settled) -> Period:

@@ -22,8 +22,11 @@ def draw_trial(rows: list[dict[str, Any]], *, title: str, path: Path) -> bool:
     from matplotlib.figure import Figure
 
     names = list(dict.fromkeys(row["remedy"] for row in rows))
-    figure = Figure(figsize=(13.0, (0.27 * len(names) + 1.3) * len(cases) + 0.8), layout="constrained")
-    panels = figure.subplots(len(cases), 3, squeeze=False, width_ratios=(3.0, 2.0, 2.0))
+    felt = "touch_change_db" in rows[0]
+    tall = (0.27 * len(names) + 1.3) * len(cases) + 0.8
+    figure = Figure(figsize=(16.0 if felt else 13.0, tall), layout="constrained")
+    widths = (3.0, 2.0, 2.0, *([2.2] if felt else []))
+    panels = figure.subplots(len(cases), len(widths), squeeze=False, width_ratios=widths)
     for line, case in zip(panels, cases, strict=True):
         here = [row for row in rows if row["case"] == case]
         _panels(line, here, _ordered(here, names), case)
@@ -45,7 +48,7 @@ def _ordered(rows: list[dict[str, Any]], names: list[str]) -> list[str]:
 
 
 def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], case: str) -> None:
-    size, pitch, cost = line
+    size, pitch, cost, *louder = line
     hands = list(dict.fromkeys(row["hand"] for row in rows))
     least = min((row["p2p_rad"] for row in rows if row["p2p_rad"]), default=1e-6)
     for i, hand in enumerate(hands):
@@ -60,13 +63,20 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
         pitch.plot([mine[name]["frequency_hz"] or float("nan") for name in names], at, **style)
         cost.plot([mine[name]["stiffness_kept"] or float("nan") for name in names], at, **style)
         cost.plot([mine[name]["knock_ratio"] or float("nan") for name in names], at, **{**style, "fillstyle": "none"})
+        for axes in louder:
+            for column, fill in (("touch_change_db", "full"), ("hearing_change_db", "none")):
+                changes = [float("nan") if mine[name][column] is None else mine[name][column] for name in names]
+                axes.plot(changes, at, **{**style, "fillstyle": fill})
     for axes in line:
         axes.set_yticks(range(len(names)), names if axes is size else [])
         axes.set_ylim(-0.6, len(names) - 0.4)
         axes.grid(alpha=0.3)
-        axes.set_xscale("log")
+        axes.set_xscale("linear" if axes in louder else "log")
     size.axvline(0.7e3 * least, color="0.7", linewidth=0.8)
     size.set_xlabel("peak to peak, mrad (left of the line: at rest)")
     size.set_title(case, loc="left", fontsize="medium")
     pitch.set_xlabel("frequency, Hz")
     cost.set_xlabel("filled: static stiffness, open: depth of a knock; times")
+    for axes in louder:
+        axes.axvline(0.0, color="0.3", linewidth=0.8)
+        axes.set_xlabel("filled: to the skin, open: to the ear; dB louder or quieter")

@@ -3,6 +3,7 @@
 import pyarrow as pa
 
 from hknob_cli.results.columns import Column
+from hknob_cli.results.perceived_columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED
 
 _REAL, _WHOLE, _TEXT = pa.float64(), pa.int64(), pa.string()
 
@@ -25,4 +26,22 @@ CASES = (
     Column("stiffness_kept", _REAL, "1", "static stiffness of wall and hand under a steady push, over the reference's"),
     Column("knock_ratio", _REAL, "1", "depth that a knock reaches, over the reference's"),
 )
+_OVER = "over the reference's, same cell and hand; null where one of them has no level"
+
+
+def felt_columns(*, gained: bool) -> tuple[Column, ...]:
+    """What ``perceive`` adds; ``gained``: with a sound gain."""
+    sound, heard = (HEARING, HEARING_DB) if gained else (UNGAINED, RELATIVE_DB)
+    return (
+        *TOUCH,
+        *sound,
+        STEP_DB,
+        Column("undecided_fraction", _REAL, "1", "part of the trials that never repeat, whose motion has no level"),
+        Column("touch_reference_db", _REAL, "dB", "touch_db of the reference"),
+        Column(f"{heard.name[:-3]}_reference_db", _REAL, "dB", f"{heard.name} of the reference"),
+        Column("touch_change_db", _REAL, "dB", f"touch_db {_OVER}"),
+        Column("hearing_change_db", _REAL, "dB", f"{heard.name} {_OVER}"),
+    )
+
+
 NEEDS = (Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),)

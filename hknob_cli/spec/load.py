@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = ("sysid", *GRIDS, "remedies", "bench", "report")
+KINDS = ("sysid", *GRIDS, "remedies", "design", "bench", "report")
 PIPELINE = "pipeline"
 
 
@@ -125,6 +125,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.remedies import validate_remedies
 
         return validate_remedies(source)
+    if given == "design":
+        from hknob_cli.spec.design import validate_design
+
+        return validate_design(source)
     if given == "sysid":
         from hknob_cli.spec.sysid import validate_sysid
 
@@ -304,8 +308,7 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"sysid": "SysidSpec", "remedies": "RemediesSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
-    if kind not in models:
+    if kind not in (*KINDS, PIPELINE):
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
-    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])
+    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), f"{kind.capitalize()}Spec")
     return model

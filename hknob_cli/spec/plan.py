@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hknob_cli.spec.controller_plan import Controller
+from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 from hknob_cli.spec.perception import Perceive
@@ -301,7 +302,7 @@ class PipelinePlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan | DesignPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

@@ -9,15 +9,20 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.bench import merged
+from hknob_cli.spec.derived import derived_sweep
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.grid import Counts
 from hknob_cli.spec.hand import HandSpec
+from hknob_cli.spec.perceive import PerceiveSpec
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
 from hknob_cli.spec.quantity import PositiveSeconds, SampleRate, Torque, Velocity
 from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import Name
+
+# Where what a derived sweep is made of stands in the spec.
+PLACES: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",)}
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
 
@@ -57,6 +62,7 @@ class RemediesSpec(Part):
     press: Annotated[PressSpec, Field(default_factory=PressSpec)]
     reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = "plain wall"
     remedies: Annotated[dict[Label, RemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")]
+    perceive: PerceiveSpec | None = None
 
 
 def validate_remedies(source: Source) -> RemediesPlan:
@@ -66,17 +72,18 @@ def validate_remedies(source: Source) -> RemediesPlan:
     except ValidationError as error:
         raise SpecError([fault_at(source, RemediesSpec, one) for one in error.errors(include_url=False)]) from None
     faults = _contradictions(source, spec)
-    base = {"kind": "sweep", "name": spec.name, **source.value["base"]}
+    felt = {"perceive": source.value["perceive"]} if spec.perceive else {}
+    base = {"kind": "sweep", "name": spec.name, **source.value["base"], **felt}
     if not faults:
-        _sweep(source, base, ("base",), ())  # faults of the base alone are said once
+        derived_sweep(source, base, PLACES)  # faults of the base alone are said once
     remedies = []
     hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
     for name, remedy in spec.remedies.items():
-        here: Path_ = ("remedies", name, "change")
+        places = {**PLACES, ("remedies", name, "change"): ()}
         try:
-            grid = _sweep(source, merged(base, remedy.change), here, remedy.change)
+            grid = derived_sweep(source, merged(base, remedy.change), places)
             cases = tuple(
-                _sweep(source, merged({**base, "grid": dict(case)}, remedy.change), here, remedy.change)
+                derived_sweep(source, merged({**base, "grid": dict(case)}, remedy.change), places)
                 for case in spec.cases.values()
             )
         except SpecError as error:
@@ -115,25 +122,6 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
     if spec.press.torques[0] >= spec.press.torques[1]:
         faults.append(source.fault(("press", "torques"), "must be two pushes, the smaller first"))
     return faults
-
-
-def _sweep(source: Source, values: dict[str, Any], here: Path_, change: Any) -> SweepPlan:
-    """The sweep of a merged spec; its faults at the change where it says what is wrong, else at the base."""
-    from hknob_cli.spec.load import validate
-
-    derived = Source(source.name)
-    derived.value = values
-    for kind in ("keys", "values"):
-        places = getattr(derived, kind)
-        for path, place in getattr(source, kind).items():
-            for stem in (("base",), here):
-                if path[: len(stem)] == stem:
-                    places[path[len(stem) :]] = place
-    derived.overridden = {path[1:]: text for path, text in source.overridden.items() if path[:1] == ("base",)}
-    del change
-    plan = validate(derived, kind="sweep")
-    assert isinstance(plan, SweepPlan)
-    return plan
 
 
 def _held(plan: SweepPlan, hands: Hand) -> SweepPlan:

@@ -1,14 +1,15 @@
 """Cells of a sweep whose wall has a controller: all trials of one sample rate and one controller side by side."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import nan
+from typing import Any
 
 import numpy as np
 
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.measure.remedied_orbit import measure_settled
+from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
 from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import make_batch
 from hknob_cli.remedies.search import Settled, search
@@ -19,9 +20,9 @@ from hknob_cli.stages.cell import CellResult
 MOST_LANES = 4096  # side by side
 
 
-def remedied_results(plan: SweepPlan) -> Iterator[CellResult]:
-    """Results of all cells, in the order of the grid; cells that share a rate are found together when the first is due."""
-    every = list(cells(plan.axes))
+def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
+    """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
+    every = list(cells(plan.axes) if some is None else some)
     done: dict[int, CellResult] = {}
     for i in range(len(every)):
         if i not in done:
@@ -42,19 +43,23 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     batch = make_batch(plan.scene, some, plan.starts)
     ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
     return [
-        _result(cell, knob, remedy.parts, ends[i], samples // len(some))
+        _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
         for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))
     ]
 
 
 def _result(
-    cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int
+    plan: SweepPlan, cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int
 ) -> CellResult:
-    rows = [(_attractor(one), measure_settled(knob, parts, one)) for one in ends if one.outcome is not Outcome.UNDECIDED]
+    closed = [one for one in ends if one.outcome is not Outcome.UNDECIDED]
+    rows = [
+        (_attractor(one), measure_settled(knob, parts, one), _perceived(plan, knob, parts, one)) for one in closed
+    ]
     loose = [one for one in ends if one.outcome is Outcome.UNDECIDED]
     if loose:
         measured = [measure_settled(knob, parts, one) for one in loose]
-        rows.append((_attractor(loose[0])._replace(trials=len(loose)), _mean(measured)))
+        many = _attractor(loose[0])._replace(trials=len(loose))
+        rows.append((many, _mean(measured), _perceived(plan, knob, parts, loose[0])))
     rows.sort(key=lambda row: (-row[0].trials, row[0].outcome, row[0].period, row[0].x))
     return CellResult(
         cell=cell,
@@ -63,7 +68,19 @@ def _result(
         measures=tuple(row[1] for row in rows),
         samples=samples,
         group="remedied",
+        perceived=tuple(row[2] for row in rows) if plan.perceive else (),
     )
+
+
+def _perceived(plan: SweepPlan, knob: SampledKnob, parts: tuple[float, ...], one: Settled) -> Any:
+    """What is felt and heard of an orbit, if the plan asks for it; of what does not repeat nothing is said."""
+    if plan.perceive is None:
+        return None
+    from hknob_cli.stages.perceived import HIGHEST_HZ, Perceived, perceive
+
+    if one.outcome is not Outcome.CYCLE:
+        return Perceived()
+    return perceive(settled_harmonics(knob, parts, one, HIGHEST_HZ), plan.perceive)
 
 
 def _attractor(one: Settled) -> Attractor:

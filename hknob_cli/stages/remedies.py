@@ -7,7 +7,8 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
+from hknob_cli.results.columns import Column
+from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS, felt_columns
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Bias, Record, Starts, SweepPlan
 from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.stages.record import record_sweep
@@ -43,17 +44,33 @@ class RemediesStage:
             for one in self.plan.remedies
             for row in cases[one.name]
         ]
+        felt_too = self._felt_columns()
+        if felt_too:
+            rows = [{**row, **_louder(of.get(_cell(row)), row, self._heard)} for row in rows]
+            marked = [{**row, **_louder(felt[row["case"], row["hand"]], row, self._heard)} for row in marked]
         return (
-            build_table([*KEYS, *BUZZ], rows),
-            build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *NEEDS], marked),
+            build_table([*KEYS, *BUZZ, *felt_too], rows),
+            build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *felt_too, *NEEDS], marked),
         )
+
+    def _felt_columns(self) -> tuple[Column, ...]:
+        """What ``perceive`` adds, where it is asked for."""
+        how = self.plan.remedies[0].grid.perceive
+        return felt_columns(gained=how.sound_gain is not None) if how else ()
+
+    @property
+    def _heard(self) -> str:
+        """Column of the level of sound."""
+        how = self.plan.remedies[0].grid.perceive
+        return "hearing_db" if how.sound_gain is not None else "hearing_relative_db"
 
     def _swept(self, plan: SweepPlan, progress: Progress) -> list[dict[str, Any]]:
         """Rows of one sweep."""
         rows = SweepStage(plan, jobs=self.jobs, notify=self.notify).run().cells.to_pylist()
         self._tell(progress)
+        felt = [one.name for one in self._felt_columns() if one.name in rows[0]]
         return [
-            {"hand": self.plan.hands[row[PERSON] - 1], **{name: row[name] for name in (RATE, COUNTS, *SHARES)}}
+            {"hand": self.plan.hands[row[PERSON] - 1], **{name: row[name] for name in (RATE, COUNTS, *SHARES, *felt)}}
             for row in rows
         ]
 
@@ -71,7 +88,7 @@ class RemediesStage:
 
     def _depth(self, plan: SweepPlan, torque: float, progress: Progress) -> list[float]:
         """Angle about which each hand's knob ends under a steady push, rad: the middle of its motion."""
-        pushed = plan._replace(scene=plan.scene._replace(bias=Bias(torque=torque)))
+        pushed = plan._replace(scene=plan.scene._replace(bias=Bias(torque=torque)), perceive=None)
         orbits = SweepStage(pushed, jobs=self.jobs, notify=self.notify).run().orbits.to_pylist()
         self._tell(progress)
         found = []
@@ -121,4 +138,19 @@ def _against(reference: dict[str, Any], row: dict[str, Any]) -> dict[str, float]
         "p2p_ratio": _ratio(reference, row),
         "stiffness_kept": row["_static"] / reference["_static"],
         "knock_ratio": row["_knock"] / reference["_knock"],
+    }
+
+
+def _louder(reference: dict[str, Any] | None, row: dict[str, Any], heard: str) -> dict[str, Any]:
+    """Levels of the reference, and how much louder or quieter the remedy is to the skin and the ear, dB."""
+    there = reference or {"touch_db": None, heard: None}
+
+    def change(column: str) -> float | None:
+        return None if row[column] is None or there[column] is None else float(row[column] - there[column])
+
+    return {
+        "touch_reference_db": there["touch_db"],
+        f"{heard[:-3]}_reference_db": there[heard],
+        "touch_change_db": change("touch_db"),
+        "hearing_change_db": change(heard),
     }
