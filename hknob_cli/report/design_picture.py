@@ -31,7 +31,7 @@ def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
     else:
         axes = figure.add_subplot()
     _scatter(axes, plan, rows)
-    figure.suptitle(f"{plan.name}: what a quiet knob costs   ({'; '.join(limits(plan)) or 'no limits'})", fontsize=11)
+    figure.suptitle(f"{plan.name}: what a quiet knob costs\n{'; '.join(limits(plan)) or 'no limits'}", fontsize=10)
     save(figure, path, stage="design", name=plan.name)
 
 

@@ -79,4 +79,4 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
     cost.set_xlabel("filled: static stiffness, open: depth of a knock; times")
     for axes in louder:
         axes.axvline(0.0, color="0.3", linewidth=0.8)
-        axes.set_xlabel("filled: to the skin, open: to the ear; dB louder or quieter")
+        axes.set_xlabel("louder, dB: filled to skin, open to ear")

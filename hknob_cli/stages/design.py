@@ -13,7 +13,7 @@ from hknob_cli.stages.design_evaluate import Evaluator, Rows
 from hknob_cli.stages.design_people import Judged, judge
 from hknob_cli.stages.design_space import Design, designs, present, relaxed, surface
 
-BATCH = 32  # designs evaluated at once
+BATCH = 12  # designs evaluated at once
 Progress = Callable[[int, int], None]
 
 
