@@ -19,6 +19,7 @@ def _size(plan: "Plan") -> str:
     """How much there is to do."""
     from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.plan import BenchPlan, ReportPlan
+    from hknob_cli.spec.remedies_plan import RemediesPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
@@ -26,6 +27,8 @@ def _size(plan: "Plan") -> str:
         return plan.what.replace("_", " ")
     if isinstance(plan, ReportPlan):
         return _counted(len(plan.results), "result")
+    if isinstance(plan, RemediesPlan):
+        return f"{len(plan.remedies)} remed{'y' if len(plan.remedies) == 1 else 'ies'}"
     return _counted(prod(len(values) for values in plan.axes.values()), "cell")
 
 

@@ -1,14 +1,14 @@
 """Impulse damping: a torque pulse that makes good what the hold got wrong when a count was crossed (Section 11.2).
 
-A crossing is seen at the next sample, half an interval late on average: the torque-time integral is wrong by K times the
-counts crossed, times T/2. A pulse over the part ``pulse`` of the next interval gives it back, T_I = K dtheta (T/2) / t_I. With
-``detections`` above 1 a fast sub-controller reads the encoder so many times an interval, and the integral that was wrong
-is known to 1/detections of it.
+A crossing is seen at the next sample, half an interval late on average: the torque-time integral is wrong by K times
+the counts crossed, times T/2. A pulse over the part ``pulse`` of the next interval gives it back, T_I = K dtheta
+(T/2) / t_I. With ``detections`` above 1 a fast sub-controller reads the encoder so many times an interval, and the
+integral that was wrong is known to 1/detections of it.
 """
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 
@@ -16,6 +16,7 @@ class ImpulseDamping(Plain):
     """Length of the ``pulse`` (part of an interval), ``gain`` on its integral, ``detections`` of a crossing."""
 
     rows = 1
+    counted: tuple[int, ...] = (0,)
 
     def __init__(self, pulse: float, gain: float, detections: int) -> None:
         self.pulse = pulse

@@ -18,7 +18,9 @@ def describe_trial(grid: pa.Table, cases: pa.Table) -> dict[str, Any]:
     everywhere = {name: _grid(over, name) for name in dict.fromkeys(row["remedy"] for row in over)}
     found: dict[str, list[Row]] = {}
     for case in dict.fromkeys(row["case"] for row in rows):
-        here = [_together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere]
+        here = [
+            _together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere
+        ]
         found[case] = sorted(here, key=lambda row: row["p2p_rad"] if row["p2p_rad"] is not None else 1e9)
     return {"hands": list(dict.fromkeys(row["hand"] for row in over)), "grid": everywhere, "cases": found}
 

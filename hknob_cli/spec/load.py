@@ -304,7 +304,13 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"sysid": "SysidSpec", "remedies": "RemediesSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
+    models = {
+        "sysid": "SysidSpec",
+        "remedies": "RemediesSpec",
+        "bench": "BenchSpec",
+        "report": "ReportSpec",
+        PIPELINE: "PipelineSpec",
+    }
     if kind not in models:
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
     model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])

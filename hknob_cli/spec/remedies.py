@@ -43,7 +43,7 @@ class PressSpec(Part):
         tuple[Torque, Torque], Field(description="two steady pushes; the stiffness is between their depths")
     ] = (0.005, 0.025)
     speed: Annotated[Velocity, Field(gt=0, description="speed of a knock on the wall, whose depth is taken")] = 2.0
-    duration: Annotated[PositiveSeconds, Field(description="time after the knock in which the knob is deepest")] = 0.1
+    duration: Annotated[PositiveSeconds, Field(description="time after the knock in which the knob is deepest")] = 0.03
 
 
 class RemediesSpec(Part):
@@ -53,7 +53,9 @@ class RemediesSpec(Part):
     name: Annotated[Name, Field(description="names the results folder")]
     base: Annotated[dict[str, Any], Field(description="scene without a hand, grid and starts, as in a sweep")]
     hands: Annotated[dict[Label, HandSpec], Field(min_length=1, max_length=1000, description="hands by name")]
-    cases: Annotated[dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")] = {}  # noqa: RUF012
+    cases: Annotated[
+        dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")
+    ] = {}  # noqa: RUF012
     press: Annotated[PressSpec, Field(default_factory=PressSpec)]
     reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = "plain wall"
     remedies: Annotated[dict[Label, RemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")]
@@ -105,10 +107,14 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
         faults.append(source.fault(("reference",), f"must be one of remedies ({names}), got {spec.reference!r}"))
     for key in spec.base:
         if key not in ("scene", "grid", "starts", "limits"):
-            faults.append(source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True))
+            faults.append(
+                source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True)
+            )
     scene = spec.base.get("scene")
     if isinstance(scene, dict) and "hand" in scene:
-        faults.append(source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True))
+        faults.append(
+            source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True)
+        )
     for name, hand in spec.hands.items():
         if hand.from_ or hand.finger:
             faults.append(source.fault(("hands", name), "must be a table's or by inertia, damping and stiffness"))

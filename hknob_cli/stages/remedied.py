@@ -20,7 +20,7 @@ MOST_LANES = 4096  # side by side
 
 
 def remedied_results(plan: SweepPlan) -> Iterator[CellResult]:
-    """Results of all cells, in the order of the grid; cells that share a rate are found together when the first is due."""
+    """Results of all cells, in the order of the grid; those that share a rate are found when the first is due."""
     every = list(cells(plan.axes))
     done: dict[int, CellResult] = {}
     for i in range(len(every)):
@@ -47,10 +47,10 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     ]
 
 
-def _result(
-    cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int
-) -> CellResult:
-    rows = [(_attractor(one), measure_settled(knob, parts, one)) for one in ends if one.outcome is not Outcome.UNDECIDED]
+def _result(cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int) -> CellResult:
+    rows = [
+        (_attractor(one), measure_settled(knob, parts, one)) for one in ends if one.outcome is not Outcome.UNDECIDED
+    ]
     loose = [one for one in ends if one.outcome is Outcome.UNDECIDED]
     if loose:
         measured = [measure_settled(knob, parts, one) for one in loose]

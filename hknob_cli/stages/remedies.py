@@ -14,6 +14,7 @@ from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.sweep import SweepStage
 
 Progress = Callable[[int, int], None]
+KNOCKS = 4  # their sample clocks spread over an interval
 SHARES = ("p2p_rad", "frequency_hz", "certified_fraction", "at_rest_fraction", "diverged_fraction")
 
 
@@ -86,17 +87,16 @@ class RemediesStage:
         """Depth that each hand's knob reaches after a knock on the wall without a push, rad; the mean of the trials."""
         knocked = plan._replace(
             scene=plan.scene._replace(bias=None),
-            starts=Starts(angle=0.0, velocity=-self.plan.speed, phases=plan.starts.phases),
-            record=Record(self.plan.duration, self.plan.duration / 200.0, plan.starts.phases),
+            starts=Starts(angle=0.0, velocity=-self.plan.speed, phases=KNOCKS),
+            record=Record(self.plan.duration, self.plan.duration / 200.0, KNOCKS),
         )
         deepest: dict[tuple[int, int], float] = {}
         for row in record_sweep(knocked).to_pylist():
             key = row[PERSON], row["trial"]
             deepest[key] = min(deepest.get(key, 0.0), row["angle_rad"])
         self._tell(progress)
-        trials = plan.starts.phases
         return [
-            -sum(deepest[person, trial] for trial in range(trials)) / trials
+            -sum(deepest[person, trial] for trial in range(KNOCKS)) / KNOCKS
             for person in range(1, len(self.plan.hands) + 1)
         ]
 
