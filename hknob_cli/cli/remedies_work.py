@@ -1,6 +1,5 @@
 """The work of ``hknob remedies``."""
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,8 +24,8 @@ class RemediesWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
-        stage = RemediesStage(job.plan, jobs=job.jobs, notify=partial(note, job))
-        with progress_bar(stage.steps, show=not job.quiet, what="sweeps") as progress:
+        stage = RemediesStage(job.plan, jobs=job.jobs)
+        with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
             return stage.run(progress)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:

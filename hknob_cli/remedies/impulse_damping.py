@@ -6,9 +6,7 @@ the counts crossed, times T/2. A pulse over the part ``pulse`` of the next inter
 integral that was wrong is known to 1/detections of it.
 """
 
-import numpy as np
-
-from hknob_cli.remedies.lanes import Array
+from hknob_cli.remedies.lanes import Array, wall_depth
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 
@@ -30,11 +28,10 @@ class ImpulseDamping(Plain):
         if reading.seen is None:
             missed = 0.5 * (now - before)
         else:
-            depths = np.where(reading.seen < 0.0, -(reading.seen + fixed[0]), 0.0)
-            # A crossing lies half a detection before it is seen, as it does half an interval without any.
-            steps = np.diff(np.concatenate([before[None], depths, now[None]]), axis=0)
-            count = len(steps)
-            late = (count - np.arange(count) - 0.5) / count
-            missed = np.einsum("i,ij->j", late, steps)
+            # A crossing lies half a detection before it is seen, as it does half an interval without any: the sum of
+            # the steps between detections i and i + 1 of n, each late by (n - i - 1/2)/n, by parts.
+            count = len(reading.seen) + 1
+            between = wall_depth(reading.seen, fixed[0]).sum(axis=0)
+            missed = (0.5 * now - (count - 0.5) * before + between) / count
         pulse = now + self.gain * missed / self.pulse
         return Action((pulse, now) if self.pulse < 1.0 else (pulse,), now[None])

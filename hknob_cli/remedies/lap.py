@@ -33,13 +33,28 @@ class Path(NamedTuple):
     rows: Array
 
 
-def run_lap(mover: Mover, state: State, period: np.ndarray) -> tuple[Lap, Path]:
+def run_lap(mover: Mover, state: State, period: np.ndarray) -> Lap:
     """Run every lane for its ``period`` samples."""
+    return _run(mover, state, period, None)
+
+
+def trace_lap(mover: Mover, state: State, period: np.ndarray) -> tuple[Lap, Path]:
+    """As `run_lap`, and the motion on the way."""
+    longest, lanes = int(period.max()), len(state.x)
+    held = longest * len(mover.flows)
+    path = Path(
+        np.empty((held + 1, lanes)),
+        np.empty((held + 1, lanes)),
+        np.empty((held, lanes)),
+        np.empty((longest + 1, *state.rows.shape)),
+    )
+    return _run(mover, state, period, path), path
+
+
+def _run(mover: Mover, state: State, period: np.ndarray, path: Path | None) -> Lap:
     ends = {int(one): np.flatnonzero(period == one) for one in np.unique(period)}
     end = take(state, np.arange(len(state.x)))
     longest, parts = max(ends), len(mover.flows)
-    x, v, drive = (np.empty((longest * parts + more, len(state.x))) for more in (1, 1, 0))
-    rows = np.empty((longest + 1, *state.rows.shape))
     values, places = np.empty((0, 0, 0)), 0
     for i in range(longest):
         step = mover.step(state)
@@ -48,14 +63,16 @@ def run_lap(mover: Mover, state: State, period: np.ndarray) -> tuple[Lap, Path]:
         if i == 0:
             values, places = np.empty((longest, len(here), len(state.x))), 1 + len(looked)
         values[i] = here
-        rows[i] = state.rows
-        at, speed = state.x, state.v
-        for k, (push, flow) in enumerate(zip(step.drives, mover.flows, strict=True), i * parts):
-            x[k], v[k], drive[k] = at, speed, push
-            if parts > 1:
-                at, speed = moved(at, speed, push, mover.lanes.beta, flow)
+        if path:
+            path.rows[i] = state.rows
+            at, speed = state.x, state.v
+            for k, (push, flow) in enumerate(zip(step.drives, mover.flows, strict=True), i * parts):
+                path.x[k], path.v[k], path.drive[k] = at, speed, push
+                if parts > 1:
+                    at, speed = moved(at, speed, push, mover.lanes.beta, flow)
         state = step.state
         if i + 1 in ends:
             put(end, ends[i + 1], take(state, ends[i + 1]))
-    x[-1], v[-1], rows[-1] = state.x, state.v, state.rows
-    return Lap(end, values, places), Path(x, v, drive, rows)
+    if path:
+        path.x[-1], path.v[-1], path.rows[-1] = state.x, state.v, state.rows
+    return Lap(end, values, places)

@@ -13,12 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.contraction import contraction_form, fixed_point_step, frozen_rows, inverse_root, without
-from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.lap import Lap, Path, run_lap
+from hknob_cli.remedies.lanes import Array, count_at
+from hknob_cli.remedies.lap import Lap, Path, run_lap, trace_lap
 from hknob_cli.remedies.motion import Mover, State, take
 
 NUDGE = 1e-7  # of the copies beside an orbit, relative
 ROUNDS = 2  # of Newton's method; the second where the first has changed what is counted on the way
+STEPS = 2  # of Newton's method in a round
+CLOSED = 1e-13  # relative; a better fixed point is not worth another step
 ROUNDING = 1e-15  # of a value in a step, relative
 SURE = 1e-9  # relative to the motion: what rounding may move a sample by, with all that follows from it
 
@@ -63,16 +65,21 @@ def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _F
     size, lanes = guess.shape
     scale = _scale(mover, guess)
     copies = np.repeat(np.arange(lanes), size + 1)
-    beside, _ = run_lap(mover.take(copies), _copies(guess, NUDGE * scale, found.seen, copies), period[copies])
+    beside = run_lap(mover.take(copies), _copies(guess, NUDGE * scale, found.seen, copies), period[copies])
     each = beside.end.rows.reshape(size, lanes, size + 1)
     slopes = ((each[:, :, 1:] - each[:, :, :1]) / (NUDGE * scale[:, :, None])).transpose(1, 0, 2)
     frozen = frozen_rows(slopes)
     slopes = without(slopes, frozen)
     missed = each[:, :, 0] - guess
-    step = fixed_point_step(slopes, np.where(frozen.T, 0.0, missed) / scale) * scale
-    better = np.where(frozen.T, each[:, :, 0], guess + step)
-    lap, path = run_lap(mover, State(better[0], better[1], better[2:], found.seen), period)
-    rest = (lap.end.rows - better) / scale
+    better, ahead = guess, each[:, :, 0]
+    for _ in range(STEPS):  # the first leaves the rounding of the slopes, the second that of the motion
+        step = fixed_point_step(slopes, np.where(frozen.T, 0.0, ahead - better) / scale) * scale
+        better = np.where(frozen.T, ahead, better + step)
+        lap, path = trace_lap(mover, State(better[0], better[1], better[2:], found.seen), period)
+        ahead = lap.end.rows
+        rest = (ahead - better) / scale
+        if not (np.abs(rest) > CLOSED).any():
+            break
     values = beside.values.reshape(*beside.values.shape[:2], lanes, size + 1)
     inside = np.arange(len(values))[:, None, None] < period
     unlike = _switched(mover, beside, values[..., :1], values[..., 1:]) & ~frozen
@@ -128,7 +135,7 @@ def _copies(rows: Array, nudge: Array, seen: Array | None, copies: np.ndarray) -
 def _switched(mover: Mover, lap: Lap, one: Array, others: Array) -> np.ndarray:
     """Where ``others`` (samples, kinds, lanes, any) are on another side of a switch than ``one``."""
     sense, k = mover.lanes.sense[:, None], lap.places
-    there = np.floor(sense * others[:, :k]) != np.floor(sense * one[:, :k])
+    there = count_at(others[:, :k], sense) != count_at(one[:, :k], sense)
     return np.asarray(np.concatenate([there, (others[:, k:] > 0.0) != (one[:, k:] > 0.0)], axis=1))
 
 

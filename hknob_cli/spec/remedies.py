@@ -70,19 +70,22 @@ def validate_remedies(source: Source) -> RemediesPlan:
     faults = _contradictions(source, spec)
     base = {"kind": "sweep", "name": spec.name, **source.value["base"]}
     if not faults:
-        _sweep(source, base, ("base",), ())  # faults of the base alone are said once
+        _sweep(source, base, ("base",))  # faults of the base alone are said once
     remedies = []
     hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
     for name, remedy in spec.remedies.items():
         here: Path_ = ("remedies", name, "change")
         try:
-            grid = _sweep(source, merged(base, remedy.change), here, remedy.change)
+            grid = _sweep(source, merged(base, remedy.change), here)
             cases = tuple(
-                _sweep(source, merged({**base, "grid": dict(case)}, remedy.change), here, remedy.change)
+                _sweep(source, merged({**base, "grid": dict(case)}, remedy.change), here)
                 for case in spec.cases.values()
             )
         except SpecError as error:
             faults += error.faults
+            continue
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(remedy.change, grid, cases)]
+        if faults:
             continue
         remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
     if faults:
@@ -123,7 +126,21 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
     return faults
 
 
-def _sweep(source: Source, values: dict[str, Any], here: Path_, change: Any) -> SweepPlan:
+def _misfit(change: dict[str, Any], grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
+    """Why what a change makes of the base cannot be compared with it."""
+    found = [f"must not have {key}: a remedy changes scene and grid" for key in change if key not in ("scene", "grid")]
+    if grid.scene.hand:
+        found.append("must not have scene.hand: hands are listed under hands")
+    if not grid.scene.sampled or grid.scene.encoder is None:
+        found.append("must leave a sample clock and an encoder, which the grid and the cases are about")
+    elif set(grid.axes) != {RATE, COUNTS}:
+        found.append("must leave sample_rate_hz and counts_per_rev as the only axes")
+    if any(len(values) > 1 for case in cases for values in case.axes.values()):
+        found.append("must leave one cell at each case")
+    return found
+
+
+def _sweep(source: Source, values: dict[str, Any], here: Path_) -> SweepPlan:
     """The sweep of a merged spec; its faults at the change where it says what is wrong, else at the base."""
     from hknob_cli.spec.load import validate
 
@@ -136,7 +153,6 @@ def _sweep(source: Source, values: dict[str, Any], here: Path_, change: Any) -> 
                 if path[: len(stem)] == stem:
                     places[path[len(stem) :]] = place
     derived.overridden = {path[1:]: text for path, text in source.overridden.items() if path[:1] == ("base",)}
-    del change
     plan = validate(derived, kind="sweep")
     assert isinstance(plan, SweepPlan)
     return plan

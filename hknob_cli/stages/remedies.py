@@ -1,124 +1,113 @@
 """The trial of remedies: every remedy over the grid, and at the cases what it costs in stiffness."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Bias, Record, Starts, SweepPlan
-from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
-from hknob_cli.stages.record import record_sweep
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.spec.plan import COUNTS, RATE, cells
+from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
+from hknob_cli.stages.sweep import usable_cores
+
+FEW = 2000  # trials, which are over before another process has begun
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
 
 Progress = Callable[[int, int], None]
-KNOCKS = 4  # their sample clocks spread over an interval
-SHARES = ("p2p_rad", "frequency_hz", "certified_fraction", "at_rest_fraction", "diverged_fraction")
+Task = tuple[int, int | None]  # number of the remedy, and of a case; without one, the grid
 
 
 class RemediesStage:
     """A trial that is ready to run."""
 
-    def __init__(
-        self, plan: RemediesPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
-    ) -> None:
-        """Make ready; as `SweepStage`."""
+    def __init__(self, plan: RemediesPlan, *, jobs: int | None = None) -> None:
+        """Make ready; ``jobs`` processes, as many as cores if None, begun on entering; without, one.
+
+        The results do not depend on them.
+        """
         self.plan = plan
-        self.jobs = jobs
-        self.notify = notify
-        self.steps = len(plan.remedies) * (1 + 4 * len(plan.cases))
-        self._done = 0
+        cases: list[int | None] = [None, *range(len(plan.cases))]
+        self.tasks: list[Task] = [(i, case) for case in cases for i in range(len(plan.remedies))]
+        trials = sum(len(list(cells(one.grid.axes))) * one.grid.starts.phases for one in plan.remedies)
+        self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
+        self._pool: ProcessPoolExecutor | None = None
 
     def run(self, progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """The grid's rows and the cases'. Raises `ComputationError`."""
-        grid = {one.name: self._swept(one.grid, progress) for one in self.plan.remedies}
-        cases = {one.name: self._cases(one, progress) for one in self.plan.remedies}
-        named = [(one.name, row) for one in self.plan.remedies for row in grid[one.name]]
-        of = {_cell(row): row for row in grid[self.plan.reference]}
-        rows = [{"remedy": name, **row, "p2p_ratio": _ratio(of.get(_cell(row)), row)} for name, row in named]
-        felt = {(row["case"], row["hand"]): row for row in cases[self.plan.reference]}
-        marked = [
-            {"remedy": one.name, "needs": one.needs, **row, **_against(felt[row["case"], row["hand"]], row)}
-            for one in self.plan.remedies
-            for row in cases[one.name]
-        ]
-        return (
-            build_table([*KEYS, *BUZZ], rows),
-            build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *NEEDS], marked),
-        )
+        found: dict[Task, Rows] = {}
+        for task, rows in zip(self.tasks, self._results(), strict=True):
+            found[task] = rows
+            progress(len(found), len(self.tasks))
+        return self._grid(found), self._cases(found)
 
-    def _swept(self, plan: SweepPlan, progress: Progress) -> list[dict[str, Any]]:
-        """Rows of one sweep."""
-        rows = SweepStage(plan, jobs=self.jobs, notify=self.notify).run().cells.to_pylist()
-        self._tell(progress)
-        return [
-            {"hand": self.plan.hands[row[PERSON] - 1], **{name: row[name] for name in (RATE, COUNTS, *SHARES)}}
-            for row in rows
-        ]
+    def __enter__(self) -> "RemediesStage":
+        """Begin the processes, before this one has threads."""
+        if self.jobs == 1:
+            return self
+        import signal
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
 
-    def _cases(self, remedy: Remedy, progress: Progress) -> list[dict[str, Any]]:
-        """Rows of every case, with the stiffness felt slowly and quickly."""
+        # Forked, a process has all libraries loaded. An interruption is the parent's to answer.
+        context = get_context("fork")
+        self._pool = ProcessPoolExecutor(self.jobs, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        self._pool.submit(int).result()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the processes; what has not begun never does."""
+        if self._pool:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
+
+    def _results(self) -> Iterator[Rows]:
+        """Rows of every task, in order; from the processes where there are any."""
+        work = partial(_rows, self.plan)
+        return self._pool.map(work, self.tasks) if self._pool else map(work, self.tasks)
+
+    def _grid(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        of = {_cell(row): row["p2p_rad"] for row in found[at, None]}
+        rows = [
+            {"remedy": one.name, **row, "p2p_ratio": _ratio(of.get(_cell(row)), row["p2p_rad"])}
+            for i, one in enumerate(remedies)
+            for row in found[i, None]
+        ]
+        return build_table([*KEYS, *BUZZ], rows)
+
+    def _cases(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
         rows = []
-        for (name, _, _), plan in zip(self.plan.cases, remedy.cases, strict=True):
-            buzz = self._swept(plan, progress)
-            depths = [self._depth(plan, torque, progress) for torque in self.plan.torques]
-            knocks = self._knock(plan, progress)
-            gained = self.plan.torques[1] - self.plan.torques[0]
-            for row, shallow, deep, knock in zip(buzz, *depths, knocks, strict=True):
-                rows.append({"case": name, **row, "_static": gained / (shallow - deep), "_knock": knock})
-        return rows
+        for i, one in enumerate(remedies):
+            for case in range(len(self.plan.cases)):
+                for row, other in zip(found[i, case], found[at, case], strict=True):
+                    against = {
+                        "p2p_ratio": _ratio(other["p2p_rad"], row["p2p_rad"]),
+                        "stiffness_kept": _ratio(row["_static"], other["_static"]),
+                        "knock_ratio": _ratio(row["_knock"], other["_knock"]),
+                    }
+                    rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
+        return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *NEEDS], rows)
 
-    def _depth(self, plan: SweepPlan, torque: float, progress: Progress) -> list[float]:
-        """Angle about which each hand's knob ends under a steady push, rad: the middle of its motion."""
-        pushed = plan._replace(scene=plan.scene._replace(bias=Bias(torque=torque)))
-        orbits = SweepStage(pushed, jobs=self.jobs, notify=self.notify).run().orbits.to_pylist()
-        self._tell(progress)
-        found = []
-        for person in range(1, len(self.plan.hands) + 1):
-            ends = [row for row in orbits if row[PERSON] == person and row["min_rad"] is not None]
-            share = sum(row["basin_fraction"] for row in ends)
-            middle = sum(row["basin_fraction"] * 0.5 * (row["min_rad"] + row["max_rad"]) for row in ends)
-            found.append(middle / share if share else nan)
-        return found
 
-    def _knock(self, plan: SweepPlan, progress: Progress) -> list[float]:
-        """Depth that each hand's knob reaches after a knock on the wall without a push, rad; the mean of the trials."""
-        knocked = plan._replace(
-            scene=plan.scene._replace(bias=None),
-            starts=Starts(angle=0.0, velocity=-self.plan.speed, phases=KNOCKS),
-            record=Record(self.plan.duration, self.plan.duration / 200.0, KNOCKS),
-        )
-        deepest: dict[tuple[int, int], float] = {}
-        for row in record_sweep(knocked).to_pylist():
-            key = row[PERSON], row["trial"]
-            deepest[key] = min(deepest.get(key, 0.0), row["angle_rad"])
-        self._tell(progress)
-        return [
-            -sum(deepest[person, trial] for trial in range(KNOCKS)) / KNOCKS
-            for person in range(1, len(self.plan.hands) + 1)
-        ]
-
-    def _tell(self, progress: Progress) -> None:
-        self._done += 1
-        progress(self._done, self.steps)
+def _rows(plan: RemediesPlan, task: Task) -> Rows:
+    which, case = task
+    remedy = plan.remedies[which]
+    return grid_rows(plan, remedy) if case is None else case_rows(plan, remedy, case)
 
 
 def _cell(row: dict[str, Any]) -> tuple[Any, ...]:
     return row["hand"], row[RATE], row[COUNTS]
 
 
-def _ratio(reference: dict[str, Any] | None, row: dict[str, Any]) -> float:
-    """How many times smaller the buzz is; NaN where there is none, or nothing to compare with."""
-    if reference is None or not row["p2p_rad"] or reference["p2p_rad"] is None:
-        return nan
-    return float(reference["p2p_rad"] / row["p2p_rad"])
-
-
-def _against(reference: dict[str, Any], row: dict[str, Any]) -> dict[str, float]:
-    return {
-        "p2p_ratio": _ratio(reference, row),
-        "stiffness_kept": row["_static"] / reference["_static"],
-        "knock_ratio": row["_knock"] / reference["_knock"],
-    }
+def _ratio(one: float | None, other: float | None) -> float:
+    """A ratio; NaN without the one, or over nothing."""
+    return one / other if one is not None and other else nan
