@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
-    from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.design_plan import DesignPlan
+    from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.plan import BenchPlan, ReportPlan
     from hknob_cli.spec.remedies_plan import RemediesPlan
 

@@ -1,6 +1,5 @@
 """The work of ``hknob remedies``."""
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +21,11 @@ class RemediesWork(Work):
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The published thresholds, where levels above them are asked for."""
-        return threshold_inputs(job.plan.remedies[0].grid.perceive)
+        return threshold_inputs(job.plan.perceive)
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """The files of those thresholds, too."""
-        return (*super().reads(job), *threshold_files(job.plan.remedies[0].grid.perceive))
+        return (*super().reads(job), *threshold_files(job.plan.perceive))
 
     def pictures(self, _job: Job) -> tuple[str, ...]:
         """The cases."""
@@ -34,8 +33,8 @@ class RemediesWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
-        stage = RemediesStage(job.plan, jobs=job.jobs, notify=partial(note, job))
-        with progress_bar(stage.steps, show=not job.quiet, what="sweeps") as progress:
+        stage = RemediesStage(job.plan, jobs=job.jobs)
+        with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
             return stage.run(progress)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:

@@ -1,8 +1,8 @@
 """A wall whose step from count to count comes late: a lag compensator that has a say over one count only.
 
 torque = w - (1 - keep) clip(w - m, -1, 1), where w is the plain wall's and m its running mean. Of a step between
-adjacent counts only the part ``keep`` acts at once; the rest follows over the time constant. The buzz between counts, a
-relay oscillation of that step, shrinks with it, and its frequency, which does not depend on the relay's height
+adjacent counts only the part ``keep`` acts at once; the rest follows over the time constant. The buzz between counts,
+a relay oscillation of that step, shrinks with it, and its frequency, which does not depend on the relay's height
 (physics: f = sqrt(b / 24 J T)), stays. The torque never differs from the plain wall's by more than (1 - keep) of one
 count's step, and not at all once the knob is still: at rest the wall is as stiff as before.
 """

@@ -39,12 +39,14 @@ def make_batch(scene: Scene, some: Sequence[Cell], starts: Starts) -> Batch:
 def _numbers(scene: Scene, knob: SampledKnob) -> tuple[float, ...]:
     loop, limit = knob.loop, (scene.actuator or Actuator()).torque_limit
     step = scene.wall.stiffness * knob.quantum_rad
+    # Outside the wall the plain loop need not tell towards 0 from up; a controller reads those counts, too.
+    truncates = scene.encoder is not None and scene.encoder.rounding == "truncate"
     return (
         loop.alpha,
         loop.beta,
         loop.kappa,
         loop.gamma,
-        loop.sense,
+        0.0 if truncates else loop.sense,
         loop.offset,
         np.inf if limit is None else limit / step,
         knob.period_s,

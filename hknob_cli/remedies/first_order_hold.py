@@ -1,10 +1,10 @@
 """The average of a first-order hold, by extrapolation of the wall's torque, with or without correction of its error.
 
-Ellis, Sarkar & Jenkins (1996, 1997), as the dissertation describes it (Sections 6.1, 10.4): the torque of the next sample is
-extrapolated from the last two, and the mean of now and then is held; what the last mean missed is added.
+Ellis, Sarkar & Jenkins (1996, 1997), as the dissertation describes it (Sections 6.1, 10.4): the torque of the next
+sample is extrapolated from the last two, and the mean of now and then is held; what the last mean missed is added.
 """
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 
@@ -12,6 +12,7 @@ class FirstOrderHold(Plain):
     """Mean of this torque and the next one extrapolated; ``correct``: what the last prediction missed is added."""
 
     rows = 2
+    counted: tuple[int, ...] = (0, 1)
 
     def __init__(self, *, correct: bool) -> None:
         self.correct = correct

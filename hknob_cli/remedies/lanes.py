@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 class Lanes(NamedTuple):
     """Plants of lanes, each array (lanes,).
 
-    ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``gamma``: the push into the wall; ``sense`` and
-    ``offset`` of the encoder, as `engine.loop` has them; ``limit``: of the torque, in steps of the wall, or inf;
-    ``period_s``; ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad.
+    ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``gamma``: the push into the wall; ``sense``
+    of the encoder's rounding, 1 down, -1 up, 0 towards 0, and its ``offset``; ``limit``: of the torque, in steps of the
+    wall, or inf; ``period_s``; ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad.
     """
 
     alpha: Array
@@ -65,7 +65,9 @@ def moved(x: Array, v: Array, drive: Array, beta: Array, flow: Flow) -> tuple[Ar
 
 
 def count_at(x: Array, sense: Array) -> Array:
-    """The encoder's count at a position."""
+    """The encoder's count at a position; one encoder's rounding holds for all lanes."""
+    if sense.size and sense.flat[0] == 0.0:
+        return np.trunc(x)
     return sense * np.floor(sense * x)
 
 

@@ -1,6 +1,6 @@
 """One sample interval of many trials: read, act, move exactly."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,25 @@ class State(NamedTuple):
     @property
     def stacked(self) -> Array:
         """All of it as rows, (2 + rows + looks, lanes)."""
-        parts = [self.x[None], self.v[None], self.memory]
-        return np.concatenate(parts if self.seen is None else [*parts, self.seen])
+        return self.rows if self.seen is None else np.concatenate([self.rows, self.seen])
+
+    @property
+    def rows(self) -> Array:
+        """Position, velocity, memory, (2 + rows, lanes)."""
+        return np.concatenate([self.x[None], self.v[None], self.memory])
+
+
+def take(state: State, lanes: Any) -> State:
+    """Some of the lanes of a state, by index; a copy."""
+    seen = None if state.seen is None else state.seen[:, lanes]
+    return State(state.x[lanes], state.v[lanes], state.memory[:, lanes], seen)
+
+
+def put(state: State, lanes: np.ndarray, values: State) -> None:
+    """Some of the lanes of a state replaced, in place."""
+    state.x[lanes], state.v[lanes], state.memory[:, lanes] = values.x, values.v, values.memory
+    if state.seen is not None and values.seen is not None:
+        state.seen[:, lanes] = values.seen
 
 
 class Step(NamedTuple):
@@ -53,7 +70,7 @@ class Mover:
             self._looks.append(Flow(*(np.stack(each) for each in zip(*found, strict=True))) if found else None)
             begin = float(end)
 
-    def take(self, lanes: Array) -> "Mover":
+    def take(self, lanes: Any) -> "Mover":
         """The same for some of the lanes, by index."""
         other = object.__new__(Mover)
         other.remedy, other.lanes, other._limited = self.remedy, self.lanes.take(lanes), self._limited
@@ -65,8 +82,9 @@ class Mover:
     def start(self, x: Array, v: Array) -> State:
         """State at the first sample of trials at (``x``, ``v``)."""
         looks = len(self.remedy.looks)
-        seen = np.repeat(count_at(x, self.lanes.sense)[None], looks, axis=0) if looks else None
-        return State(x, v, self.remedy.recall(self.lanes), seen)
+        count = count_at(x, self.lanes.sense)
+        seen = np.repeat(count[None], looks, axis=0) if looks else None
+        return State(x, v, self.remedy.recall(self.lanes, count), seen)
 
     def step(self, state: State) -> Step:
         """One sample interval."""

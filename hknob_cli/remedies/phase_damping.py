@@ -1,10 +1,10 @@
-"""Phase-estimation damping: a torque against a velocity that is not measured but guessed from when the edge was crossed.
+"""Phase-estimation damping: torque against a velocity that is guessed from when the edge was crossed.
 
-Dissertation, Section 11.3. On the way in the velocity is largest at the crossing; a cosine of the time since, with the period
-of the last cycles, is applied against it over ``degrees`` of phase. ``both``: the way out resets the phase as well, and
-the times inside and outside are estimated apart. ``kalman``: the times are estimated by a Kalman filter of a constant with
-drift; otherwise the last is taken. The edge is where the wall's torque crosses its own running mean, so that the knob may
-buzz on any count.
+Dissertation, Section 11.3. On the way in the velocity is largest at the crossing; a cosine of the time since, with
+the period of the last cycles, is applied against it over ``degrees`` of phase. ``both``: the way out resets the phase
+as well, and the times inside and outside are estimated apart. ``kalman``: the times are estimated by a Kalman filter
+of a constant with drift; otherwise the last is taken. The edge is where the wall's torque crosses its own running
+mean, so that the knob may buzz on any count.
 """
 
 from math import pi
@@ -26,6 +26,7 @@ class PhaseDamping(Plain):
     """``torque``: height in steps of the wall; over ``degrees`` of phase after a crossing."""
 
     rows = 8
+    counted: tuple[int, ...] = (BEFORE, SINCE, INSIDE, OUTSIDE, VAR_IN, VAR_OUT, WAY)
 
     def __init__(self, torque: float, degrees: float, *, both: bool, kalman: bool) -> None:
         self.torque = torque
@@ -38,8 +39,9 @@ class PhaseDamping(Plain):
         """The running mean's."""
         return np.full(len(lanes.alpha), MEAN_SAMPLES)
 
-    def recall(self, lanes: Lanes) -> Array:
+    def recall(self, lanes: Lanes, count: Array) -> Array:
         """Nothing crossed yet."""
+        del count
         memory = np.zeros((8, len(lanes.alpha)))
         memory[SINCE] = LONGEST
         memory[[VAR_IN, VAR_OUT]] = 1e3
@@ -76,7 +78,7 @@ class PhaseDamping(Plain):
         m[BEFORE], m[MEAN], m[SINCE] = now, mean, since
         return Action((torque,), m, guards)
 
-    def _time(self, m: Array, row: int, variance: int, time: Array, when: Array) -> None:
+    def _time(self, m: Array, row: int, variance: int, time: Array, when: np.ndarray) -> None:
         """Take a time between crossings into its estimate."""
         usable = when & (time < LONGEST)
         if not self.kalman:

@@ -1,12 +1,12 @@
-"""From starts to a repeating motion: the transient, and Brent's search for a period with constant memory, lane by lane."""
+"""From starts to a repeating motion: the transient, and Brent's search for a period, lane by lane."""
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.motion import Mover, State
+from hknob_cli.remedies.motion import Mover, State, put, take
 
 MOST = 65_536  # samples of a search
 GREW = 1e9  # counts
@@ -16,8 +16,8 @@ LOOK = 256  # samples between looks for lanes that have grown
 class Effort(NamedTuple):
     """How long to wait and how near a return must be.
 
-    ``settle``: transient, in time constants of the slowest mode or of the controller's memory; ``patience``: further ones
-    in which a motion must repeat, and ``fewest`` samples; ``near``: of a state that has returned, relative.
+    ``settle``: transient, in time constants of the slowest mode or of the controller's memory; ``patience``: further
+    ones in which a motion must repeat, and ``fewest`` samples; ``near``: of a state that has returned, relative.
     """
 
     settle: float
@@ -44,19 +44,6 @@ def time_constants(mover: Mover) -> Array:
         return np.maximum(1.0 / rates, mover.remedy.settling(lanes))
 
 
-def take(state: State, lanes: Any) -> State:
-    """Some of the lanes of a state, by index."""
-    seen = None if state.seen is None else state.seen[:, lanes]
-    return State(state.x[lanes], state.v[lanes], state.memory[:, lanes], seen)
-
-
-def put(state: State, lanes: np.ndarray, values: State) -> None:
-    """Some of the lanes of a state replaced, in place."""
-    state.x[lanes], state.v[lanes], state.memory[:, lanes] = values.x, values.v, values.memory
-    if state.seen is not None and values.seen is not None:
-        state.seen[:, lanes] = values.seen
-
-
 class _Lanes:
     """The lanes that still go on, and where those that do not have ended."""
 
@@ -64,7 +51,7 @@ class _Lanes:
         self.all, self.mover = mover, mover
         self.state = start
         self.going = np.arange(len(start.x))
-        self.last = State(*(None if values is None else values.copy() for values in start))
+        self.last = take(start, self.going)
         self.samples = 0
 
     def step(self) -> None:

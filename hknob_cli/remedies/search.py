@@ -1,15 +1,16 @@
 """What trials under a controller settle to: orbits with their proof, rest, or the motion as far as it was followed."""
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.remedies.lanes import Array, Lanes
-from hknob_cli.remedies.motion import Mover, State
+from hknob_cli.remedies.motion import Mover, State, take
 from hknob_cli.remedies.proof import Orbits, prove
 from hknob_cli.remedies.remedy import Remedy
-from hknob_cli.remedies.repeat import Effort, find_repeats, take
+from hknob_cli.remedies.repeat import Effort, find_repeats
 
 # First a rough return, whose orbit Newton's method completes and the proof checks; for the rest a patient one.
 EFFORTS = (
@@ -19,7 +20,7 @@ EFFORTS = (
 SAME = 1e-6  # of two orbits that are one, relative
 AT_REST = 1e-9  # counts
 WINDOW_S, WINDOW = 0.5, (256, 4096)  # of motion that does not repeat: time, and least and most samples
-ROOM = 4_000_000  # numbers that a batch of proofs holds at once, roughly
+ROOM = 8_000_000  # numbers that a batch of proofs holds at once, roughly
 
 
 class Settled(NamedTuple):
@@ -53,21 +54,30 @@ def search(remedy: Remedy, lanes: Lanes, x: Array, v: Array, cell: np.ndarray) -
         for lane in going[found.grew]:
             _count(ends[int(cell[lane])], Settled(int(lane), 1, Outcome.DIVERGED, Reason.GREW))
         over = found.grew.copy()
-        for period in np.unique(found.period[found.period > 0]):
-            at = np.flatnonzero(found.period == period)
-            chunk = max(1, ROOM // (int(period) * (len(state.memory) + 4) * (len(remedy.looks) + 2)))
-            for begin in range(0, len(at), chunk):
-                part = at[begin : begin + chunk]
-                orbits = prove(mover.take(going[part]), take(found.state, part), int(period))
-                for i, lane in enumerate(going[part]):
-                    if orbits.proven[i] or effort is EFFORTS[-1]:
-                        _count(ends[int(cell[lane])], _settled(mover, orbits, i, int(lane)))
-                        over[part[i]] = True
+        for part in _alike(found.period, (len(state.memory) + 3) * (len(remedy.looks) + 5)):
+            orbits = prove(mover.take(going[part]), take(found.state, part), found.period[part])
+            for i, lane in enumerate(going[part]):
+                if orbits.proven[i] or effort is EFFORTS[-1]:
+                    _count(ends[int(cell[lane])], _settled(mover, orbits, i, int(lane)))
+                    over[part[i]] = True
         going, state = going[~over], take(found.state, np.flatnonzero(~over))
         if len(going) == 0:
             return ends, samples
     _windows(mover.take(going), state, going, cell, ends)
     return ends, samples
+
+
+def _alike(period: np.ndarray, weight: int) -> Iterator[np.ndarray]:
+    """Lanes that repeat, in batches of similar periods that need room for at most `ROOM` numbers, or of one lane."""
+    order = np.argsort(period, kind="stable")
+    order = order[period[order] > 0]
+    while order.size:
+        shortest = int(period[order[0]])
+        count = int(np.searchsorted(period[order], shortest + max(16, shortest // 2), side="right"))
+        longest = int(period[order[count - 1]])
+        count = min(count, max(1, ROOM // (longest * weight)))
+        yield order[:count]
+        order = order[count:]
 
 
 def _count(ends: list[Settled], one: Settled) -> None:
@@ -84,15 +94,13 @@ def _same(one: Settled, other: Settled) -> bool:
     if len(one.x) == 0:
         return True
     size = 1.0 + float(np.abs(one.x).max())
-    return all(
-        abs(float(of(one.x[:-1]) - of(other.x[:-1]))) <= SAME * size for of in (np.min, np.max, np.mean, np.std)
-    )
+    return all(abs(float(of(one.x[:-1]) - of(other.x[:-1]))) <= SAME * size for of in (np.min, np.max, np.mean, np.std))
 
 
 def _settled(mover: Mover, orbits: Orbits, i: int, lane: int) -> Settled:
     period = int(orbits.turn[i])
     held = period * len(mover.remedy.parts)
-    x, v = orbits.x[: held + 1, i], orbits.v[: held + 1, i]
+    x, v = orbits.path.x[: held + 1, i].copy(), orbits.path.v[: held + 1, i].copy()
     still = period == 1 and float(np.ptp(x)) <= AT_REST * (1.0 + abs(float(x[0]))) and float(np.abs(v).max()) <= AT_REST
     return Settled(
         lane=lane,
@@ -104,7 +112,7 @@ def _settled(mover: Mover, orbits: Orbits, i: int, lane: int) -> Settled:
         closure=float(orbits.closure[i]),
         x=x,
         v=v,
-        drive=orbits.drive[:held, i],
+        drive=orbits.path.drive[:held, i].copy(),
     )
 
 

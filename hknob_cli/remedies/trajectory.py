@@ -12,7 +12,7 @@ from hknob_cli.remedies.remedy import Remedy
 
 
 class Point(NamedTuple):
-    """``time`` in samples since the trial's start; ``event``: sample, command, or empty between; counts; ``torque`` in steps."""
+    """``time`` in samples since the start; ``event``: sample, command, or empty between; ``torque`` in steps."""
 
     time: float
     event: str
@@ -21,7 +21,9 @@ class Point(NamedTuple):
     torque: float
 
 
-def follow(remedy: Remedy, batch: Batch, trial: int, *, start: tuple[float, float], until: float, every: float) -> Iterator[Point]:
+def follow(
+    remedy: Remedy, batch: Batch, trial: int, *, start: tuple[float, float], until: float, every: float
+) -> Iterator[Point]:
     """Points of trial number ``trial`` of a batch of one cell from ``start`` (counts, counts per sample).
 
     ``until``: length, and ``every``: time between the points between, both in samples.

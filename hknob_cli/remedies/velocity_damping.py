@@ -1,4 +1,4 @@
-"""Virtual damping beside the wall: torque against the velocity, differenced from the counts or from a sensor of its own.
+"""Virtual damping beside the wall, against the velocity: differenced from the counts, or from a sensor.
 
 Dissertation, Sections 10.2 and 11: a velocity sensor makes virtual damping meaningful where counts are too coarse to
 difference. Below 0 the damping drives: to take back physical damping outside the wall (Colgate & Schenkel 1994).
@@ -7,13 +7,11 @@ difference. Below 0 the damping drives: to take back physical damping outside th
 import numpy as np
 
 from hknob_cli.remedies.lanes import Array, Lanes
-from hknob_cli.remedies.remedy import Action, Plain, Reading
+from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
-class VelocityDamping(Plain):
+class VelocityDamping(Differencing):
     """``damping`` in N·m·s/rad; ``sensor``: the velocity is sensed; ``everywhere``: outside the wall, too."""
-
-    rows = 1
 
     def __init__(self, damping: float, *, sensor: bool, everywhere: bool) -> None:
         self.damping = damping
@@ -27,8 +25,8 @@ class VelocityDamping(Plain):
     def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
         """The wall's torque and the damper's."""
         offset, gain = fixed
-        at = reading.count + offset
+        at = reading.level + offset
         speed = at - memory[0] if reading.speed is None else reading.speed
         damper = gain * speed
-        acts = damper if self.everywhere else np.where(reading.count < 0.0, damper, 0.0)
+        acts = damper if self.everywhere else np.where(reading.level < 0.0, damper, 0.0)
         return Action((reading.depth + acts,), at[None])

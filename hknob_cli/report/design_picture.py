@@ -88,7 +88,9 @@ def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
         axes.axhspan(low - 2 * room, low - 0.5 * room, color="0.93", zorder=-1)
         axes.text(0.99, rest, "at rest ", ha="right", va="center", transform=axes.get_yaxis_transform(), color="0.4")
     if any(row["unknown"] for row in rows):
-        axes.text(0.99, unknown, "not known ", ha="right", va="bottom", transform=axes.get_yaxis_transform(), color="0.4")
+        axes.text(
+            0.99, unknown, "not known ", ha="right", va="bottom", transform=axes.get_yaxis_transform(), color="0.4"
+        )
     if plan.touch:
         axes.axhline(_touch_limit(plan, rows), color="C3", linewidth=0.9, linestyle="--")
     axes.set_xlabel("cost (open: fails a limit, filled: meets all; line: front)")

@@ -20,7 +20,9 @@ def describe_trial(grid: pa.Table, cases: pa.Table) -> dict[str, Any]:
     everywhere = {name: _grid(over, name) for name in dict.fromkeys(row["remedy"] for row in over)}
     found: dict[str, list[Row]] = {}
     for case in dict.fromkeys(row["case"] for row in rows):
-        here = [_together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere]
+        here = [
+            _together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere
+        ]
         found[case] = sorted(here, key=lambda row: row["p2p_rad"] if row["p2p_rad"] is not None else 1e9)
     loose = sum((row.get("undecided_fraction") or 0.0) > 0.0 for row in (*over, *rows))
     hands = list(dict.fromkeys(row["hand"] for row in over))
@@ -91,8 +93,8 @@ def trial_text(summary: dict[str, Any]) -> str:
     ]
     if felt:
         lines += [
-            "touch dB: above threshold. louder: dB that it is felt more than the reference, by ear: that it sounds louder;",
-            "of the hand that notices most.",
+            "touch dB: above threshold. louder: dB that it is felt more than the reference, by ear: that it sounds",
+            "louder; of the hand that notices most.",
         ]
         if summary["undecided"]:
             lines.append(f"{summary['undecided']} rows have trials that never repeat: those have no level.")

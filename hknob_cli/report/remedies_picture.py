@@ -55,7 +55,12 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
         mine = {row["remedy"]: row for row in rows if row["hand"] == hand}
         spread = (i - 0.5 * (len(hands) - 1)) * 0.5 / max(1, len(hands))
         at = [y + spread for y in range(len(names))]
-        style: dict[str, Any] = {"linestyle": "none", "marker": MARKS[i % len(MARKS)], "color": f"C{i}", "markersize": 4.5}
+        style: dict[str, Any] = {
+            "linestyle": "none",
+            "marker": MARKS[i % len(MARKS)],
+            "color": f"C{i}",
+            "markersize": 4.5,
+        }
         sizes = [mine[name]["p2p_rad"] for name in names]
         floor = 0.5e3 * least  # where those at rest are drawn, at the left edge
         drawn = [float("nan") if one is None else (1e3 * one or floor) for one in sizes]

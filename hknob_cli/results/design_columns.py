@@ -1,4 +1,4 @@
-"""The columns of a search for a design: every design that was evaluated, whether it meets what is asked, and why not."""
+"""The columns of a search for a design: every design evaluated, whether it meets what is asked, and why not."""
 
 from collections.abc import Sequence
 
@@ -14,10 +14,14 @@ COST = Column("cost", _REAL, "1", "costs of the remedy and of what it leaves to 
 MOTION = (
     Column("p2p_rad", _REAL, "rad", "peak to peak, mean over the people; 0 at rest"),
     Column("frequency_hz", _REAL, "Hz", "cycles per second, mean over the people; 0 at rest"),
-    Column("stiffness_nm_per_rad", _REAL, "N*m/rad", "static stiffness that the wall renders, of the person with least"),
+    Column(
+        "stiffness_nm_per_rad", _REAL, "N*m/rad", "static stiffness that the wall renders, of the person with least"
+    ),
 )
 PEOPLE = (
-    Column("touch_db", _REAL, "dB", "above the threshold of touch; no more people than allowed have more; null at rest"),
+    Column(
+        "touch_db", _REAL, "dB", "above the threshold of touch; no more people than allowed have more; null at rest"
+    ),
     Column("touch_above", _REAL, "1", "share of the people above what is allowed, or above threshold without a limit"),
     Column("touch_above_present_db", _REAL, "dB", "touch level over the present design's, person by person, likewise"),
     Column("hearing_above", _REAL, "1", "share of the people above what is allowed; null without a limit"),

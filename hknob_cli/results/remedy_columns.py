@@ -19,7 +19,12 @@ BUZZ = (
     Column("certified_fraction", _REAL, "1", "part of the trials whose end is proven"),
     Column("at_rest_fraction", _REAL, "1", "part of the trials that come to rest"),
     Column("diverged_fraction", _REAL, "1", "part of the trials that diverge"),
-    Column("p2p_ratio", _REAL, "1", "p2p of the reference over that of the remedy, same cell and hand; null at rest"),
+    Column(
+        "p2p_ratio",
+        _REAL,
+        "1",
+        "p2p of the reference over that of the remedy, same cell and hand; null at rest, or where it has no such cell",
+    ),
 )
 CASES = (
     Column("case", _TEXT, "", "name of the case"),

@@ -22,7 +22,8 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import nearest
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, PipelinePlan, Plan, PredictPlan, StagePlan
+from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.scene import SceneSpec, contradictions, given
 from hknob_cli.spec.source import Source
@@ -126,7 +127,7 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
 
         return validate_remedies(source)
     if given == "design":
-        from hknob_cli.spec.design import validate_design
+        from hknob_cli.spec.design_check import validate_design
 
         return validate_design(source)
     if given == "sysid":

@@ -48,7 +48,7 @@ class PressSpec(Part):
         tuple[Torque, Torque], Field(description="two steady pushes; the stiffness is between their depths")
     ] = (0.005, 0.025)
     speed: Annotated[Velocity, Field(gt=0, description="speed of a knock on the wall, whose depth is taken")] = 2.0
-    duration: Annotated[PositiveSeconds, Field(description="time after the knock in which the knob is deepest")] = 0.1
+    duration: Annotated[PositiveSeconds, Field(description="time after the knock in which the knob is deepest")] = 0.03
 
 
 class RemediesSpec(Part):
@@ -58,7 +58,9 @@ class RemediesSpec(Part):
     name: Annotated[Name, Field(description="names the results folder")]
     base: Annotated[dict[str, Any], Field(description="scene without a hand, grid and starts, as in a sweep")]
     hands: Annotated[dict[Label, HandSpec], Field(min_length=1, max_length=1000, description="hands by name")]
-    cases: Annotated[dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")] = {}  # noqa: RUF012
+    cases: Annotated[
+        dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")
+    ] = {}  # noqa: RUF012
     press: Annotated[PressSpec, Field(default_factory=PressSpec)]
     reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = "plain wall"
     remedies: Annotated[dict[Label, RemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")]
@@ -79,7 +81,8 @@ def validate_remedies(source: Source) -> RemediesPlan:
     remedies = []
     hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
     for name, remedy in spec.remedies.items():
-        places = {**PLACES, ("remedies", name, "change"): ()}
+        here: Path_ = ("remedies", name, "change")
+        places = {**PLACES, here: ()}
         try:
             grid = derived_sweep(source, merged(base, remedy.change), places)
             cases = tuple(
@@ -88,6 +91,9 @@ def validate_remedies(source: Source) -> RemediesPlan:
             )
         except SpecError as error:
             faults += error.faults
+            continue
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(remedy.change, grid, cases)]
+        if faults:
             continue
         remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
     if faults:
@@ -112,16 +118,40 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
         faults.append(source.fault(("reference",), f"must be one of remedies ({names}), got {spec.reference!r}"))
     for key in spec.base:
         if key not in ("scene", "grid", "starts", "limits"):
-            faults.append(source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True))
+            faults.append(
+                source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True)
+            )
     scene = spec.base.get("scene")
     if isinstance(scene, dict) and "hand" in scene:
-        faults.append(source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True))
+        faults.append(
+            source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True)
+        )
     for name, hand in spec.hands.items():
         if hand.from_ or hand.finger:
             faults.append(source.fault(("hands", name), "must be a table's or by inertia, damping and stiffness"))
     if spec.press.torques[0] >= spec.press.torques[1]:
         faults.append(source.fault(("press", "torques"), "must be two pushes, the smaller first"))
     return faults
+
+
+def misfit(change: dict[str, Any], plan: SweepPlan) -> list[str]:
+    """Why what a change makes of a base is no remedy: another hand, or nothing that is sampled or counted."""
+    found = [f"must not have {key}: a remedy changes scene and grid" for key in change if key not in ("scene", "grid")]
+    if "hand" in (change.get("scene") or {}):
+        found.append("must not have scene.hand: a remedy is the device's, not the hand's")
+    if not plan.scene.sampled or plan.scene.encoder is None:
+        found.append("must leave a sample clock and an encoder")
+    return found
+
+
+def _misfit(change: dict[str, Any], grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
+    """Why what a change makes of the base cannot be compared with it."""
+    found = misfit(change, grid)
+    if not found and set(grid.axes) != {RATE, COUNTS}:
+        found.append("must leave sample_rate_hz and counts_per_rev as the only axes")
+    if any(len(values) > 1 for case in cases for values in case.axes.values()):
+        found.append("must leave one cell at each case")
+    return found
 
 
 def _held(plan: SweepPlan, hands: Hand) -> SweepPlan:

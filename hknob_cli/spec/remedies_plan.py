@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.perception import Perceive
+
 
 class Remedy(NamedTuple):
     """A remedy: what it ``needs``, its sweep over the ``grid``, and over each of the ``cases``; persons are the hands.
@@ -30,3 +32,9 @@ class RemediesPlan(NamedTuple):
     speed: float
     duration: float
     values: dict[str, Any]
+
+    @property
+    def perceive(self) -> Perceive | None:
+        """How levels are judged, where they are asked for."""
+        how: Perceive | None = self.remedies[0].grid.perceive
+        return how

@@ -1,11 +1,11 @@
-"""Designs evaluated: the limit cycles of all people, all designs of a remedy side by side, and the stiffness they leave."""
+"""Designs evaluated: limit cycles of all people, all designs of a remedy side by side, and the stiffness left."""
 
 from collections.abc import Callable, Sequence
-from math import nan
+from math import nan, pi
 from typing import Any
 
 from hknob_cli.spec.design_plan import Candidate, DesignPlan
-from hknob_cli.spec.plan import COUNTS, PERSON, Bias, Cell, scene_at
+from hknob_cli.spec.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
 from hknob_cli.stages.cell import CellResult
 from hknob_cli.stages.design_space import Design, cell_of
 from hknob_cli.stages.sweep import SweepStage
@@ -54,14 +54,15 @@ class Evaluator:
         if sweep.scene.controller is None:
             return [scene.wall.stiffness for scene in scenes]
         pushed, pairs = [], []
-        for cell, scene in zip(cells, scenes, strict=True):
-            pushes = _pushes(self.plan.torques, scene.wall.stiffness, scene.hand.stiffness, int(cell[COUNTS]))
+        held = [(scene.hand or Hand()).stiffness for scene in scenes]
+        for cell, scene, hand in zip(cells, scenes, held, strict=True):
+            pushes = _pushes(self.plan.torques, scene.wall.stiffness, hand, int(cell[COUNTS]))
             pairs.append(pushes)
             pushed += [{**cell, PUSH: push} for push in pushes]
         middles = [_middle(one) for one in self._presses[i].find(pushed)]
         return [
-            (b - a) / (shallow - deep) - scene.hand.stiffness if shallow > deep else nan
-            for (a, b), scene, shallow, deep in zip(pairs, scenes, middles[::2], middles[1::2], strict=True)
+            (b - a) / (shallow - deep) - hand if shallow > deep else nan
+            for (a, b), hand, shallow, deep in zip(pairs, held, middles[::2], middles[1::2], strict=True)
         ]
 
 
@@ -79,7 +80,7 @@ def _press(candidate: Candidate) -> Any:
 
 def _pushes(torques: tuple[float, float], wall: float, hand: float, counts: int) -> tuple[float, float]:
     """Pushes near ``torques`` (N·m) that hold the knob on an edge of a count, between the torques of two counts."""
-    quantum = 6.283185307179586 / counts
+    quantum = 2.0 * pi / counts
     first, second = (max(0, round((torque - 0.5 * wall * quantum) / ((wall + hand) * quantum))) for torque in torques)
     second = max(second, first + 1)
     low, high = ((wall * (m + 0.5) + hand * m) * quantum for m in (first, second))

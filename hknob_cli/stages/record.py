@@ -159,7 +159,8 @@ def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> It
     from hknob_cli.remedies.trajectory import follow
 
     scene, record = scene_at(plan.scene, cell), plan.record
-    assert record and scene.controller
+    assert record
+    assert scene.controller
     batch = make_batch(plan.scene, [cell], plan.starts._replace(angle=angle_rad))
     knob, period_s = batch.knobs[0], batch.knobs[0].period_s
     points = follow(

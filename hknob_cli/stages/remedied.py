@@ -52,9 +52,7 @@ def _result(
     plan: SweepPlan, cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int
 ) -> CellResult:
     closed = [one for one in ends if one.outcome is not Outcome.UNDECIDED]
-    rows = [
-        (_attractor(one), measure_settled(knob, parts, one), _perceived(plan, knob, parts, one)) for one in closed
-    ]
+    rows = [(_attractor(one), measure_settled(knob, parts, one), _perceived(plan, knob, parts, one)) for one in closed]
     loose = [one for one in ends if one.outcome is Outcome.UNDECIDED]
     if loose:
         measured = [measure_settled(knob, parts, one) for one in loose]

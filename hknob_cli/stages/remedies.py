@@ -1,156 +1,116 @@
 """The trial of remedies: every remedy over the grid, and at the cases what it costs in stiffness."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import Column
-from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS, felt_columns
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Bias, Record, Starts, SweepPlan
-from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
-from hknob_cli.stages.record import record_sweep
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
+from hknob_cli.spec.plan import COUNTS, RATE, cells
+from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.stages.remedy_levels import level_columns, louder
+from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
+from hknob_cli.stages.sweep import usable_cores
+
+FEW = 2000  # trials, which are over before another process has begun
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
 
 Progress = Callable[[int, int], None]
-SHARES = ("p2p_rad", "frequency_hz", "certified_fraction", "at_rest_fraction", "diverged_fraction")
+Task = tuple[int, int | None]  # number of the remedy, and of a case; without one, the grid
 
 
 class RemediesStage:
     """A trial that is ready to run."""
 
-    def __init__(
-        self, plan: RemediesPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
-    ) -> None:
-        """Make ready; as `SweepStage`."""
+    def __init__(self, plan: RemediesPlan, *, jobs: int | None = None) -> None:
+        """Make ready; ``jobs`` processes, as many as cores if None, begun on entering; without, one.
+
+        The results do not depend on them.
+        """
         self.plan = plan
-        self.jobs = jobs
-        self.notify = notify
-        self.steps = len(plan.remedies) * (1 + 4 * len(plan.cases))
-        self._done = 0
+        cases: list[int | None] = [None, *range(len(plan.cases))]
+        self.tasks: list[Task] = [(i, case) for case in cases for i in range(len(plan.remedies))]
+        trials = sum(len(list(cells(one.grid.axes))) * one.grid.starts.phases for one in plan.remedies)
+        self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
+        self._pool: ProcessPoolExecutor | None = None
 
     def run(self, progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """The grid's rows and the cases'. Raises `ComputationError`."""
-        grid = {one.name: self._swept(one.grid, progress) for one in self.plan.remedies}
-        cases = {one.name: self._cases(one, progress) for one in self.plan.remedies}
-        named = [(one.name, row) for one in self.plan.remedies for row in grid[one.name]]
-        of = {_cell(row): row for row in grid[self.plan.reference]}
-        rows = [{"remedy": name, **row, "p2p_ratio": _ratio(of.get(_cell(row)), row)} for name, row in named]
-        felt = {(row["case"], row["hand"]): row for row in cases[self.plan.reference]}
-        marked = [
-            {"remedy": one.name, "needs": one.needs, **row, **_against(felt[row["case"], row["hand"]], row)}
-            for one in self.plan.remedies
-            for row in cases[one.name]
-        ]
-        felt_too = self._felt_columns()
-        if felt_too:
-            rows = [{**row, **_louder(of.get(_cell(row)), row, self._heard)} for row in rows]
-            marked = [{**row, **_louder(felt[row["case"], row["hand"]], row, self._heard)} for row in marked]
-        return (
-            build_table([*KEYS, *BUZZ, *felt_too], rows),
-            build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *felt_too, *NEEDS], marked),
-        )
+        found: dict[Task, Rows] = {}
+        for task, rows in zip(self.tasks, self._results(), strict=True):
+            found[task] = rows
+            progress(len(found), len(self.tasks))
+        return self._grid(found), self._cases(found)
 
-    def _felt_columns(self) -> tuple[Column, ...]:
-        """What ``perceive`` adds, where it is asked for."""
-        how = self.plan.remedies[0].grid.perceive
-        return felt_columns(gained=how.sound_gain is not None) if how else ()
+    def __enter__(self) -> "RemediesStage":
+        """Begin the processes, before this one has threads."""
+        if self.jobs == 1:
+            return self
+        import signal
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
 
-    @property
-    def _heard(self) -> str:
-        """Column of the level of sound."""
-        how = self.plan.remedies[0].grid.perceive
-        return "hearing_db" if how.sound_gain is not None else "hearing_relative_db"
+        # Forked, a process has all libraries loaded. An interruption is the parent's to answer.
+        context = get_context("fork")
+        self._pool = ProcessPoolExecutor(self.jobs, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        self._pool.submit(int).result()
+        return self
 
-    def _swept(self, plan: SweepPlan, progress: Progress) -> list[dict[str, Any]]:
-        """Rows of one sweep."""
-        rows = SweepStage(plan, jobs=self.jobs, notify=self.notify).run().cells.to_pylist()
-        self._tell(progress)
-        felt = [one.name for one in self._felt_columns() if one.name in rows[0]]
-        return [
-            {"hand": self.plan.hands[row[PERSON] - 1], **{name: row[name] for name in (RATE, COUNTS, *SHARES, *felt)}}
-            for row in rows
-        ]
+    def __exit__(self, *_: object) -> None:
+        """End the processes; what has not begun never does."""
+        if self._pool:
+            self._pool.shutdown(wait=True, cancel_futures=True)
+            self._pool = None
 
-    def _cases(self, remedy: Remedy, progress: Progress) -> list[dict[str, Any]]:
-        """Rows of every case, with the stiffness felt slowly and quickly."""
+    def _results(self) -> Iterator[Rows]:
+        """Rows of every task, in order; from the processes where there are any."""
+        work = partial(_rows, self.plan)
+        return self._pool.map(work, self.tasks) if self._pool else map(work, self.tasks)
+
+    def _grid(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        of = {_cell(row): row for row in found[at, None]}
         rows = []
-        for (name, _, _), plan in zip(self.plan.cases, remedy.cases, strict=True):
-            buzz = self._swept(plan, progress)
-            depths = [self._depth(plan, torque, progress) for torque in self.plan.torques]
-            knocks = self._knock(plan, progress)
-            gained = self.plan.torques[1] - self.plan.torques[0]
-            for row, shallow, deep, knock in zip(buzz, *depths, knocks, strict=True):
-                rows.append({"case": name, **row, "_static": gained / (shallow - deep), "_knock": knock})
-        return rows
+        for i, one in enumerate(remedies):
+            for row in found[i, None]:
+                other = of.get(_cell(row))
+                ratio = _ratio(other["p2p_rad"] if other else None, row["p2p_rad"])
+                rows.append({"remedy": one.name, **louder(self.plan, row, other), "p2p_ratio": ratio})
+        return build_table([*KEYS, *BUZZ, *level_columns(self.plan)], rows)
 
-    def _depth(self, plan: SweepPlan, torque: float, progress: Progress) -> list[float]:
-        """Angle about which each hand's knob ends under a steady push, rad: the middle of its motion."""
-        pushed = plan._replace(scene=plan.scene._replace(bias=Bias(torque=torque)), perceive=None)
-        orbits = SweepStage(pushed, jobs=self.jobs, notify=self.notify).run().orbits.to_pylist()
-        self._tell(progress)
-        found = []
-        for person in range(1, len(self.plan.hands) + 1):
-            ends = [row for row in orbits if row[PERSON] == person and row["min_rad"] is not None]
-            share = sum(row["basin_fraction"] for row in ends)
-            middle = sum(row["basin_fraction"] * 0.5 * (row["min_rad"] + row["max_rad"]) for row in ends)
-            found.append(middle / share if share else nan)
-        return found
+    def _cases(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        rows = []
+        for i, one in enumerate(remedies):
+            for case in range(len(self.plan.cases)):
+                for row, other in zip(found[i, case], found[at, case], strict=True):
+                    against = {
+                        "p2p_ratio": _ratio(other["p2p_rad"], row["p2p_rad"]),
+                        "stiffness_kept": _ratio(row["_static"], other["_static"]),
+                        "knock_ratio": _ratio(row["_knock"], other["_knock"]),
+                    }
+                    row = louder(self.plan, row, other)
+                    rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
+        return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *level_columns(self.plan), *NEEDS], rows)
 
-    def _knock(self, plan: SweepPlan, progress: Progress) -> list[float]:
-        """Depth that each hand's knob reaches after a knock on the wall without a push, rad; the mean of the trials."""
-        knocked = plan._replace(
-            scene=plan.scene._replace(bias=None),
-            starts=Starts(angle=0.0, velocity=-self.plan.speed, phases=plan.starts.phases),
-            record=Record(self.plan.duration, self.plan.duration / 200.0, plan.starts.phases),
-        )
-        deepest: dict[tuple[int, int], float] = {}
-        for row in record_sweep(knocked).to_pylist():
-            key = row[PERSON], row["trial"]
-            deepest[key] = min(deepest.get(key, 0.0), row["angle_rad"])
-        self._tell(progress)
-        trials = plan.starts.phases
-        return [
-            -sum(deepest[person, trial] for trial in range(trials)) / trials
-            for person in range(1, len(self.plan.hands) + 1)
-        ]
 
-    def _tell(self, progress: Progress) -> None:
-        self._done += 1
-        progress(self._done, self.steps)
+def _rows(plan: RemediesPlan, task: Task) -> Rows:
+    which, case = task
+    remedy = plan.remedies[which]
+    return grid_rows(plan, remedy) if case is None else case_rows(plan, remedy, case)
 
 
 def _cell(row: dict[str, Any]) -> tuple[Any, ...]:
     return row["hand"], row[RATE], row[COUNTS]
 
 
-def _ratio(reference: dict[str, Any] | None, row: dict[str, Any]) -> float:
-    """How many times smaller the buzz is; NaN where there is none, or nothing to compare with."""
-    if reference is None or not row["p2p_rad"] or reference["p2p_rad"] is None:
-        return nan
-    return float(reference["p2p_rad"] / row["p2p_rad"])
-
-
-def _against(reference: dict[str, Any], row: dict[str, Any]) -> dict[str, float]:
-    return {
-        "p2p_ratio": _ratio(reference, row),
-        "stiffness_kept": row["_static"] / reference["_static"],
-        "knock_ratio": row["_knock"] / reference["_knock"],
-    }
-
-
-def _louder(reference: dict[str, Any] | None, row: dict[str, Any], heard: str) -> dict[str, Any]:
-    """Levels of the reference, and how much louder or quieter the remedy is to the skin and the ear, dB."""
-    there = reference or {"touch_db": None, heard: None}
-
-    def change(column: str) -> float | None:
-        return None if row[column] is None or there[column] is None else float(row[column] - there[column])
-
-    return {
-        "touch_reference_db": there["touch_db"],
-        f"{heard[:-3]}_reference_db": there[heard],
-        "touch_change_db": change("touch_db"),
-        "hearing_change_db": change(heard),
-    }
+def _ratio(one: float | None, other: float | None) -> float:
+    """A ratio; NaN without the one, or over nothing."""
+    return one / other if one is not None and other else nan
