@@ -12,7 +12,7 @@ Row = dict[str, Any]
 MOST_FRONT = 20  # lines
 SAID = (
     "Costs add. The share of people is of their hands (inertia, damping, stiffness); all have the same, average",
-    "threshold, for no spread of thresholds between persons could be read from any source.",
+    "threshold, for no spread of thresholds between persons could be read from any source. All push as the base says.",
 )
 
 

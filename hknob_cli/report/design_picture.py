@@ -26,7 +26,13 @@ def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
         grid = figure.add_gridspec(2, 2, width_ratios=(1.6, 1.0))
         axes = figure.add_subplot(grid[:, 0])
         upper, lower = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
-        _map(upper, plain, "touch_db", "plain walls: touch, dB above threshold", chosen=_one(rows, "chosen"))
+        _map(
+            upper,
+            plain,
+            "touch_db",
+            "plain walls: touch, dB above threshold (frame: rate and counts of the answer)",
+            chosen=_one(rows, "chosen"),
+        )
         _map(lower, plain, "notional", "plain walls: Hasser's notional surface (Fig. 70); small is good")
     else:
         axes = figure.add_subplot()

@@ -138,8 +138,8 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
     for choice, options in spec.choices.items():
         if choice not in fixed:
             grid[choice] = [one.value for one in options]
-            places |= {("choices", choice, i, "value"): ("grid", choice, i) for i in range(len(options))}
             places[("choices", choice)] = ("grid", choice)
+            places |= {("choices", choice, i, "value"): ("grid", choice, i) for i in range(len(options))}
     people = {} if isinstance(spec.people, list) else {"population": source.value["people"]}
     values = {
         "kind": "sweep",

@@ -120,3 +120,42 @@ def test_what_is_missing_is_known() -> None:
     assert some.reach(320.0)
     assert not some.reach(400.0)
     assert not Harmonics(np.zeros(0), np.zeros(0, complex)).reach(1.0)
+
+
+CONTROLLERS = {
+    "one part": {"kind": "bounded_lag", "keep": 0.15, "time_constant": 0.01},
+    "short pulse": {"kind": "impulse_damping", "pulse": 0.025},
+    "timed pulse": {"kind": "impulse_damping", "pulse": 0.1, "detections": 5},
+    "predicts": {"kind": "half_sample"},
+}
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_harmonics_of_orbits_under_controllers(name: str) -> None:
+    """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
+    from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
+    from hknob_cli.remedies.catalogue import make_remedy
+    from hknob_cli.remedies.cells import make_batch
+    from hknob_cli.remedies.search import search
+    from hknob_cli.spec.plan import Starts
+
+    spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
+    assert spec.controller
+    remedy = make_remedy(spec.controller)
+    batch = make_batch(spec, [{"sample_rate_hz": 1000.0, "counts_per_rev": 1024}], Starts(0.02, 0.0, 4))
+    ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
+    some = [one for one in ends[0] if one.outcome is Outcome.CYCLE]
+    assert some
+    knob = batch.knobs[0]
+    for one in some:
+        lines = settled_harmonics(knob, remedy.parts, one, HIGHEST_HZ)
+        rms = sqrt(float((np.abs(lines.angle_rad) ** 2).sum()) / 2.0)
+        assert rms == pytest.approx(measure_settled(knob, remedy.parts, one).rms_rad, rel=1e-9)
+        starts = np.concatenate([[0.0], np.cumsum(remedy.parts)[:-1]])
+        few = slice(0, 8)  # instants, for the matrix to be small
+        times = (np.arange(one.period)[:, None] + starts).ravel()[few] * knob.period_s
+        turns = np.exp(2j * np.pi * np.outer(times, lines.frequency_hz))
+        motion = (turns @ lines.angle_rad).real
+        there = one.x[:-1][few] * knob.quantum_rad
+        off = (motion - motion.mean()) - (there - there.mean())
+        assert np.abs(off).max() <= 1e-6 * np.ptp(there)
