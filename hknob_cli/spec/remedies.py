@@ -16,7 +16,7 @@ from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
 from hknob_cli.spec.quantity import PositiveSeconds, SampleRate, Torque, Velocity
 from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spec.scene import Part
-from hknob_cli.spec.source import Path_, Source
+from hknob_cli.spec.source import Path_, Source, dotted
 from hknob_cli.spec.sweep import Name
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
@@ -140,12 +140,26 @@ def _misfit(change: dict[str, Any], grid: SweepPlan, cases: tuple[SweepPlan, ...
     return found
 
 
+class _Merged(Source):
+    """What a change makes of the base; faults are said where they were written, ``own`` paths ``here``."""
+
+    here: Path_
+    own: set[Path_]
+
+    def fault(self, path: Path_, message: str, *, at_key: bool = False) -> Fault:
+        """As `Source.fault`, with the key in the file as it stands."""
+        placed = (path[:end] for end in range(len(path), 0, -1) if path[:end] in self.keys or path[:end] in self.values)
+        stem = self.here if next(placed, ()) in self.own else ("base",)
+        return super().fault(path, message, at_key=at_key)._replace(key=dotted((*stem, *path)))
+
+
 def _sweep(source: Source, values: dict[str, Any], here: Path_) -> SweepPlan:
     """The sweep of a merged spec; its faults at the change where it says what is wrong, else at the base."""
     from hknob_cli.spec.load import validate
 
-    derived = Source(source.name)
-    derived.value = values
+    derived = _Merged(source.name)
+    derived.value, derived.here = values, here
+    derived.own = {path[len(here) :] for path in (*source.keys, *source.values) if path[: len(here)] == here}
     for kind in ("keys", "values"):
         places = getattr(derived, kind)
         for path, place in getattr(source, kind).items():
