@@ -139,9 +139,10 @@ def _level(row: Row) -> str:
 
 
 def _table(plan: DesignPlan, summary: Row) -> list[str]:
-    rows = summary["front"][-MOST_FRONT:]
+    also = [row for row in (summary["chosen"], summary["present"]) if row and not row["front"]]
+    rows = sorted([*summary["front"][-MOST_FRONT:], *also], key=lambda row: row["cost"])
     heads = ("cost", "touch dB", "ear dB", "step dB", "K", "proven %", "fails")
-    lines = ["Front of cost against touch (stiff enough; ear: sound over the present design's):"]
+    lines = ["Cost against touch, nothing stiff enough as cheap is felt less (ear: sound over the present design's):"]
     lines.append("".join(f"{head:>9}" for head in heads[:-1]) + "  design")
     for row in rows:
         cells = [
@@ -152,7 +153,8 @@ def _table(plan: DesignPlan, summary: Row) -> list[str]:
             short(row["stiffness_nm_per_rad"], 3),
             f"{100 * row['certified_fraction']:.4g}",
         ]
-        mark = " <- chosen" if row["chosen"] else f" (fails {row['fails']})" if row["fails"] else ""
+        mark = " <- present" if row["present"] else ""
+        mark += " <- chosen" if row["chosen"] else f" (fails {row['fails']})" if row["fails"] else ""
         lines.append("".join(f"{cell:>9}" for cell in cells) + f"  {name_of(plan, row)}{mark}")
     return lines
 

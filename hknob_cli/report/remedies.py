@@ -88,8 +88,9 @@ def trial_text(summary: dict[str, Any]) -> str:
         lines += [f"{row['remedy']:{wide}}  {_line(row, summary['grid'][row['remedy']])}" for row in rows]
     lines += [
         "",
-        "smaller: times, for the hand that gains least. static K: stiffness under a steady push, and knock: depth of",
-        "a quick knock, both over the reference's. grid: median over cells and hands of how many times smaller.",
+        "smaller: times, for the hand that gains least; 0 where the reference rests and the remedy does not.",
+        "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
+        "grid: median over cells and hands of how many times smaller.",
     ]
     if felt:
         lines += [

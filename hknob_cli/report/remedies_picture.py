@@ -48,6 +48,8 @@ def _ordered(rows: list[dict[str, Any]], names: list[str]) -> list[str]:
 
 
 def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], case: str) -> None:
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     size, pitch, cost, *louder = line
     hands = list(dict.fromkeys(row["hand"] for row in rows))
     least = min((row["p2p_rad"] for row in rows if row["p2p_rad"]), default=1e-6)
@@ -76,12 +78,17 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
         axes.set_yticks(range(len(names)), names if axes is size else [])
         axes.set_ylim(-0.6, len(names) - 0.4)
         axes.grid(alpha=0.3)
-        axes.set_xscale("linear" if axes in louder else "log")
+        if axes in louder:
+            continue
+        axes.set_xscale("log")
+        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if axes is not size else (1.0,)))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _at: f"{value:g}"))
+        axes.xaxis.set_minor_formatter(NullFormatter())
     size.axvline(0.7e3 * least, color="0.7", linewidth=0.8)
     size.set_xlabel("peak to peak, mrad (left of the line: at rest)")
     size.set_title(case, loc="left", fontsize="medium")
     pitch.set_xlabel("frequency, Hz")
-    cost.set_xlabel("filled: static stiffness, open: depth of a knock; times")
+    cost.set_xlabel("static stiffness (filled), knock depth (open)")
     for axes in louder:
         axes.axvline(0.0, color="0.3", linewidth=0.8)
-        axes.set_xlabel("louder, dB: filled to skin, open to ear")
+        axes.set_xlabel("louder, dB: to skin (filled), to ear (open)")

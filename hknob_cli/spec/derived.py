@@ -2,8 +2,25 @@
 
 from typing import Any
 
+from hknob_cli.errors import Fault
 from hknob_cli.spec.plan import SweepPlan
-from hknob_cli.spec.source import Path_, Source
+from hknob_cli.spec.source import Path_, Source, dotted
+
+
+class _Derived(Source):
+    """What a spec is merged to; ``written``: by path in it, the path in the file."""
+
+    written: dict[Path_, Path_]
+
+    def fault(self, path: Path_, message: str, *, at_key: bool = False) -> Fault:
+        """As `Source.fault`, with the key as it stands in the file."""
+        for end in range(len(path), 0, -1):
+            if path[:end] in self.written:
+                key = (*self.written[path[:end]], *path[end:])
+                break
+        else:
+            key = ("base", *path)
+        return super().fault(path, message, at_key=at_key)._replace(key=dotted(key))
 
 
 def derived_sweep(source: Source, values: dict[str, Any], places: dict[Path_, Path_]) -> SweepPlan:
@@ -14,14 +31,17 @@ def derived_sweep(source: Source, values: dict[str, Any], places: dict[Path_, Pa
     """
     from hknob_cli.spec.load import validate
 
-    derived = Source(source.name)
-    derived.value, derived.waiting = values, source.waiting
+    derived = _Derived(source.name)
+    derived.value, derived.waiting, derived.written = values, source.waiting, {}
     for stem, target in places.items():
         for kind in ("keys", "values", "overridden"):
             found = getattr(derived, kind)
             for path, place in list(getattr(source, kind).items()):
                 if path[: len(stem)] == stem:
-                    found[(*target, *path[len(stem) :])] = place
+                    there = (*target, *path[len(stem) :])
+                    found[there] = place
+                    if there:
+                        derived.written[there] = path
     plan = validate(derived, kind="sweep")
     assert isinstance(plan, SweepPlan)
     return plan

@@ -150,7 +150,7 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
         **people,
     }
     plan = derived_sweep(source, merged(values, remedy.change), {**places, ("remedies", name, "change"): ()})
-    wrong = misfit(remedy.change, plan)
+    wrong = misfit(remedy.change, plan, hands="people")
     if wrong:
         raise SpecError([source.fault(("remedies", name, "change"), text, at_key=True) for text in wrong])
     own = [one for one, axis in plan.axes.items() if one not in grid and one != PERSON and len(axis) > 1]

@@ -134,11 +134,14 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
     return faults
 
 
-def misfit(change: dict[str, Any], plan: SweepPlan) -> list[str]:
-    """Why what a change makes of a base is no remedy: another hand, or nothing that is sampled or counted."""
+def misfit(change: dict[str, Any], plan: SweepPlan, *, hands: str = "hands") -> list[str]:
+    """Why what a change makes of a base is no remedy: another hand, or nothing that is sampled or counted.
+
+    ``hands``: the key of the spec that lists them.
+    """
     found = [f"must not have {key}: a remedy changes scene and grid" for key in change if key not in ("scene", "grid")]
     if "hand" in (change.get("scene") or {}):
-        found.append("must not have scene.hand: a remedy is the device's, not the hand's")
+        found.append(f"must not have scene.hand: hands are listed under {hands}")
     if not plan.scene.sampled or plan.scene.encoder is None:
         found.append("must leave a sample clock and an encoder")
     return found

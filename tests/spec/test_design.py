@@ -58,7 +58,7 @@ def test_people_are_a_population_too() -> None:
         ("remedies:\n", "reference: @plane wall\nremedies:\n", "must be one of remedies"),
         ("keep: 0.15", "@kept: 0.15", "did you mean 'keep'?"),
         ("change: {grid: {sample_rate_hz: 4000}}", "@change: {starts: {phases: 3}}", "must not have starts"),
-        ("change: {grid: {sample_rate_hz: 4000}}", "@change: {scene: {hand: {}}}", "not the hand's"),
+        ("change: {grid: {sample_rate_hz: 4000}}", "@change: {scene: {hand: {}}}", "hands are listed under people"),
         ("{sample_rate_hz: 4000}", "{sample_rate_hz: @[4000, 5000]}", "must have one value"),
         ("inertia: 19.8", "inertia: @-19.8", "must be > 0"),
         ("    bias: {torque: 0.001}", "    @hand: {inertia: 1}", "hands are listed under people"),

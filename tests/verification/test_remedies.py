@@ -26,7 +26,7 @@ scene:
   bias: {bias}
   encoder: {encoder}
 {controller}grid:
-  sample_rate_hz: [464, 1000, 4642]
+  sample_rate_hz: [464, 1000, 2154]
   counts_per_rev: [256, 2650]
 starts: {{angle: 0.02, phases: 6}}
 """
