@@ -159,9 +159,23 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
         raise SpecError([source.fault(("remedies", name, "change", "grid", own[0]), text)])
     if isinstance(spec.people, list):
         hands = Hand(by_person=tuple(hand.plain() for hand in spec.people))
+        faults = _too_light(source, hands, min(plan.axes.get("knob.inertia", [plan.scene.knob.inertia])))
+        if faults:
+            raise SpecError(faults)
         axes: Axes = {**plan.axes, PERSON: list(range(1, len(spec.people) + 1))}
         plan = plan._replace(scene=plan.scene._replace(hand=hands), axes=axes, units={**plan.units, PERSON: "1"})
     return Candidate(name=name, needs=remedy.needs, cost=remedy.cost, sweep=_named(plan), fixed=fixed)
+
+
+def _too_light(source: Source, hands: Hand, knob: float) -> list[Fault]:
+    """Hands that take more inertia away than the lightest knob has: a table's, less the apparatus."""
+    return [
+        source.fault(
+            ("people", i), f"must leave an inertia above 0: the hand adds {hand.inertia:g}, the knob has {knob:g}"
+        )
+        for i, hand in enumerate(hands.by_person)
+        if knob + hand.inertia <= 0.0
+    ]
 
 
 def _named(plan: SweepPlan) -> SweepPlan:

@@ -1,10 +1,16 @@
 """The spec of a search for a design: what it says, and its faults with their places."""
 
+from pathlib import Path
+
 import pytest
 
+from hknob_cli.cli.hand_origin import hand_inputs
 from hknob_cli.errors import SpecError
+from hknob_cli.printed.hands import grasps
+from hknob_cli.spec.load import load
 from hknob_cli.spec.plan import PERSON
 from tests.designs import DESIGN, planned
+from tests.identified import PEOPLE, write_conditions
 
 
 def faults(text: str) -> list[str]:
@@ -75,6 +81,30 @@ def test_a_fault_has_its_place(old: str, new: str, says: str) -> None:
     assert len(found) == 1, found
     assert says in found[0]
     assert found[0].startswith(place(marked)), (found[0], place(marked))
+
+
+def test_a_knob_too_light_for_a_hand_is_a_fault() -> None:
+    text = DESIGN.replace("  - {table: 2, grip_n: 2.4}", "  - {table: 4, grip_n: 1.1}").replace("19.8", "0.5")
+    negative = [
+        (number, grasp.grip_n, grasp[1]) for number in (1, 2, 3, 4, 5) for grasp in grasps(number) if grasp[1] < -5e-8
+    ]
+    assert negative  # as printed, less the apparatus
+    number, grip, _ = negative[0]
+    found = faults(text.replace("{table: 4, grip_n: 1.1}", f"{{table: {number}, grip_n: {grip}}}"))
+    assert found[0].startswith("design.yaml:11:5: people[1]: must leave an inertia above 0: ")
+
+
+def test_people_from_a_file_are_its_subjects(tmp_path: Path) -> None:
+    write_conditions(tmp_path / "hands" / "conditions.parquet")
+    hands = "people:\n  - {table: 1, grip_n: 0.71}\n  - {table: 2, grip_n: 2.4}\n"
+    path = tmp_path / "design.yaml"
+    path.write_text(DESIGN.replace(hands, "people: {from: hands, spread: subjects}\n"))
+    plan = load(path)
+    assert plan.people == len(PEOPLE)
+    assert set(hand_inputs(plan)) >= {"population_sha256"}
+    path.write_text(DESIGN.replace(hands, "people: {from: nowhere}\n"))
+    with pytest.raises(SpecError, match=r"design.yaml:9:16: people.from: .*nowhere"):
+        load(path)
 
 
 def test_rate_and_counts_must_be_chosen() -> None:
