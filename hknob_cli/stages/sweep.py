@@ -142,6 +142,7 @@ class SweepStage:
 
             yield from remedied_results(self.plan, some)
             return
+        self._stop.clear()  # set at the end of cells found before
         every = cells(self.plan.axes) if some is None else some
         work = sum(samples * HEAVIER[group] for group, samples in expected.items())
         if work < THREADS_ABOVE or self.jobs == 1:
@@ -149,7 +150,6 @@ class SweepStage:
             return
         from concurrent.futures import ThreadPoolExecutor
 
-        self._stop.clear()
         pool = ThreadPoolExecutor(max_workers=self.jobs)
         try:
             yield from pool.map(self.run_cell, every)
