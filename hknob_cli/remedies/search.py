@@ -121,6 +121,8 @@ def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> 
         return Reason.CONTINUUM if mover.lanes.beta[lane] == 0.0 else Reason.EXPANDS
     if not mover.remedy.provable:
         return Reason.NOT_AFFINE
+    if not orbits.proven[i] and orbits.off_edges[i]:
+        return Reason.AT_SWITCH
     if not orbits.proven[i]:
         return Reason.REST_ON_EDGE if still else Reason.ON_EDGE
     return Reason.NONE
