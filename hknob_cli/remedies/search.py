@@ -20,7 +20,7 @@ EFFORTS = (
 SAME = 1e-6  # of two orbits that are one, relative
 AT_REST = 1e-9  # counts
 WINDOW_S, WINDOW = 0.5, (256, 4096)  # of motion that does not repeat: time, and least and most samples
-ROOM = 8_000_000  # numbers that a batch of proofs holds at once, roughly
+ROOM = 12_000_000  # numbers that a batch of proofs holds at once, roughly
 
 
 class Settled(NamedTuple):
