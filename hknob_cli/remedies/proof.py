@@ -28,13 +28,15 @@ SURE = 1e-9  # relative to the motion: what rounding may move a sample by, with 
 class Orbits(NamedTuple):
     """Orbits, one a lane, of n samples each.
 
-    ``proven``; ``contracts``: whether nearby motions approach it; ``margin``: least distance of a sample or look to a
+    ``proven``; ``contracts``: whether nearby motions approach it; ``off_edges``: whether no count edge is in the
+    way of the proof; ``margin``: least distance of a sample or look to a
     count edge; ``closure``: what the position misses after a period; ``path`` the motion, of which the first n samples
     count; ``turn``: samples after which the orbit is back already, n or a divisor of it.
     """
 
     proven: np.ndarray
     contracts: np.ndarray
+    off_edges: np.ndarray
     margin: Array
     closure: Array
     path: Path
@@ -98,14 +100,15 @@ def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _F
     gap = np.abs(at)
     gap[:, : lap.places] = np.abs(at[:, : lap.places] - np.round(at[:, : lap.places]))
     with np.errstate(invalid="ignore"):
-        clear = ((bend == 0.0) | (reach * bend + SURE * size_of < gap) | ~inside).all(axis=(0, 1))
+        clear = ((bend == 0.0) | (reach * bend + SURE * size_of < gap) | ~inside).all(axis=0)
     closed = (np.abs(rest) <= SURE).all(axis=0) & ((off.T == 0.0) & (rest.T == 0.0) | ~frozen).all(axis=1)
     counted = frozen[:, [2 + row for row in mover.remedy.counted]].all(axis=1)
     looks = True if lap.end.seen is None or found.seen is None else (lap.end.seen == found.seen).all(axis=0)
     margin = np.where(inside[:, 0], gap[:, : lap.places].min(axis=1), np.inf).min(axis=0)
     orbits = Orbits(
-        proven=np.asarray(contracts & settled & clear & closed & counted & looks),
+        proven=np.asarray(contracts & settled & clear.all(axis=0) & closed & counted & looks),
         contracts=contracts | ~settled,
+        off_edges=clear[: lap.places].all(axis=0),
         margin=margin,
         closure=np.abs(lap.end.x - better[0]),
         path=path,
@@ -167,7 +170,7 @@ def _turn(rows: Array, period: np.ndarray) -> np.ndarray:
 
 def _replace(orbits: Orbits, lanes: np.ndarray, more: Orbits) -> None:
     """Put the orbits of some of the lanes in place of what was there."""
-    for name in ("proven", "contracts", "margin", "closure", "turn"):
+    for name in ("proven", "contracts", "off_edges", "margin", "closure", "turn"):
         getattr(orbits, name)[lanes] = getattr(more, name)
     for old, new in zip(orbits.path, more.path, strict=True):
         old[: len(new), ..., lanes] = new

@@ -20,7 +20,7 @@ EFFORTS = (
 SAME = 1e-6  # of two orbits that are one, relative
 AT_REST = 1e-9  # counts
 WINDOW_S, WINDOW = 0.5, (256, 4096)  # of motion that does not repeat: time, and least and most samples
-ROOM = 8_000_000  # numbers that a batch of proofs holds at once, roughly
+ROOM = 12_000_000  # numbers that a batch of proofs holds at once, roughly
 
 
 class Settled(NamedTuple):
@@ -121,6 +121,8 @@ def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> 
         return Reason.CONTINUUM if mover.lanes.beta[lane] == 0.0 else Reason.EXPANDS
     if not mover.remedy.provable:
         return Reason.NOT_AFFINE
+    if not orbits.proven[i] and orbits.off_edges[i]:
+        return Reason.AT_SWITCH
     if not orbits.proven[i]:
         return Reason.REST_ON_EDGE if still else Reason.ON_EDGE
     return Reason.NONE
