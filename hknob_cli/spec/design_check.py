@@ -186,7 +186,8 @@ def _named(plan: SweepPlan) -> SweepPlan:
 
 def _is_set(change: dict[str, Any], choice: str) -> bool:
     """Whether a change itself gives a value that could be chosen."""
-    if choice in (change.get("grid") or {}):
+    grid = change.get("grid")
+    if isinstance(grid, dict) and choice in grid:
         return True
     part: Any = change.get("scene")
     for step in choice.split("."):
