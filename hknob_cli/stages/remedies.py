@@ -61,11 +61,17 @@ class RemediesStage:
         self._pool.submit(int).result()
         return self
 
-    def __exit__(self, *_: object) -> None:
-        """End the processes; what has not begun never does."""
-        if self._pool:
-            self._pool.shutdown(wait=True, cancel_futures=True)
-            self._pool = None
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes: what has not begun never does, and after an interruption neither does what has."""
+        if not self._pool:
+            return
+        from multiprocessing import active_children
+
+        if kind:
+            for child in active_children():
+                child.terminate()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool = None
 
     def _results(self) -> Iterator[Rows]:
         """Rows of every task, in order; from the processes where there are any."""
