@@ -18,9 +18,11 @@ if TYPE_CHECKING:
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
     from hknob_cli.spec.campaign import HwRunPlan
+    from hknob_cli.spec.design_plan import DesignPlan
     from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.page_plan import ReportPlan
     from hknob_cli.spec.plan import BenchPlan
+    from hknob_cli.spec.remedies_plan import RemediesPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
@@ -30,11 +32,15 @@ def _size(plan: "Plan") -> str:
         return _counted(len(plan.results), "result")
     if isinstance(plan, HwRunPlan):
         return _counted(prod(len(values) for values in plan.axes.values()) * plan.repeats, "trial")
+    if isinstance(plan, RemediesPlan):
+        return _counted(len(plan.remedies), "remedy", "remedies")
+    if isinstance(plan, DesignPlan):
+        return _counted(plan.size, "design")
     return _counted(prod(len(values) for values in plan.axes.values()), "cell")
 
 
-def _counted(count: int, what: str) -> str:
-    return f"{count} {what}{'' if count == 1 else 's'}"
+def _counted(count: int, what: str, many: str = "") -> str:
+    return f"{count} {what if count == 1 else many or what + 's'}"
 
 
 def _checked(path: Path, sets: tuple[str, ...]) -> str:

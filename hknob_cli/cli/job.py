@@ -12,6 +12,8 @@ WORK = {
     "bench": "hknob_cli.cli.bench_work",
     "report": "hknob_cli.cli.report_work",
     "sysid": "hknob_cli.cli.sysid_work",
+    "remedies": "hknob_cli.cli.remedies_work",
+    "design": "hknob_cli.cli.design_work",
     "hw-run": "hknob_cli.cli.hw_run_work",
 }
 

@@ -14,7 +14,8 @@ from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.spec.load import load
 from hknob_cli.spec.page_plan import ReportPlan
-from hknob_cli.spec.plan import PipelinePlan, Plan, StagePlan
+from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
+from hknob_cli.spec.plan import Plan
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one
@@ -93,7 +94,7 @@ def _as_hand(folder: Path) -> str:
 
 def _is_hand(path: str) -> bool:
     """Whether a path in a spec says where a hand, or a population of them, is from."""
-    return path.endswith(("hand.from", "population.from"))
+    return path.endswith(("hand.from", "population.from", "people.from"))
 
 
 def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:

@@ -42,6 +42,14 @@ STAGES = {
         "Estimate limit cycles by closed laws, say how far to trust them, and which stability limit binds.",
         "Draw every law into predict.png beside the results.",
     ),
+    "remedies": (
+        "Try remedies against the buzz: how much smaller, at what pitch, and what stiffness is left.",
+        "Draw every case into remedies.png beside the results.",
+    ),
+    "design": (
+        "Find the cheapest design whose limit cycles nobody minds, with proof, and say what binds it.",
+        "Draw cost against level, and the grid, into design.png beside the results.",
+    ),
     "bench": (
         "Compare the engine with SciPy, fixed steps and MuJoCo, scene by scene: error against run time.",
         "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",

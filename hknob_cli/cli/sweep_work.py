@@ -8,6 +8,7 @@ from typing import Any
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
@@ -27,6 +28,14 @@ class SweepWork(Work):
     def others(self, job: Job) -> tuple[str, ...]:
         """Recordings, where none are asked for."""
         return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The published thresholds, where levels above them are asked for."""
+        return threshold_inputs(job.plan.perceive)
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        return (*super().reads(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""

@@ -32,6 +32,8 @@ class Reason(IntEnum):
     CONSERVATIVE = 14
     EVENT_LIMIT = 15
     TOO_LONG = 16
+    NOT_AFFINE = 17
+    AT_SWITCH = 18
 
 
 WORDS = {
@@ -50,6 +52,8 @@ WORDS = {
     Reason.EXPANDS: "the period map is not shown to contract: nearby motions need not follow",
     Reason.CONSERVATIVE: "neither damping nor friction: the motion repeats, one of a continuum of its kind",
     Reason.TOO_LONG: "it repeats, but its period has too many turning points to measure",
+    Reason.NOT_AFFINE: "the controller is not piecewise affine: it repeats, and attracts to first order",
+    Reason.AT_SWITCH: "a switch of the controller lies within the error bound: nearby motions may take it",
     Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

@@ -27,7 +27,7 @@ def generator(body: Body, *, held: bool) -> Array:
     """Matrix of d/dt (z, 1, u, f), shape (n + 3, n + 3)."""
     n = body.order
     g = np.zeros((n + 3, n + 3))
-    first, vectors = (HELD if held else RATES) * n * n, np.reshape(body.vectors, (3, n))
+    first, vectors = (HELD if held else RATES) * n * n, np.reshape(body.vectors[: 3 * n], (3, n))
     g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
     g[:n, n] = vectors[CONSTANT_HELD if held else CONSTANT]
     if body.lag > 0.0:

@@ -10,6 +10,8 @@ from hknob_cli.engine.general.search import Chart, GeneralEngine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.forms import Integrals, integrate
+from hknob_cli.measure.general_harmonics import MOST_WORK, of_chart
+from hknob_cli.measure.harmonics import Harmonics, harmonic_count, scaled
 from hknob_cli.measure.leak import Leak, split_leak
 from hknob_cli.measure.moments import RULE, Forms, hold_forms
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
@@ -51,6 +53,17 @@ class GeneralMeasurer:
         self.engine = engine
         self._forms: dict[float, Forms] = {}
         self._integrals: dict[tuple[float, bool], Integrals] = {}
+
+    def harmonics(self, attractor: Attractor, highest_hz: float) -> Harmonics:
+        """Harmonics of a cycle up to ``highest_hz``; none of one with too many pieces to chart."""
+        body, period_s = self.knob.body, self.knob.period_s
+        count = harmonic_count(attractor.period, sample_period_s=period_s, highest_hz=highest_hz)
+        chart = self.engine.chart(body, self.knob.wall, attractor)
+        amplitudes = np.zeros(0, complex)
+        if chart is not None:
+            count = min(count, MOST_WORK // len(chart.spans))
+            amplitudes = of_chart(body, chart, attractor.period, self.knob.wall.split, count)
+        return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:
         """Measures of ``attractor``."""

@@ -9,6 +9,7 @@ from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.energy import damping_loss, wall_work
 from hknob_cli.measure.extrema import find_extrema
+from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_holds, scaled
 from hknob_cli.measure.leak import split_leak
 from hknob_cli.measure.moments import Forms, find_moments, hold_forms
 from hknob_cli.measure.period import split_holds
@@ -56,6 +57,14 @@ class Measurer:
         self.knob = knob
         self.engine = engine
         self._forms: dict[float, Forms] = {}
+
+    def harmonics(self, attractor: Attractor, highest_hz: float) -> Harmonics:
+        """Harmonics of a cycle up to ``highest_hz``."""
+        loop, period_s = self.knob.loop, self.knob.period_s
+        count = harmonic_count(attractor.period, sample_period_s=period_s, highest_hz=highest_hz)
+        _, _, older, newer = self.engine.trace(loop, attractor)
+        amplitudes = of_holds(loop, older, newer, count)
+        return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:
         """Measures of ``attractor``."""

@@ -3,6 +3,7 @@
 from typing import Any
 
 from hknob_cli.page.figures.campaign_samples import MOST
+from hknob_cli.report.perceived import perceived_levels
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
 from hknob_cli.spec.plan import PERSON
@@ -48,6 +49,10 @@ def _sweep(result: Result) -> list[FigurePlan]:
         figures = [
             _figure(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
             _figure(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
+            *(
+                _figure(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)
+                for level in perceived_levels(result.rows("cells"))
+            ),
         ]
     elif len(wide) == 2 and "growth_j_per_s2" in columns:
         figures = [_figure(result, "grid_map", "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
@@ -120,6 +125,7 @@ def _none(_result: Result) -> list[FigurePlan]:
     return []
 
 
+_NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
 _MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."

@@ -4,7 +4,7 @@ Over two axes: two maps with their values written in. Over one: every orbit as a
 trials, which shows steps and coexistence that a line through means would hide.
 """
 
-from math import isnan
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
+from hknob_cli.report.perceived import level_limits, perceived_levels
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -48,7 +49,8 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
         draw_growth(figure, rows, wide or axes[:1], axis_name)
     elif len(wide) == 2:
-        figure = Figure(figsize=(13.5, 0.52 * len({row[wide[0]] for row in rows}) + 2.6), layout="constrained")
+        tall = 0.52 * len({row[wide[0]] for row in rows}) + 2.2
+        figure = Figure(figsize=(13.5, tall * (2 if perceived_levels(rows) else 1) + 0.4), layout="constrained")
         _draw_maps(figure, rows, wide)
     else:
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
@@ -84,29 +86,36 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
     down, across = wide
     downs, acrosses = (sorted({row[axis] for row in rows}) for axis in wide)
     grid = {(row[down], row[across]): row for row in rows}
-    left, right = figure.subplots(1, 2, sharey=True)
-    panels = (
-        (left, "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
-        (right, "frequency_hz", 1.0, "frequency, Hz"),
-    )
-    for axes, column, scale, label in panels:
+    levels = perceived_levels(rows)
+    places = figure.subplots(2 if levels else 1, 2, sharey=True, squeeze=False)
+    panels: list[tuple[Axes, str, float, str, tuple[float, float] | None]] = [
+        (places[0, 0], "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)", None),
+        (places[0, 1], "frequency_hz", 1.0, "frequency, Hz", None),
+    ]
+    for one, level in zip(places[1:].flat, levels, strict=False):
+        panels.append((one, level.column, 1.0, level.title, level_limits(rows, level)))
+    for empty in list(places.flat)[len(panels) :]:
+        empty.set_axis_off()
+    for axes, column, scale, label, limits in panels:
         values = np.array(
             [
                 [(grid[d, a][column] if grid[d, a][column] is not None else np.nan) * scale for a in acrosses]
                 for d in downs
             ]
         )
-        inks = colour_map(axes, values, label)
+        inks = colour_map(axes, values, label, limits=limits)
         axes.set_xticks(range(len(acrosses)), [f"{value:.6g}" for value in acrosses], rotation=30, ha="right")
         axes.set_xlabel(axis_name(across))
         if len(rows) <= _MOST_LABELS:
             for i, d in enumerate(downs):
                 for j, a in enumerate(acrosses):
                     _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j])
-    left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
-    left.set_ylabel(axis_name(down))
+    for left in places[:, 0]:
+        left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
+        left.set_ylabel(axis_name(down))
     marks = (
-        "a dot for each orbit that coexists in a cell (the value is their mean, weighted by how often trials reach it)"
+        "a dot for each orbit that coexists in a cell (the value is their mean, weighted by how often trials reach it"
+        + ("; levels are those of the most noticeable)" if levels else ")")
     )
     figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
 
@@ -150,24 +159,25 @@ def _write(axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, i
 
 
 def _draw_orbits(figure: "Figure", orbits: list[dict[str, Any]], axis: str) -> None:
-    top, bottom = figure.subplots(2, 1, sharex=True)
+    level = next((one for one in perceived_levels(orbits) if one.column == "touch_db"), None)
+    top, *middle, bottom = figure.subplots(3 if level else 2, 1, sharex=True)
     shown = [row for row in orbits if row["p2p_rad"] is not None]
     xs = [row[axis] for row in shown]
     size = [6.0 + 30.0 * row["basin_fraction"] for row in shown]
     colour = [row["basin_fraction"] for row in shown]
-    for axes, column, scale, label in (
-        (top, "p2p_rad", 1e3, "peak to peak, mrad"),
-        (bottom, "frequency_hz", 1.0, "frequency, Hz"),
-    ):
-        ys = [row[column] * scale for row in shown]
+    panels = [(top, "p2p_rad", 1e3, "peak to peak, mrad"), (bottom, "frequency_hz", 1.0, "frequency, Hz")]
+    panels += [(one, "touch_db", 1.0, "touch, dB above threshold") for one in middle]
+    for axes, column, scale, label in panels:
+        ys = [nan if row[column] is None else row[column] * scale for row in shown]
         dots = axes.scatter(xs, ys, s=size, c=colour, cmap="cividis_r", vmin=0.0, vmax=1.0, linewidths=0)
         axes.set_ylabel(label)
-        axes.set_ylim(0.0, 1.06 * max(ys, default=0.0) or 1.0)
+        known = [y for y in ys if not isnan(y)]
+        axes.set_ylim(min([0.0, *known]), 1.06 * max([0.0, *known]) or 1.0)
         axes.grid(alpha=0.3)
     bottom.set_xlabel(axis_name(axis))
     if xs and min(xs) > 0 and is_geometric(sorted(set(xs))):
         bottom.set_xscale("log")
-    figure.colorbar(dots, ax=[top, bottom], label="share of the trials that reach the orbit", shrink=0.6)
+    figure.colorbar(dots, ax=[top, *middle, bottom], label="share of the trials that reach the orbit", shrink=0.6)
 
 
 def is_geometric(values: list[float]) -> bool:

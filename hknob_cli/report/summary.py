@@ -5,6 +5,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.perceived import perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.spec.plan import PERSON
 
@@ -44,9 +45,11 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
             ),
         ]
         lines += ["", *matrix(rows, wide, "frequency_hz", scale=1.0, title="frequency, Hz", mark=_mark)]
+        for level in perceived_levels(rows):
+            lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     else:
         lines += ["", *_list(rows, wide)]
-    notes = _notes(rows)
+    notes = [*_notes(rows), *perceived_text(rows)]
     lines += ["", *notes] if notes else []
     return "\n".join(lines)
 
@@ -87,13 +90,15 @@ def _notes(rows: list[dict[str, Any]]) -> list[str]:
 
 
 def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
-    heads = [*axes, "p2p mrad", "frequency Hz", "orbits", ""]
+    levels = perceived_levels(rows)
+    heads = [*axes, "p2p mrad", "frequency Hz", "orbits", *(level.head for level in levels), ""]
     body = [
         [
             *(short(row[axis], 6) for axis in axes),
             short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
             short(row["frequency_hz"]),
             str(row["orbit_count"]),
+            *(short(row[level.column]) for level in levels),
             _mark(row),
         ]
         for row in rows[:MAX_ROWS]

@@ -60,11 +60,12 @@ def _digests(values: dict[str, Any]) -> dict[str, str]:
 def _tables(values: dict[str, Any]) -> list[int]:
     """Numbers of those tables."""
     found: set[int] = set()
-    for key, value in values.items():
-        if key in ("hand", "population") and isinstance(value, dict) and value.get("table") is not None:
-            found |= {value["table"], 10}
-        elif isinstance(value, dict):
-            found |= set(_tables(value))
+    if values.get("table") is not None and "grip_n" in values:  # a hand, or people
+        return sorted({values["table"], 10})
+    for value in values.values():
+        for part in value if isinstance(value, list) else [value]:
+            if isinstance(part, dict):
+                found |= set(_tables(part))
     return sorted(found)
 
 

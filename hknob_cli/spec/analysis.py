@@ -20,6 +20,7 @@ ABSENT = {
     "actuator.time_constant": "actuator lag",
     "actuator.torque_limit": "a torque limit",
     "actuator.torque_step": "a torque step",
+    "controller.kind": "a controller",
 }
 
 Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]

@@ -179,6 +179,8 @@ def _wrong(source: Source, spec: BenchSceneSpec, place: Any) -> list[Fault]:
 
         found += take_hand(source, spec.scene.hand, {})
     found += contradictions(spec.scene, {COUNTS: [1]})
+    if spec.scene.controller:
+        found.append((("scene", "controller"), "must be absent: bench has no rival with a controller"))
     bare = spec.scene.encoder == "none"
     if spec.counts_per_rev is None and not bare:
         found.append(((COUNTS,), "missing, and required"))

@@ -22,7 +22,8 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import nearest
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, PipelinePlan, Plan, PredictPlan, StagePlan
+from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.scene import SceneSpec, contradictions, given
 from hknob_cli.spec.source import Source
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = ("sysid", *GRIDS, "hw-run", "bench", "report")
+KINDS = ("sysid", *GRIDS, "remedies", "design", "hw-run", "bench", "report")
 PIPELINE = "pipeline"
 
 
@@ -121,6 +122,14 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.bench import validate_bench
 
         return validate_bench(source)
+    if given == "remedies":
+        from hknob_cli.spec.remedies import validate_remedies
+
+        return validate_remedies(source)
+    if given == "design":
+        from hknob_cli.spec.design_check import validate_design
+
+        return validate_design(source)
     if given == "sysid":
         from hknob_cli.spec.sysid import validate_sysid
 
@@ -304,9 +313,8 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"sysid": "SysidSpec", "hw-run": "HwRunSpec", "bench": "BenchSpec", "report": "ReportSpec"}
-    models[PIPELINE] = "PipelineSpec"
-    if kind not in models:
+    if kind not in (*KINDS, PIPELINE):
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
-    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind.replace('-', '_')}"), models[kind])
+    module, name = kind.replace("-", "_"), "".join(part.capitalize() for part in kind.split("-"))
+    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{module}"), f"{name}Spec")
     return model

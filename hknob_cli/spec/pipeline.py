@@ -9,7 +9,7 @@ from pydantic import Field, ValidationError
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.messages import nearest
-from hknob_cli.spec.plan import PipelinePlan, StagePlan
+from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import Name

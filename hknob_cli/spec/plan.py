@@ -9,13 +9,16 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hknob_cli.spec.campaign import HwRunPlan
+from hknob_cli.spec.controller_plan import Controller
+from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 from hknob_cli.spec.page_plan import ReportPlan
+from hknob_cli.spec.perception import Perceive
+from hknob_cli.spec.remedies_plan import RemediesPlan
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
-GRIP = "hand.grip_n"
-PERSON = "person"
+GRIP, PERSON = "hand.grip_n", "person"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
@@ -105,6 +108,7 @@ class Scene(NamedTuple):
     encoder: Encoder | None
     actuator: Actuator | None
     sampled: bool = True
+    controller: Controller | None = None
 
 
 class Starts(NamedTuple):
@@ -180,6 +184,7 @@ class SweepPlan(NamedTuple):
     values: dict[str, Any]
     record: Record | None = None
     growth_s: float | None = None
+    perceive: Perceive | None = None
 
 
 class BenchScene(NamedTuple):
@@ -217,39 +222,7 @@ class BenchPlan(NamedTuple):
     values: dict[str, Any]
 
 
-class StagePlan(NamedTuple):
-    """A stage of a pipeline: its ``spec``, or the ``folder`` of results that are taken as they are.
-
-    ``settings``: overrides of its spec; ``inputs``: by path in its spec, the stage or stages whose folders go there;
-    ``where``: the place in the pipeline's file.
-    """
-
-    name: str
-    spec: Path | None
-    settings: tuple[str, ...]
-    inputs: dict[str, tuple[str, ...] | str]
-    where: str
-    folder: Path | None = None
-
-    @property
-    def needs(self) -> tuple[str, ...]:
-        """Stages that it waits for."""
-        return tuple(
-            dict.fromkeys(
-                name for found in self.inputs.values() for name in ((found,) if isinstance(found, str) else found)
-            )
-        )
-
-
-class PipelinePlan(NamedTuple):
-    """A pipeline of stages by name."""
-
-    name: str
-    stages: dict[str, StagePlan]
-    values: dict[str, Any]
-
-
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | HwRunPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan | DesignPlan | HwRunPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

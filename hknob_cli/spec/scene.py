@@ -9,6 +9,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec import plan
+from hknob_cli.spec.controller import ControllerSpec, controller_contradictions
 from hknob_cli.spec.hand import HandSpec, hand_contradictions
 from hknob_cli.spec.part import Part as Part
 from hknob_cli.spec.part import Place
@@ -100,6 +101,7 @@ class SceneSpec(Part):
         Field(default_factory=EncoderSpec, description="none: a continuous sensor"),
     ]
     actuator: ActuatorSpec | None = None
+    controller: ControllerSpec | None = None
     sampling: Annotated[
         Literal["zero_order_hold", "continuous"],
         Field(description="how the controller acts in time; continuous: without a sample clock, at once"),
@@ -115,6 +117,7 @@ class SceneSpec(Part):
             encoder=plan.Encoder(**dict(self.encoder)) if isinstance(self.encoder, EncoderSpec) else None,
             actuator=plan.Actuator(**dict(self.actuator)) if self.actuator else None,
             sampled=self.sampling == "zero_order_hold",
+            controller=self.controller.plain() if self.controller else None,
         )
 
 
@@ -145,6 +148,9 @@ def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]
             if f"hand.{key}" in axes:
                 found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
+    if scene.controller:
+        found += controller_contradictions(scene.controller, axes)
+        found += _beside_controller(scene, axes)
     if scene.sampling == "continuous":
         needs_clock = {
             ("wall", "damping"): "virtual damping needs samples to difference",
@@ -158,4 +164,25 @@ def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]
                 found.append((place, f"must be absent where sampling is continuous: {why}"))
         if scene.hand and scene.hand.finger:
             found.append((("scene", "hand", "finger"), "must be absent where sampling is continuous"))
+    return found
+
+
+def _beside_controller(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]:
+    """Parts of a scene that no controller has been built for."""
+    found: list[tuple[Place, str]] = []
+    for path in (
+        "knob.coulomb_torque",
+        "wall.damping",
+        "hand.finger",
+        "actuator.delay_samples",
+        "actuator.time_constant",
+        "actuator.torque_step",
+    ):
+        found += [(place, "must be absent where a controller is given") for place in given(scene, axes, path)]
+    if scene.encoder == "none":
+        found.append((("scene", "encoder"), "must be absent where a controller is given: it reads counts"))
+    if scene.sampling == "continuous":
+        found.append((("scene", "sampling"), "must be absent where a controller is given: it has a sample clock"))
+    if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
+        found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
     return found

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field
 
 from hknob_cli.spec.grid import Grid
+from hknob_cli.spec.perceive import PerceiveSpec
 from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.quantity import Angle, PositiveSeconds, SignedTorque, Velocity
@@ -113,6 +114,7 @@ class SweepSpec(Part):
     record: RecordSpec | None = None
     growth: GrowthSpec | None = None
     population: PopulationSpec | None = None
+    perceive: PerceiveSpec | None = None
 
     ABSENT: ClassVar[dict[str, str]] = {}
 
@@ -121,12 +123,20 @@ class SweepSpec(Part):
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
             found += growth_faults(self.scene, axes)
+        if self.perceive and self.scene.sampling == "continuous":
+            found.append((("perceive",), "must be absent where sampling is continuous: no cycle is proven there"))
+        if self.perceive and self.growth:
+            found.append((("perceive",), "must be absent where 'growth' is given: what nothing damps has no cycle"))
         if self.population and self.growth:
             found.append((("growth",), "must be absent where a population is given: its hands damp"))
         if self.population and self.scene.hand:
             found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
         if self.record and self.record.pulse and self.scene.sampling == "continuous":
             found.append((("record", "pulse"), "must be absent where sampling is continuous"))
+        if self.record and self.record.pulse and self.scene.controller:
+            found.append((("record", "pulse"), "must be absent where a controller is given"))
+        if self.growth and self.scene.controller:
+            found.append((("growth",), "must be absent where a controller is given"))
         if self.record:
             rows = self._recorded_rows(axes)
             if rows > MOST_ROWS:
@@ -154,5 +164,6 @@ class SweepSpec(Part):
             max_samples=self.limits.max_samples,
             record=self.record.plain() if self.record else None,
             growth_s=self.growth.duration if self.growth else None,
+            perceive=self.perceive.plain() if self.perceive else None,
             values=values,
         )

@@ -40,6 +40,7 @@ class CellResult(NamedTuple):
     group: str = "plain"
     growth: Any = None  # measure.growth.Growth
     contact: Any = None  # measure.unsampled.UnsampledTrial
+    perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
 def is_ball(scene: Scene) -> bool:
@@ -106,7 +107,8 @@ class CellFinder:
             delay_line=knob.delay_line,
             max_samples=plan.max_samples,
         )
-        return _result(cell, knob.quantum_rad, search, Measurer(knob, self._engine).measure, "plain")
+        measurer = Measurer(knob, self._engine)
+        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, "plain"))
 
     def _find_general(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.engine.general.search import GeneralEngine
@@ -129,7 +131,8 @@ class CellFinder:
             )
         except NeedsCompilerError:
             raise NeedsCompilerError("general") from None
-        return _result(cell, knob.quantum_rad, search, GeneralMeasurer(knob, self._general).measure, "general")
+        measurer = GeneralMeasurer(knob, self._general)
+        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, "general"))
 
     def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.growth import bounce_peaks, energy_growth
@@ -147,7 +150,7 @@ class CellFinder:
         )
         search = Search((whole(Outcome.UNDECIDED, Reason.NO_DAMPING, phases),), int(phases * duration / knob.period_s))
         found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces")
-        return found._replace(growth=energy_growth(peaks))
+        return _perceived(plan, None, found._replace(growth=energy_growth(peaks)))
 
     def _find_unsampled(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.unsampled import settle
@@ -178,6 +181,22 @@ class CellFinder:
         search = Search((attractor,), trial.events)
         found = _result(cell, knob.unit_rad, search, lambda _one: measures, "unsampled")
         return found._replace(contact=trial)
+
+
+def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult:
+    """The result with what is felt and heard of its cycles, if the plan asks for it; no ``measurer``: it has none."""
+    if plan.perceive is None:
+        return result
+    from hknob_cli.stages.perceived import HIGHEST_HZ, Perceived, perceive
+
+    return result._replace(
+        perceived=tuple(
+            perceive(measurer.harmonics(one, HIGHEST_HZ), plan.perceive)
+            if one.outcome is Outcome.CYCLE
+            else Perceived()
+            for one in result.attractors
+        )
+    )
 
 
 def _result(

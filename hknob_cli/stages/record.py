@@ -53,6 +53,8 @@ def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: floa
     counts = int(cell[COUNTS]) if COUNTS in cell else None
     if not scene.sampled:
         return _unsampled(plan, scene, counts, angle)
+    if scene.controller:
+        return _controlled(plan, cell, trial, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
     return record_trial(knob, plan.record, angle=angle, velocity=plan.starts.velocity, phase=phase)
@@ -148,6 +150,30 @@ def record_trial(
         if body.ratio > 0.0:
             found = found._replace(finger=knob.angle_rad(z[0] - z[2]), finger_velocity=(z[1] - z[3]) * speed)
         yield found
+
+
+def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
+    """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
+    from hknob_cli.remedies.catalogue import make_remedy
+    from hknob_cli.remedies.cells import make_batch
+    from hknob_cli.remedies.trajectory import follow
+
+    scene, record = scene_at(plan.scene, cell), plan.record
+    assert record
+    assert scene.controller
+    batch = make_batch(plan.scene, [cell], plan.starts._replace(angle=angle_rad))
+    knob, period_s = batch.knobs[0], batch.knobs[0].period_s
+    points = follow(
+        make_remedy(scene.controller),
+        batch,
+        trial,
+        start=(knob.position(angle_rad), knob.speed(plan.starts.velocity)),
+        until=record.duration / period_s,
+        every=record.interval / period_s,
+    )
+    speed, step = knob.quantum_rad / period_s, scene.wall.stiffness * knob.quantum_rad
+    for one in points:
+        yield Instant(one.time * period_s, one.event, knob.angle_rad(one.x), one.v * speed, one.torque * step)
 
 
 def _unsampled(plan: SweepPlan, scene: Scene, counts: int | None, angle_rad: float) -> Iterator[Instant]:

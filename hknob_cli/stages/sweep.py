@@ -2,7 +2,7 @@
 
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from math import prod
 from typing import Any, NamedTuple
@@ -67,8 +67,13 @@ class SweepStage:
     @cached_property
     def expected(self) -> dict[str, float]:
         """Rough number of trial-samples of the whole grid, by the group of engine functions that they take."""
+        return self._expected(cells(self.plan.axes))
+
+    def _expected(self, some: Iterable[Cell]) -> dict[str, float]:
         total: dict[str, float] = {}
-        for cell in cells(self.plan.axes):
+        if self.plan.scene.controller:
+            return total
+        for cell in some:
             group, samples = expected_samples(self.plan, cell)
             total[group] = total.get(group, 0.0) + samples
         return total
@@ -80,20 +85,32 @@ class SweepStage:
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
-        for group, samples in self.expected.items():
+        results, taken = self._find(None, progress)
+        return SweepResult(
+            cells=cells_table(self.plan, results), orbits=orbits_table(self.plan, results), samples=taken
+        )
+
+    def find(self, some: Sequence[Cell]) -> list[CellResult]:
+        """Results of some cells, which need not be those of the grid. Raises `ComputationError`."""
+        return self._find(some)[0]
+
+    def _find(
+        self, some: Sequence[Cell] | None, progress: Progress = lambda _done, _total: None
+    ) -> tuple[list[CellResult], int]:
+        """Results of some cells, all if None, and the trial-samples they took."""
+        expected = self.expected if some is None else self._expected(some)
+        for group, samples in expected.items():
             if samples * HEAVIER[group] > COMPILE_ABOVE:
                 self._compile(group)
         results: list[CellResult] = []
         taken = 0
-        for result in self._results():
+        for result in self._results(some, expected):
             results.append(result)
             taken += result.samples
-            if taken > COMPILE_ABOVE and result.group not in self._functions:
+            if taken > COMPILE_ABOVE and result.group in HEAVIER and result.group not in self._functions:
                 self._compile(result.group)
             progress(len(results), self.cell_count)
-        return SweepResult(
-            cells=cells_table(self.plan, results), orbits=orbits_table(self.plan, results), samples=taken
-        )
+        return results, taken
 
     def run_cell(self, cell: Cell) -> CellResult:
         """Run one cell. Raises `ComputationError`."""
@@ -118,18 +135,24 @@ class SweepStage:
             finder = self._local.finder = CellFinder(self._functions, self._stop.is_set)
         return finder
 
-    def _results(self) -> Iterator[CellResult]:
-        """Results in the order of the grid; compiled kernels leave the interpreter to the other threads."""
-        work = sum(samples * HEAVIER[group] for group, samples in self.expected.items())
+    def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:
+        """Results in the order of the cells; compiled kernels leave the interpreter to the other threads."""
+        if self.plan.scene.controller:
+            from hknob_cli.stages.remedied import remedied_results
+
+            yield from remedied_results(self.plan, some)
+            return
+        self._stop.clear()  # set at the end of cells found before
+        every = cells(self.plan.axes) if some is None else some
+        work = sum(samples * HEAVIER[group] for group, samples in expected.items())
         if work < THREADS_ABOVE or self.jobs == 1:
-            yield from map(self.run_cell, cells(self.plan.axes))
+            yield from map(self.run_cell, every)
             return
         from concurrent.futures import ThreadPoolExecutor
 
-        self._stop.clear()
         pool = ThreadPoolExecutor(max_workers=self.jobs)
         try:
-            yield from pool.map(self.run_cell, cells(self.plan.axes))
+            yield from pool.map(self.run_cell, every)
         finally:
             self._stop.set()  # after an interruption, cells that still run give up
             pool.shutdown(wait=True, cancel_futures=True)

@@ -1,7 +1,7 @@
 """The tables of a sweep, with the columns that its scene has."""
 
 from collections.abc import Callable, Iterator, Sequence
-from math import nan
+from math import isfinite, nan
 from typing import Any
 
 import pyarrow as pa
@@ -10,7 +10,7 @@ from hknob_cli.engine.outcome import WORDS, Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
-from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan
+from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
@@ -19,9 +19,18 @@ NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
     grown = any(result.growth for result in results)
-    return _table(
-        plan, (*CELLS, *(GROWTH if grown else ())), [{**result.cell, **_cell_row(result)} for result in results]
-    )
+    columns = (*CELLS, *(GROWTH if grown else ()))
+    rows = [{**result.cell, **_cell_row(result)} for result in results]
+    if plan.perceive:
+        from hknob_cli.results.perceived_columns import cell_columns
+        from hknob_cli.stages.perceived import cell_row
+
+        columns = (*columns, *cell_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        for row, result in zip(rows, results, strict=True):
+            total = sum(one.trials for one in result.attractors)
+            shares = [one.trials / total for one in result.attractors]
+            row.update(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
+    return _table(plan, columns, rows)
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
@@ -30,6 +39,15 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     columns = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
     if not plan.scene.sampled:
         columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
+    if plan.perceive:
+        from hknob_cli.results.perceived_columns import orbit_columns
+        from hknob_cli.stages.perceived import orbit_row
+
+        columns = (*columns, *orbit_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        found = [
+            orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived
+        ]
+        rows = [{**row, **more} for row, more in zip(rows, found, strict=True)]
     return _table(plan, columns, rows)
 
 
@@ -40,8 +58,21 @@ def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]
         names = [column.name for column in PEOPLE]
         axes += PEOPLE
         rows = [{**row, **dict(zip(names, people[row[PERSON] - 1], strict=False))} for row in rows]
-    counted = COUNTS in plan.axes and plan.scene.encoder is not None
-    return build_table([*axes, *(one for one in columns if counted or one.name not in NEEDS_COUNTS)], rows)
+    return build_table([*axes, *(one for one in columns if _is_counted(plan) or one.name not in NEEDS_COUNTS)], rows)
+
+
+def _is_counted(plan: SweepPlan) -> bool:
+    return COUNTS in plan.axes and plan.scene.encoder is not None
+
+
+def _step_db(plan: SweepPlan, result: CellResult) -> float:
+    """Level of the torque step of a cell's counts."""
+    from hknob_cli.stages.perceived import step_db
+
+    if plan.perceive is None or not _is_counted(plan):
+        return nan
+    stiffness = scene_at(plan.scene, result.cell).wall.stiffness
+    return step_db(plan.perceive, stiffness=stiffness, counts=int(result.cell[COUNTS]))
 
 
 def _has_friction(plan: SweepPlan) -> bool:
@@ -54,7 +85,7 @@ def _cell_row(result: CellResult) -> dict[str, Any]:
     bounded = [
         (a.trials, m)
         for a, m in zip(result.attractors, result.measures, strict=True)
-        if a.outcome in (Outcome.CYCLE, Outcome.REST)
+        if a.outcome in (Outcome.CYCLE, Outcome.REST) or isfinite(m.p2p_rad)
     ]
     weight = sum(trials for trials, _ in bounded)
 

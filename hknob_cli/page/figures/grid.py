@@ -18,6 +18,11 @@ _NAMES: dict[str, tuple[str, float]] = {
     "rms_sine_rad": ("RMS as .707/2 of peak to peak, mrad", 1e3),
     "p2p_counts": ("peak to peak, counts", 1.0),
     "frequency_hz": ("frequency, Hz", 1.0),
+    "touch_db": ("touch, dB above threshold", 1.0),
+    "hearing_db": ("sound, dB above threshold", 1.0),
+    "hearing_relative_db": ("sound, relative dB", 1.0),
+    "hearing_phon": ("loudness level, phon", 1.0),
+    "torque_step_db": ("torque step, dB above threshold", 1.0),
     "growth_j_per_s2": ("growth of energy, mJ/s\u00b2", 1e3),
     "growth_std_j_per_s2": ("standard deviation of growth, mJ/s\u00b2", 1e3),
 }

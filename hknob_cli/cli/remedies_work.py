@@ -1,0 +1,59 @@
+"""The work of ``hknob remedies``."""
+
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.cli.console import progress_bar
+from hknob_cli.cli.job import Job
+from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
+from hknob_cli.report.remedies import describe_trial, trial_text
+from hknob_cli.stages.remedies import RemediesStage
+
+
+class RemediesWork(Work):
+    """Remedies against the buzz, tried over a grid, hands and cases."""
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """The grid, and the cases."""
+        del job
+        return "remedies.parquet", "cases.parquet"
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The published thresholds, where levels above them are asked for."""
+        return threshold_inputs(job.plan.perceive)
+
+    def reads(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        return (*super().reads(job), *threshold_files(job.plan.perceive))
+
+    def pictures(self, _job: Job) -> tuple[str, ...]:
+        """The cases."""
+        return ("remedies.png",)
+
+    def compute(self, job: Job) -> Tables:
+        """The tables of `files`."""
+        stage = RemediesStage(job.plan, jobs=job.jobs)
+        with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
+            return stage.run(progress)
+
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """One picture, where there are cases."""
+        from hknob_cli.report.remedies_picture import draw_trial
+
+        if draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
+            return paths
+        note(job, "no picture: no cases are given")
+        return []
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every remedy at every case and over the grid."""
+        del job
+        return describe_trial(*tables)
+
+    def text(self, _job: Job, summary: dict[str, Any]) -> str:
+        """A table of each case."""
+        return trial_text(summary)
+
+
+WORK = RemediesWork()

@@ -1,0 +1,106 @@
+"""What a hand feels of a vibrating knob: displacement of the skin at the rim, against published thresholds."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from hknob_cli.perception.level import Array, Verdict, as_published, combine, decibels, refuse_outside, to_peak
+from hknob_cli.perception.published import published, threshold_set
+
+# Where thresholds are extrapolated to: vibration is felt up to about 1 kHz (Tan et al. 1994, sec. 2).
+FELT_HZ = (1.0, 1000.0)
+RADII_M = {"small": 8.9e-3, "medium": 14.95e-3}  # of the dissertation's knobs, 17.8 and 29.9 mm across
+
+
+class Thresholds(NamedTuple):
+    """A published set: ``points`` (n, 2) of frequency (Hz) and peak displacement (m), where they hold, and whence."""
+
+    name: str
+    points: Array
+    low_hz: float
+    high_hz: float
+    source: str
+
+
+def thresholds(name: str | None = None) -> Thresholds:
+    """A set by its name in ``touch.yaml``, the default where None. Raises `UsageError` where there is none."""
+    found = threshold_set("touch", name)
+    low, high = found["range_hz"]
+    points = np.array(found["points"], dtype=np.float64)
+    return Thresholds(name or str(published("touch")["default"]), points, float(low), float(high), found["source"])
+
+
+def skin_displacement(angle_rad: ArrayLike, *, knob_radius_m: float) -> Array:
+    """Displacement of the skin along the rim, m, of any convention: the angle's times the radius of the knob."""
+    return np.asarray(angle_rad, dtype=np.float64) * knob_radius_m
+
+
+def in_range(frequency_hz: ArrayLike, *, name: str | None = None) -> NDArray[np.bool_]:
+    """Whether frequencies are where the set was published."""
+    found, frequency = thresholds(name), np.asarray(frequency_hz, dtype=np.float64)
+    inside: NDArray[np.bool_] = (frequency >= found.low_hz) & (frequency <= found.high_hz)
+    return inside
+
+
+def detection_threshold(frequency_hz: ArrayLike, *, name: str | None = None, extrapolate: bool = False) -> Array:
+    """Least displacement detected, m, peak, at any shape of frequencies (Hz).
+
+    Level over the logarithm of frequency is linear between the published points and, where ``extrapolate``, beyond
+    them, from 1 Hz to 1 kHz; there it is a guess: above about 300 Hz thresholds rise again, which no set here has.
+    Raises `UsageError` outside the range.
+    """
+    found, frequency = thresholds(name), np.asarray(frequency_hz, dtype=np.float64)
+    if not extrapolate:
+        why = as_published(found.source)
+        refuse_outside(frequency, found.low_hz, found.high_hz, what="a frequency of", unit="Hz", why=why)
+    else:
+        refuse_outside(frequency, *FELT_HZ, what="a frequency of", unit="Hz", why="where vibration can be felt")
+    at, level = np.log(found.points[:, 0]), np.log(found.points[:, 1])
+    where = np.log(frequency)
+    inner = np.interp(where, at, level)
+    first = (level[1] - level[0]) / (at[1] - at[0])
+    last = (level[-1] - level[-2]) / (at[-1] - at[-2])
+    beyond = np.minimum(where - at[0], 0.0) * first + np.maximum(where - at[-1], 0.0) * last
+    least: Array = np.exp(inner + beyond)
+    return least
+
+
+def sensation_level(
+    frequency_hz: ArrayLike,
+    displacement_m: ArrayLike,
+    *,
+    name: str | None = None,
+    convention: str = "peak",
+    extrapolate: bool = False,
+) -> Array:
+    """Level above the detection threshold, dB: 20 log10 of displacement over threshold; -inf where nothing moves.
+
+    Frequencies (Hz) and displacements (m, by ``convention`` peak, rms or peak_to_peak) broadcast; each pair is a
+    sinusoid. Raises `UsageError` outside the range of the set, unless ``extrapolate``.
+    """
+    least = detection_threshold(frequency_hz, name=name, extrapolate=extrapolate)
+    return decibels(to_peak(displacement_m, convention) / least)
+
+
+def judge(
+    frequency_hz: ArrayLike,
+    displacement_m: ArrayLike,
+    *,
+    name: str | None = None,
+    convention: str = "peak",
+    how: str = "most_effective",
+    extrapolate: bool = False,
+) -> Verdict:
+    """Level of motions that are sums of sinusoids: frequencies (n,), displacements (..., n).
+
+    Parts outside the range of the set are left out, unless ``extrapolate``: the level is then that of the others, and
+    NaN where there are none. ``how``: see `level.combine`.
+    """
+    frequency = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
+    displacement = to_peak(displacement_m, convention)
+    some = in_range(frequency, name=name)
+    if extrapolate:
+        some = (frequency >= FELT_HZ[0]) & (frequency <= FELT_HZ[1])
+    levels = sensation_level(frequency[some], displacement[..., some], name=name, extrapolate=extrapolate)
+    return combine(frequency[some], levels, how=how)

@@ -1,0 +1,1 @@
+"""Controllers beside the plain virtual wall, each a small array program, and their exact motion side by side."""

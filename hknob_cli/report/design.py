@@ -1,0 +1,166 @@
+"""A search for a design on the terminal: the answer, what binds it, what less would cost, and the front."""
+
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.report.matrix import matrix, short
+from hknob_cli.spec.design_plan import DesignPlan
+from hknob_cli.spec.plan import COUNTS, RATE
+
+Row = dict[str, Any]
+MOST_FRONT = 20  # lines
+SAID = (
+    "Costs add. The share of people is of their hands (inertia, damping, stiffness); all have the same, average",
+    "threshold, for no spread of thresholds between persons could be read from any source. All push as the base says.",
+)
+
+
+def describe_design(plan: DesignPlan, table: pa.Table) -> Row:
+    """Summary as plain data: the answer, the present design, what binds, the next cheaper, the front, Fig. 70."""
+    rows = table.to_pylist()
+    chosen = _one(rows, "chosen")
+    cheaper = _one(rows, "next_cheaper")
+    steps = [
+        {"choice": name, "from": chosen[name], "to": row[name], "saves": chosen["cost"] - row["cost"], **row}
+        for row in rows
+        for name in row["relaxes"].split(", ")
+        if name and chosen
+    ]
+    plain = [row for row in rows if row["notional"] is not None]
+    return {
+        "people": plan.people,
+        "designs": plan.size,
+        "evaluated": len(rows),
+        "exhaustive": len(rows) == plan.size,
+        "feasible": sum(row["feasible"] for row in rows),
+        "limits": limits(plan),
+        "chosen": chosen,
+        "present": _one(rows, "present"),
+        "binding": {step["choice"]: step["fails"] for step in steps},
+        "relaxed": steps,
+        "next_cheaper": cheaper,
+        "next_cheaper_touch_db": _more(cheaper, chosen, "touch_db"),
+        "next_cheaper_hearing_db": _more(cheaper, chosen, "hearing_above_present_db"),
+        "front": [row for row in rows if row["front"]],
+        "notional": [{name: row[name] for name in (RATE, COUNTS, "notional", "touch_db")} for row in plain],
+        "notional_best": min(plain, key=lambda row: row["notional"], default=None),
+    }
+
+
+def _one(rows: list[Row], flag: str) -> Row | None:
+    return next((row for row in rows if row[flag]), None)
+
+
+def _more(row: Row | None, than: Row | None, column: str) -> float | None:
+    if row is None or than is None or row[column] is None or than[column] is None:
+        return None
+    return float(row[column] - than[column])
+
+
+def limits(plan: DesignPlan) -> list[str]:
+    """What is asked for, in words."""
+    found = []
+    if plan.stiffness is not None:
+        found.append(f"stiffness at least {plan.stiffness:g} N*m/rad")
+    for name, limit in (("touch", plan.touch), ("hearing", plan.hearing)):
+        if limit:
+            over = "the present design" if limit.above_present else "threshold"
+            who = f"at most {100 * limit.people:g} % of people" if limit.people else "nobody"
+            found.append(f"{name}: {who} more than {limit.most_db:g} dB above {over}")
+    if plan.torque_step_db is not None:
+        found.append(f"torque step at most {plan.torque_step_db:g} dB")
+    return found
+
+
+def design_text(plan: DesignPlan, summary: Row) -> str:
+    """The answer as lines, and the front as a table."""
+    stale = " (up to date)" if summary["status"] == "up to date" else ""
+    lines = [
+        f"{summary['name']}: {summary['evaluated']} of {summary['designs']} designs evaluated for"
+        f" {summary['people']} people{stale}",
+        *(f"  {one}" for one in summary["limits"]),
+        "",
+        *_answer(plan, summary),
+        "",
+        *_table(plan, summary),
+    ]
+    best = summary["notional_best"]
+    if best:
+        lines += ["", *_surface(summary["notional"])]
+        lines.append(
+            f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
+            f" where touch is {_level(best)}."
+        )
+    return "\n".join([*lines, "", *SAID])
+
+
+def _answer(plan: DesignPlan, summary: Row) -> list[str]:
+    chosen, there = summary["chosen"], summary["present"]
+    if chosen is None:
+        lines = ["No design meets every limit; all were evaluated."]
+    else:
+        proof = "every orbit of everyone proven" if chosen["certified"] else _unproven(chosen)
+        lines = [f"Cheapest that meets every limit: {name_of(plan, chosen)}", f"  cost {chosen['cost']:g}; {proof}"]
+        for step in summary["relaxed"]:
+            what = f"{step['choice']} {_value(step['from'])} -> {_value(step['to'])}"
+            lines.append(f"  binds: {what}, saving {step['saves']:g}, fails {step['fails'] or 'nothing'}")
+        cheaper = summary["next_cheaper"]
+        if cheaper:
+            more = summary["next_cheaper_touch_db"]
+            felt = f"felt {more:+.1f} dB" if more is not None else f"touch {_level(cheaper)}, not {_level(chosen)}"
+            lines.append(f"  next cheaper: {name_of(plan, cheaper)}, cost {cheaper['cost']:g}, {felt}")
+    lines.append(f"Present design: {name_of(plan, there)}, cost {there['cost']:g}, touch {_level(there)}")
+    return lines
+
+
+def _unproven(row: Row) -> str:
+    return f"NOT PROVEN for all: {100 * (1.0 - row['certified_fraction']):.2g} % of the trials have no certificate"
+
+
+def name_of(plan: DesignPlan, row: Row) -> str:
+    """A design in words: its remedy, and the values of its choices, by label where they have one."""
+    parts = [row["remedy"]]
+    for choice in plan.choices:
+        label = next((one.label for one in choice.options if one.value == row[choice.name]), "")
+        units = {RATE: "Hz", COUNTS: "counts"}.get(choice.name, f"{choice.unit} {choice.name}")
+        parts.append(label or f"{row[choice.name]:g} {units}")
+    return ", ".join(parts)
+
+
+def _value(value: Any) -> str:
+    return value if isinstance(value, str) else f"{value:g}"
+
+
+def _level(row: Row) -> str:
+    if row["touch_db"] is not None:
+        return f"{row['touch_db']:.1f} dB"
+    return "not known" if row.get("unknown") else "none (at rest)"
+
+
+def _table(plan: DesignPlan, summary: Row) -> list[str]:
+    also = [row for row in (summary["chosen"], summary["present"]) if row and not row["front"]]
+    rows = sorted([*summary["front"][-MOST_FRONT:], *also], key=lambda row: row["cost"])
+    heads = ("cost", "touch dB", "ear dB", "step dB", "K", "proven %", "fails")
+    lines = ["Cost against touch, nothing stiff enough as cheap is felt less (ear: sound over the present design's):"]
+    lines.append("".join(f"{head:>9}" for head in heads[:-1]) + "  design")
+    for row in rows:
+        cells = [
+            f"{row['cost']:g}",
+            short(row["touch_db"], 3) if row["touch_db"] is not None else ("?" if row["unknown"] else "rest"),
+            short(row["hearing_above_present_db"], 3),
+            short(row["torque_step_db"], 3),
+            short(row["stiffness_nm_per_rad"], 3),
+            f"{100 * row['certified_fraction']:.4g}",
+        ]
+        mark = " <- present" if row["present"] else ""
+        mark += " <- chosen" if row["chosen"] else f" (fails {row['fails']})" if row["fails"] else ""
+        lines.append("".join(f"{cell:>9}" for cell in cells) + f"  {name_of(plan, row)}{mark}")
+    return lines
+
+
+def _surface(rows: list[Row]) -> list[str]:
+    axes = [RATE, COUNTS]
+    if len({row[RATE] for row in rows}) < 2 or len({row[COUNTS] for row in rows}) < 2:
+        return []
+    return matrix(rows, axes, "notional", scale=1.0, title="notional, 0 to 1: larger of log peak to peak and frequency")

@@ -1,0 +1,52 @@
+"""The columns of a trial of remedies."""
+
+import pyarrow as pa
+
+from hknob_cli.results.columns import Column
+from hknob_cli.results.perceived_columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED
+
+_REAL, _WHOLE, _TEXT = pa.float64(), pa.int64(), pa.string()
+
+KEYS = (
+    Column("remedy", _TEXT, "", "name of the remedy"),
+    Column("hand", _TEXT, "", "name of the hand that holds the knob"),
+)
+BUZZ = (
+    Column("sample_rate_hz", _REAL, "Hz", "sample rate of the controller, under the remedy"),
+    Column("counts_per_rev", _WHOLE, "1/rev", "encoder counts per revolution"),
+    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, weighted by basin; 0 at rest"),
+    Column("frequency_hz", _REAL, "Hz", "cycles per second, weighted by basin; 0 at rest"),
+    Column("certified_fraction", _REAL, "1", "part of the trials whose end is proven"),
+    Column("at_rest_fraction", _REAL, "1", "part of the trials that come to rest"),
+    Column("diverged_fraction", _REAL, "1", "part of the trials that diverge"),
+    Column(
+        "p2p_ratio",
+        _REAL,
+        "1",
+        "p2p of the reference over that of the remedy, same cell and hand; null at rest, or where it has no such cell",
+    ),
+)
+CASES = (
+    Column("case", _TEXT, "", "name of the case"),
+    Column("stiffness_kept", _REAL, "1", "static stiffness of wall and hand under a steady push, over the reference's"),
+    Column("knock_ratio", _REAL, "1", "depth that a knock reaches, over the reference's"),
+)
+_OVER = "over the reference's, same cell and hand; null where one of them has no level"
+
+
+def felt_columns(*, gained: bool) -> tuple[Column, ...]:
+    """What ``perceive`` adds; ``gained``: with a sound gain."""
+    sound, heard = (HEARING, HEARING_DB) if gained else (UNGAINED, RELATIVE_DB)
+    return (
+        *TOUCH,
+        *sound,
+        STEP_DB,
+        Column("undecided_fraction", _REAL, "1", "part of the trials that never repeat, whose motion has no level"),
+        Column("touch_reference_db", _REAL, "dB", "touch_db of the reference"),
+        Column(f"{heard.name[:-3]}_reference_db", _REAL, "dB", f"{heard.name} of the reference"),
+        Column("touch_change_db", _REAL, "dB", f"touch_db {_OVER}"),
+        Column("hearing_change_db", _REAL, "dB", f"{heard.name} {_OVER}"),
+    )
+
+
+NEEDS = (Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),)

@@ -1,0 +1,164 @@
+"""The spec of a trial of remedies: one scene, the changes tried on it, and the hands and cases they are tried for.
+
+A change is a JSON merge patch (RFC 7396) of the base: mappings are merged, null removes a key, anything else replaces.
+"""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, ValidationError
+
+from hknob_cli.errors import Fault, SpecError
+from hknob_cli.spec.bench import merged
+from hknob_cli.spec.derived import derived_sweep
+from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.grid import Counts
+from hknob_cli.spec.hand import HandSpec
+from hknob_cli.spec.perceive import PerceiveSpec
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
+from hknob_cli.spec.quantity import PositiveSeconds, SampleRate, Torque, Velocity
+from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
+from hknob_cli.spec.scene import Part
+from hknob_cli.spec.source import Path_, Source
+from hknob_cli.spec.sweep import Name
+
+# Where what a derived sweep is made of stands in the spec.
+PLACES: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",)}
+
+Label = Annotated[str, Field(min_length=1, max_length=80)]
+
+
+class RemedySpec(Part):
+    """One remedy: what it changes in the base, and what it asks for."""
+
+    change: Annotated[dict[str, Any], Field(description="merge patch of the base; null removes a key")] = {}  # noqa: RUF012
+    needs: Annotated[str, Field(max_length=200, description="sensors, parts and computing that it asks for")] = ""
+
+
+class CaseSpec(Part):
+    """A sample rate and an encoder that somebody has."""
+
+    sample_rate_hz: Annotated[SampleRate, Field(description="sample rate of the controller")]
+    counts_per_rev: Annotated[Counts, Field(description="encoder counts per revolution")]
+
+
+class PressSpec(Part):
+    """How the stiffness that a remedy leaves is felt out, slowly and quickly."""
+
+    torques: Annotated[
+        tuple[Torque, Torque], Field(description="two steady pushes; the stiffness is between their depths")
+    ] = (0.005, 0.025)
+    speed: Annotated[Velocity, Field(gt=0, description="speed of a knock on the wall, whose depth is taken")] = 2.0
+    duration: Annotated[PositiveSeconds, Field(description="time after the knock in which the knob is deepest")] = 0.03
+
+
+class RemediesSpec(Part):
+    """Try remedies against the buzz over a grid, hands and cases."""
+
+    kind: Literal["remedies"]
+    name: Annotated[Name, Field(description="names the results folder")]
+    base: Annotated[dict[str, Any], Field(description="scene without a hand, grid and starts, as in a sweep")]
+    hands: Annotated[dict[Label, HandSpec], Field(min_length=1, max_length=1000, description="hands by name")]
+    cases: Annotated[
+        dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")
+    ] = {}  # noqa: RUF012
+    press: Annotated[PressSpec, Field(default_factory=PressSpec)]
+    reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = "plain wall"
+    remedies: Annotated[dict[Label, RemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")]
+    perceive: PerceiveSpec | None = None
+
+
+def validate_remedies(source: Source) -> RemediesPlan:
+    """The plan of a trial. Raises `SpecError` with every fault of the base, or else of the remedies."""
+    try:
+        spec = RemediesSpec.model_validate(source.value)
+    except ValidationError as error:
+        raise SpecError([fault_at(source, RemediesSpec, one) for one in error.errors(include_url=False)]) from None
+    faults = _contradictions(source, spec)
+    felt = {"perceive": source.value["perceive"]} if spec.perceive else {}
+    base = {"kind": "sweep", "name": spec.name, **source.value["base"], **felt}
+    if not faults:
+        derived_sweep(source, base, PLACES)  # faults of the base alone are said once
+    remedies = []
+    hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
+    for name, remedy in spec.remedies.items():
+        here: Path_ = ("remedies", name, "change")
+        places = {**PLACES, here: ()}
+        try:
+            grid = derived_sweep(source, merged(base, remedy.change), places)
+            cases = tuple(
+                derived_sweep(source, merged({**base, "grid": dict(case)}, remedy.change), places)
+                for case in spec.cases.values()
+            )
+        except SpecError as error:
+            faults += error.faults
+            continue
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(remedy.change, grid, cases)]
+        if faults:
+            continue
+        remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
+    if faults:
+        raise SpecError(faults)
+    return RemediesPlan(
+        name=spec.name,
+        hands=tuple(spec.hands),
+        cases=tuple((name, case.sample_rate_hz, case.counts_per_rev) for name, case in spec.cases.items()),
+        remedies=tuple(remedies),
+        reference=spec.reference,
+        torques=spec.press.torques,
+        speed=spec.press.speed,
+        duration=spec.press.duration,
+        values=source.value,
+    )
+
+
+def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
+    faults = []
+    if spec.reference not in spec.remedies:
+        names = ", ".join(spec.remedies)
+        faults.append(source.fault(("reference",), f"must be one of remedies ({names}), got {spec.reference!r}"))
+    for key in spec.base:
+        if key not in ("scene", "grid", "starts", "limits"):
+            faults.append(
+                source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True)
+            )
+    scene = spec.base.get("scene")
+    if isinstance(scene, dict) and "hand" in scene:
+        faults.append(
+            source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True)
+        )
+    for name, hand in spec.hands.items():
+        if hand.from_ or hand.finger:
+            faults.append(source.fault(("hands", name), "must be a table's or by inertia, damping and stiffness"))
+    if spec.press.torques[0] >= spec.press.torques[1]:
+        faults.append(source.fault(("press", "torques"), "must be two pushes, the smaller first"))
+    return faults
+
+
+def misfit(change: dict[str, Any], plan: SweepPlan, *, hands: str = "hands") -> list[str]:
+    """Why what a change makes of a base is no remedy: another hand, or nothing that is sampled or counted.
+
+    ``hands``: the key of the spec that lists them.
+    """
+    found = [f"must not have {key}: a remedy changes scene and grid" for key in change if key not in ("scene", "grid")]
+    if "hand" in (change.get("scene") or {}):
+        found.append(f"must not have scene.hand: hands are listed under {hands}")
+    if not plan.scene.sampled or plan.scene.encoder is None:
+        found.append("must leave a sample clock and an encoder")
+    return found
+
+
+def _misfit(change: dict[str, Any], grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
+    """Why what a change makes of the base cannot be compared with it."""
+    found = misfit(change, grid)
+    if not found and set(grid.axes) != {RATE, COUNTS}:
+        found.append("must leave sample_rate_hz and counts_per_rev as the only axes")
+    if any(len(values) > 1 for case in cases for values in case.axes.values()):
+        found.append("must leave one cell at each case")
+    return found
+
+
+def _held(plan: SweepPlan, hands: Hand) -> SweepPlan:
+    """The sweep held by all hands, one a person."""
+    axes = {**{RATE: plan.axes[RATE], COUNTS: plan.axes[COUNTS]}, **plan.axes}
+    axes[PERSON] = list(range(1, len(hands.by_person) + 1))
+    return plan._replace(scene=plan.scene._replace(hand=hands), axes=axes, units={**plan.units, PERSON: "1"})

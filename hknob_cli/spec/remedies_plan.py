@@ -1,0 +1,40 @@
+"""A trial of remedies as plain values."""
+
+from typing import Any, NamedTuple
+
+from hknob_cli.spec.perception import Perceive
+
+
+class Remedy(NamedTuple):
+    """A remedy: what it ``needs``, its sweep over the ``grid``, and over each of the ``cases``; persons are the hands.
+
+    The sweeps are `SweepPlan`s.
+    """
+
+    name: str
+    needs: str
+    grid: Any
+    cases: tuple[Any, ...]
+
+
+class RemediesPlan(NamedTuple):
+    """A trial: names of ``hands``; ``cases`` with their sample rate (Hz) and counts; the ``reference``'s name.
+
+    ``torques`` (N·m), ``speed`` (rad/s), ``duration`` (s): how the stiffness is felt out.
+    """
+
+    name: str
+    hands: tuple[str, ...]
+    cases: tuple[tuple[str, float, int], ...]
+    remedies: tuple[Remedy, ...]
+    reference: str
+    torques: tuple[float, float]
+    speed: float
+    duration: float
+    values: dict[str, Any]
+
+    @property
+    def perceive(self) -> Perceive | None:
+        """How levels are judged, where they are asked for."""
+        how: Perceive | None = self.remedies[0].grid.perceive
+        return how

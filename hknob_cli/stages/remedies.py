@@ -1,0 +1,122 @@
+"""The trial of remedies: every remedy over the grid, and at the cases what it costs in stiffness."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
+from hknob_cli.spec.plan import COUNTS, RATE, cells
+from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.stages.remedy_levels import level_columns, louder
+from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
+from hknob_cli.stages.sweep import usable_cores
+
+FEW = 2000  # trials, which are over before another process has begun
+
+if TYPE_CHECKING:
+    from concurrent.futures import ProcessPoolExecutor
+
+Progress = Callable[[int, int], None]
+Task = tuple[int, int | None]  # number of the remedy, and of a case; without one, the grid
+
+
+class RemediesStage:
+    """A trial that is ready to run."""
+
+    def __init__(self, plan: RemediesPlan, *, jobs: int | None = None) -> None:
+        """Make ready; ``jobs`` processes, as many as cores if None, begun on entering; without, one.
+
+        The results do not depend on them.
+        """
+        self.plan = plan
+        cases: list[int | None] = [None, *range(len(plan.cases))]
+        self.tasks: list[Task] = [(i, case) for case in cases for i in range(len(plan.remedies))]
+        trials = sum(len(list(cells(one.grid.axes))) * one.grid.starts.phases for one in plan.remedies)
+        self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
+        self._pool: ProcessPoolExecutor | None = None
+
+    def run(self, progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
+        """The grid's rows and the cases'. Raises `ComputationError`."""
+        found: dict[Task, Rows] = {}
+        for task, rows in zip(self.tasks, self._results(), strict=True):
+            found[task] = rows
+            progress(len(found), len(self.tasks))
+        return self._grid(found), self._cases(found)
+
+    def __enter__(self) -> "RemediesStage":
+        """Begin the processes, before this one has threads."""
+        if self.jobs == 1:
+            return self
+        import signal
+        from concurrent.futures import ProcessPoolExecutor
+        from multiprocessing import get_context
+
+        # Forked, a process has all libraries loaded. An interruption is the parent's to answer.
+        context = get_context("fork")
+        self._pool = ProcessPoolExecutor(self.jobs, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        self._pool.submit(int).result()
+        return self
+
+    def __exit__(self, kind: object, *_: object) -> None:
+        """End the processes: what has not begun never does, and after an interruption neither does what has."""
+        if not self._pool:
+            return
+        from multiprocessing import active_children
+
+        if kind:
+            for child in active_children():
+                child.terminate()
+        self._pool.shutdown(wait=True, cancel_futures=True)
+        self._pool = None
+
+    def _results(self) -> Iterator[Rows]:
+        """Rows of every task, in order; from the processes where there are any."""
+        work = partial(_rows, self.plan)
+        return self._pool.map(work, self.tasks) if self._pool else map(work, self.tasks)
+
+    def _grid(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        of = {_cell(row): row for row in found[at, None]}
+        rows = []
+        for i, one in enumerate(remedies):
+            for row in found[i, None]:
+                other = of.get(_cell(row))
+                ratio = _ratio(other["p2p_rad"] if other else None, row["p2p_rad"])
+                rows.append({"remedy": one.name, **louder(self.plan, row, other), "p2p_ratio": ratio})
+        return build_table([*KEYS, *BUZZ, *level_columns(self.plan)], rows)
+
+    def _cases(self, found: dict[Task, Rows]) -> pa.Table:
+        remedies = self.plan.remedies
+        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        rows = []
+        for i, one in enumerate(remedies):
+            for case in range(len(self.plan.cases)):
+                for row, other in zip(found[i, case], found[at, case], strict=True):
+                    against = {
+                        "p2p_ratio": _ratio(other["p2p_rad"], row["p2p_rad"]),
+                        "stiffness_kept": _ratio(row["_static"], other["_static"]),
+                        "knock_ratio": _ratio(row["_knock"], other["_knock"]),
+                    }
+                    row = louder(self.plan, row, other)
+                    rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
+        return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *level_columns(self.plan), *NEEDS], rows)
+
+
+def _rows(plan: RemediesPlan, task: Task) -> Rows:
+    which, case = task
+    remedy = plan.remedies[which]
+    return grid_rows(plan, remedy) if case is None else case_rows(plan, remedy, case)
+
+
+def _cell(row: dict[str, Any]) -> tuple[Any, ...]:
+    return row["hand"], row[RATE], row[COUNTS]
+
+
+def _ratio(one: float | None, other: float | None) -> float:
+    """A ratio; NaN without the one, or over nothing."""
+    return one / other if one is not None and other else nan

@@ -1,0 +1,161 @@
+"""Harmonics of orbits against their moments in closed form, and against the motion that they add up to."""
+
+from math import sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.attractors import Engine
+from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.general_orbit import GeneralMeasurer
+from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_count
+from hknob_cli.measure.orbit import Measurer
+from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.sampled_knob import sample_knob
+from hknob_cli.spec.scene import SceneSpec
+from tests.verification.general_scenes import LIGHT, STIFF, TWO_PARTS, scene
+
+HIGHEST_HZ = 5e5
+# Amplitudes fall as the cube of the frequency, for the acceleration jumps: of the mean square of an orbit near 100 Hz
+# (100 Hz / 500 kHz)^5 is left out, and of a position at a sample (100 Hz / 500 kHz)^2 of the swing, 4e-8.
+PLAIN = {
+    "plain": scene(),
+    "half a sample late": scene(actuator={"delay_samples": 0.4}),
+    "late": scene(actuator={"delay_samples": 2.0}),
+    "nearest": scene(encoder={"rounding": "nearest"}),
+}
+GENERAL = {
+    "plain": scene(),
+    "friction": scene(knob=LIGHT),
+    "late, with friction": scene(knob=LIGHT, actuator={"delay_samples": 0.4}),
+    "two parts": scene(hand=TWO_PARTS),
+    "two parts and friction": scene(hand=TWO_PARTS, knob=LIGHT),
+    "stiff finger": scene(hand=STIFF),
+    "lag": scene(actuator={"time_constant": 2e-4}),
+    "lag, friction, two parts": scene(hand=TWO_PARTS, knob=LIGHT, actuator={"time_constant": 2e-4}),
+    "damped wall": scene(wall={"damping": 1e-4}),
+}
+
+
+def cycles(measurer: Any, search: Any) -> list[Any]:
+    found = [one for one in search.attractors if one.outcome is Outcome.CYCLE]
+    assert found
+    return found
+
+
+def check_moments(measurer: Any, orbit: Any) -> None:
+    """Half the sum of squared amplitudes is the mean square about the mean (Parseval)."""
+    lines = measurer.harmonics(orbit, HIGHEST_HZ)
+    rms = sqrt(float((np.abs(lines.angle_rad) ** 2).sum()) / 2.0)
+    assert rms == pytest.approx(measurer.measure(orbit).rms_rad, rel=1e-10)
+    first = 1.0 / (orbit.period * measurer.knob.period_s)
+    assert lines.frequency_hz[0] == pytest.approx(first)
+    assert lines.frequency_hz[-1] <= HIGHEST_HZ < lines.frequency_hz[-1] + 1.001 * first
+
+
+def check_motion(measurer: Any, orbit: Any, positions: np.ndarray) -> None:
+    """The harmonics add up to the motion at its samples."""
+    lines = measurer.harmonics(orbit, HIGHEST_HZ)
+    phase = 2.0 * np.pi * np.outer(np.arange(orbit.period) * measurer.knob.period_s, lines.frequency_hz)
+    motion = (np.exp(1j * phase) * lines.angle_rad).real.sum(axis=1)
+    wanted = (positions - positions.mean()) * measurer.knob.quantum_rad
+    assert motion - motion.mean() == pytest.approx(wanted, abs=2e-7 * np.ptp(wanted))
+
+
+@pytest.mark.parametrize("name", PLAIN)
+def test_of_the_plain_loop(name: str) -> None:
+    plan = SceneSpec.model_validate(PLAIN[name]).plain()
+    knob = sample_knob(plan, sample_rate_hz=1000.0, counts_per_rev=1024)
+    engine = Engine()
+    found = engine.search(
+        knob.loop, x=knob.position(0.02), v=0.0, phases=8, delay_line=knob.delay_line, max_samples=None
+    )
+    measurer = Measurer(knob, engine)
+    for orbit in cycles(measurer, found):
+        check_moments(measurer, orbit)
+        check_motion(measurer, orbit, engine.trace(knob.loop, orbit)[0][:-1])
+
+
+@pytest.fixture(scope="module")
+def engine() -> GeneralEngine:
+    return GeneralEngine(compiled("general"))
+
+
+WITHOUT_COUNTS = ("friction", "two parts", "two parts and friction", "lag, friction, two parts")
+
+
+@pytest.mark.parametrize(
+    ("name", "counts"), [*((name, 1024) for name in GENERAL), *((name, None) for name in WITHOUT_COUNTS)]
+)
+def test_beyond_the_plain_loop(name: str, counts: int | None, engine: GeneralEngine) -> None:
+    parts = GENERAL[name] if counts else {**GENERAL[name], "encoder": "none", "wall": {"stiffness": 3.0}}
+    knob = sample_general(SceneSpec.model_validate(parts).plain(), sample_rate_hz=1000.0, counts_per_rev=counts)
+    found = engine.search(
+        knob.body,
+        knob.wall,
+        knob.start(0.02, 0.0),
+        rate=knob.rate,
+        phases=4,
+        delay_line=knob.delay_line,
+        max_samples=None,
+    )
+    measurer = GeneralMeasurer(knob, engine)
+    for orbit in cycles(measurer, found):
+        check_moments(measurer, orbit)
+
+
+def test_the_number_of_harmonics_is_up_to_and_with_the_highest() -> None:
+    """100 Hz from 10 samples of 1 kHz: 0.1 * 10 rounds to below 1, which must not cost a harmonic."""
+    assert harmonic_count(10, sample_period_s=1e-3, highest_hz=300.0) == 3
+    assert harmonic_count(10, sample_period_s=1e-3, highest_hz=299.0) == 2
+    assert harmonic_count(10, sample_period_s=1e-3, highest_hz=99.0) == 0
+    assert harmonic_count(10**9, sample_period_s=1e-3, highest_hz=99.0) == MOST_HARMONICS
+
+
+def test_what_is_missing_is_known() -> None:
+    some = Harmonics(np.array([100.0, 200.0, 300.0]), np.ones(3, complex))
+    assert some.reach(320.0)
+    assert not some.reach(400.0)
+    assert not Harmonics(np.zeros(0), np.zeros(0, complex)).reach(1.0)
+
+
+CONTROLLERS = {
+    "one part": {"kind": "bounded_lag", "keep": 0.15, "time_constant": 0.01},
+    "short pulse": {"kind": "impulse_damping", "pulse": 0.025},
+    "timed pulse": {"kind": "impulse_damping", "pulse": 0.1, "detections": 5},
+    "predicts": {"kind": "half_sample"},
+}
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_harmonics_of_orbits_under_controllers(name: str) -> None:
+    """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
+    from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
+    from hknob_cli.remedies.catalogue import make_remedy
+    from hknob_cli.remedies.cells import make_batch
+    from hknob_cli.remedies.search import search
+    from hknob_cli.spec.plan import Starts
+
+    spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
+    assert spec.controller
+    remedy = make_remedy(spec.controller)
+    batch = make_batch(spec, [{"sample_rate_hz": 1000.0, "counts_per_rev": 1024}], Starts(0.02, 0.0, 4))
+    ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
+    some = [one for one in ends[0] if one.outcome is Outcome.CYCLE]
+    assert some
+    knob = batch.knobs[0]
+    for one in some:
+        lines = settled_harmonics(knob, remedy.parts, one, HIGHEST_HZ)
+        rms = sqrt(float((np.abs(lines.angle_rad) ** 2).sum()) / 2.0)
+        assert rms == pytest.approx(measure_settled(knob, remedy.parts, one).rms_rad, rel=1e-9)
+        starts = np.concatenate([[0.0], np.cumsum(remedy.parts)[:-1]])
+        few = slice(0, 8)  # instants, for the matrix to be small
+        times = (np.arange(one.period)[:, None] + starts).ravel()[few] * knob.period_s
+        turns = np.exp(2j * np.pi * np.outer(times, lines.frequency_hz))
+        motion = (turns @ lines.angle_rad).real
+        there = one.x[:-1][few] * knob.quantum_rad
+        off = (motion - motion.mean()) - (there - there.mean())
+        assert np.abs(off).max() <= 1e-6 * np.ptp(there)
