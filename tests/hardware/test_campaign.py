@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from hknob_cli.errors import DeviceError, RefusedError
+from hknob_cli.errors import DeviceError, RefusedError, UsageError
 from hknob_cli.hardware.operator import Nobody, View, Wish
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.sources import move_to_earlier
@@ -223,6 +223,15 @@ def test_another_encoder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RefusedError, match="'other' has 4096 counts"):
         campaign(tmp_path, other, is_source=True).run()
     assert other.calls.count("start") == 0
+
+
+def test_what_the_device_cannot_do_is_said_before_the_first_trial(tmp_path: Path) -> None:
+    device = Faulty()
+    device._identity = device._identity._replace(native_counts=300, name="coarse")
+    with pytest.raises(UsageError, match="'coarse' cannot do that: counts_per_rev must be from 1 to 300, got 512"):
+        campaign(tmp_path, device).run()
+    assert not [call for call in device.calls if call != "release"]
+    assert {path.name for path in (tmp_path / "recording").iterdir()} == {"campaign.json"}
 
 
 @pytest.mark.parametrize("damage", ["cut", "garbage", "empty", "middle"])
