@@ -115,6 +115,13 @@ def test_nobody_answers(hknob, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+def test_a_campaign_that_found_no_device_stands_in_nobodys_way(hknob, tmp_path: Path) -> None:
+    assert hknob(*arranged(tmp_path, "/dev/hknob-that-is-not-there")).returncode == 4
+    with PtyTarget() as pretended:
+        done = hknob(*arranged(tmp_path, pretended.url), "--set", "wall.stiffness=0.3")
+    assert done.returncode == 0, done.stderr
+
+
 def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
     with PtyTarget() as pretended:
         target = pretended.target

@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.errors import DeviceError, RefusedError, UsageError
 from hknob_cli.hardware.operator import Nobody, View, Wish
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.hardware.sources import move_to_earlier
+from hknob_cli.hardware.sources import move_to_earlier, spec_digest
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.recordings.read import read
 from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
@@ -183,6 +183,16 @@ def test_recordings_of_a_device_are_kept(tmp_path: Path) -> None:
     assert len(list((tmp_path / "earlier" / "1" / "recording").glob("*.parquet"))) == 4
 
 
+def test_a_device_at_another_port_is_the_same_campaign() -> None:
+    text = SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", "")
+    first = planned(text + "device: {driver: serial, url: /dev/ttyACM0}\n")
+    same = planned(text + "device: {driver: serial, url: /dev/ttyACM1, baud: 115200}\n")
+    built = planned(text + "device: {driver: serial, target: host}\n")
+    assert spec_digest(first.values) == spec_digest(same.values)
+    assert spec_digest(first.values) != spec_digest({**first.values, "seed": 3})
+    assert spec_digest(first.values) != spec_digest(built.values)
+
+
 def test_what_was_computed_gives_way(tmp_path: Path) -> None:
     campaign(tmp_path, Faulty()).run()
     device = Faulty()
@@ -207,8 +217,11 @@ def test_a_folder_that_is_half_removed_is_no_hindrance(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"recording", "whole"}
 
 
-def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("about", [None, "[1, 2]", '{"title": "holiday"}', '{"identity": "one"}'])
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path, about: str | None) -> None:
     (tmp_path / "recording").mkdir()
+    if about is not None:
+        (tmp_path / "recording" / "campaign.json").write_text(about)
     (tmp_path / "recording" / "song.wav").write_text("mine")
     with pytest.raises(RefusedError, match="not written by hknob"):
         campaign(tmp_path, Faulty()).run()
