@@ -1,5 +1,6 @@
 """A campaign: its order, what becomes of every trial, and that the torque is off on every way out."""
 
+import math
 import shutil
 from collections import Counter
 from pathlib import Path
@@ -10,8 +11,11 @@ import pytest
 from hknob_cli.errors import DeviceError, RefusedError, UsageError
 from hknob_cli.hardware.operator import Nobody, View, Wish
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.sources import move_to_earlier, spec_digest
 from hknob_cli.hardware.trial_file import read_trial
+from hknob_cli.hardware.wire.block_order import GAP_PATIENCE_S
+from hknob_cli.hardware.wire.session import SIMULATED_SILENCE_S
 from hknob_cli.recordings.read import read
 from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
 
@@ -158,6 +162,31 @@ def test_the_operator_stops(tmp_path: Path) -> None:
         campaign(tmp_path, device, operator=Asking(Wish.STOP, 40), say=said.append).run()
     assert device.calls[-1] == "release"
     assert "torque released" in said[0]
+
+
+class Slow(Faulty):
+    """Its samples take as long as a driver may wait for them, or never come."""
+
+    def __init__(self, slow_s: float) -> None:
+        super().__init__()
+        self.slow_s = slow_s
+
+    def read(self, timeout_s: float) -> Block | None:
+        return super().read(timeout_s) if timeout_s >= self.slow_s else None
+
+
+def test_how_long_a_link_may_be_silent_is_for_its_driver_to_say(tmp_path: Path) -> None:
+    longest = SIMULATED_SILENCE_S + GAP_PATIENCE_S
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
+    assert len(campaign(tmp_path, Slow(longest), plan, is_source=True).run()) == 4
+
+
+def test_a_driver_that_hangs_does_not_hang_the_campaign(tmp_path: Path) -> None:
+    device = Slow(math.inf)
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
+    with pytest.raises(DeviceError, match=r"trial 1 of 4 .*: no samples for 3 s; torque released"):
+        campaign(tmp_path, device, plan, is_source=True).run()
+    assert device.calls[-1] == "release"
 
 
 def test_what_the_operator_sees(tmp_path: Path) -> None:
