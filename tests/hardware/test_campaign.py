@@ -2,7 +2,7 @@
 
 import math
 import shutil
-from collections import Counter
+from collections import Counter, deque
 from pathlib import Path
 
 import numpy as np
@@ -187,6 +187,32 @@ def test_a_driver_that_hangs_does_not_hang_the_campaign(tmp_path: Path) -> None:
     with pytest.raises(DeviceError, match=r"trial 1 of 4 .*: no samples for 3 s; torque released"):
         campaign(tmp_path, device, plan, is_source=True).run()
     assert device.calls[-1] == "release"
+
+
+class Lagging(Faulty):
+    """A device whose samples are handed on a block late, as over a wire: some are left to read after the stop."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kept: deque[Block] = deque()
+        self.sampled: list[int] = []
+
+    def arm(self) -> None:
+        super().arm()
+        self.kept.clear()
+        self.sampled.append(0)
+
+    def read(self, timeout_s: float) -> Block | None:
+        while len(self.kept) < 2 and (block := super().read(timeout_s)) is not None:
+            self.kept.append(block)
+            self.sampled[-1] += len(block.time_us)
+        return self.kept.popleft() if self.kept else None
+
+
+def test_samples_that_are_read_after_the_stop_are_kept(tmp_path: Path) -> None:
+    device = Lagging()
+    done = campaign(tmp_path, device).run()
+    assert [one.table.num_rows for one in done] == device.sampled
 
 
 def test_what_the_operator_sees(tmp_path: Path) -> None:
