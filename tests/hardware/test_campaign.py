@@ -215,6 +215,42 @@ def test_samples_that_are_read_after_the_stop_are_kept(tmp_path: Path) -> None:
     assert [one.table.num_rows for one in done] == device.sampled
 
 
+class Spoilt(Lagging):
+    """Every block of a phase of its trials has a torque that no limit allows."""
+
+    def __init__(self, when: str) -> None:
+        super().__init__()
+        self.when, self.phase = when, ""
+
+    def arm(self) -> None:
+        super().arm()
+        self.phase = "zero"
+
+    def start(self) -> None:
+        super().start()
+        self.phase = "on"
+
+    def stop(self) -> None:
+        super().stop()
+        self.phase = "stopped"
+
+    def read(self, timeout_s: float) -> Block | None:
+        block = super().read(timeout_s)
+        if block is None or self.phase != self.when:
+            return block
+        return block._replace(torque_nm=np.full(block.torque_nm.size, 99.0))
+
+
+@pytest.mark.parametrize("when", ["zero", "on", "stopped"])
+def test_what_is_beyond_a_limit_ends_the_trial_in_every_phase_and_is_kept(tmp_path: Path, when: str) -> None:
+    device = Spoilt(when)
+    with pytest.raises(DeviceError, match="the torque is beyond the limit"):
+        campaign(tmp_path, device).run()
+    assert device.calls[-1] == "release"
+    (kept,) = (tmp_path / "recording" / "aborted").iterdir()
+    assert 99.0 in read_trial(kept).table["torque_nm"].to_pylist()
+
+
 def test_what_the_operator_sees(tmp_path: Path) -> None:
     operator = Asking(Wish.GO_ON, 0)
     campaign(tmp_path, Faulty(), operator=operator).run()
