@@ -18,6 +18,7 @@ from hknob_cli.spec.campaign import CoursePlan
 # A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
 # Shorter, it would take a pause of this computer's own for silence.
 PATIENCE_S = 3.0
+_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 class RepeatTrialError(Exception):
@@ -58,15 +59,22 @@ def letting_go(device: Device) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Hold back what interrupts, where this thread would hear it."""
+    """Put off what interrupts, where this thread would hear it.
+
+    By handlers: a mask is this thread's alone, and another, of a driver or a library, would take the signal for it.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    heard: list[int] = []
+    before = {kind: signal.signal(kind, lambda number, _frame: heard.append(number)) for kind in _INTERRUPTING}
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for kind, handler in before.items():
+            signal.signal(kind, signal.SIG_DFL if handler is None else handler)
+        for number in dict.fromkeys(heard):
+            signal.raise_signal(number)
 
 
 def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operator: Operator) -> Outcome:
