@@ -179,6 +179,21 @@ def test_a_trip_hands_on_all_samples_then_says_why(fault: Trip) -> None:
     assert wire.do(Kind.RELEASE).state is State.IDLE
 
 
+def test_blocks_lost_just_before_a_trip_are_asked_for_and_handed_on_too() -> None:
+    wire = Wire(Manners(trip=(17, Trip.SPEED), hide={15}))
+    wire.arm()
+    while wire.target.state is not State.TRIPPED:
+        wire.step()
+    wire.go(0.03)
+    assert wire.session.failure is None  # there is something to wait for
+    wire.target.manners.hide.clear()
+    wire.go(0.2)
+    assert_whole(wire.got, samples=17 * SETTINGS.block_samples)
+    assert wire.session.failure is not None
+    assert "took its torque off at sample 680" in wire.session.failure
+    assert "lost" not in wire.session.failure
+
+
 def test_a_lost_block_that_never_comes_ends_the_trial_and_releases() -> None:
     wire = Wire(Manners(hide={5}))
     wire.arm()
