@@ -256,7 +256,8 @@ def test_a_simulation_is_shown_and_asks_nothing(tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text(VIRTUAL)
     terminal = Terminal("hw-run", tmp_path / "spec.yaml", "-o", tmp_path / "out")
     terminal.wait_for("trial 4/4")
-    assert "space:" not in terminal.shown
+    assert "hands off the knob" in terminal.shown
+    assert "space" not in terminal.shown
     code, printed = terminal.finish()
     assert (code, printed.splitlines()[0][:8]) == (0, "bench: 4")
 
