@@ -338,6 +338,18 @@ def test_what_the_device_cannot_do_is_said_before_the_first_trial(tmp_path: Path
     assert {path.name for path in (tmp_path / "recording").iterdir()} == {"campaign.json"}
 
 
+@pytest.mark.parametrize("damage", ["cut", "another"])
+def test_a_file_that_is_no_such_trial_is_not_taken_for_it(tmp_path: Path, damage: str) -> None:
+    done = campaign(tmp_path, Faulty()).run()
+    first, second = (tmp_path / "recording" / f"{one.trial.label}.parquet" for one in done[:2])
+    first.write_bytes(second.read_bytes() if damage == "another" else first.read_bytes()[:-100])
+    device = Faulty()
+    again = campaign(tmp_path, device).run()
+    assert device.calls.count("start") == 1
+    assert [one.trial for one in again] == [one.trial for one in done]
+    assert again[0].table.equals(done[0].table)
+
+
 @pytest.mark.parametrize("damage", ["cut", "garbage", "empty", "middle"])
 def test_a_broken_journal_is_kept_and_the_trial_done_again(tmp_path: Path, damage: str) -> None:
     with pytest.raises(MemoryError):
