@@ -23,6 +23,7 @@ Opened = Callable[[ExitStack], Device]
 Who = Callable[[Trial], Simulated]
 Said = Callable[[str], None]
 GO_ON = "run the same command again to go on with it"
+IN_VAIN = "without a device the same command would end so again: change the spec"
 
 
 class Campaign:
@@ -166,7 +167,8 @@ class Campaign:
             kept = f"what was recorded of it is in {journal.path}"
         place = self._place(trial)
         if isinstance(error, DeviceError):
-            raise DeviceError(f"{place}: {error}; torque released; {kept}; {GO_ON}") from error
+            then = GO_ON if self._plan.is_source else IN_VAIN
+            raise DeviceError(f"{place}: {error}; torque released; {kept}; {then}") from error
         if isinstance(error, KeyboardInterrupt):
             self._say(f"{place}: torque released; {kept}; {GO_ON}")
 

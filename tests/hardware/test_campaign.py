@@ -94,8 +94,9 @@ def test_a_fault_leaves_everything_on_the_disk_and_the_next_run_goes_on(tmp_path
     whole = campaign(tmp_path / "whole", Faulty()).run()
     (tmp_path / "out").mkdir()
     device = Faulty(fail_at=70)
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
     with pytest.raises(DeviceError) as error:
-        campaign(tmp_path / "out", device).run()
+        campaign(tmp_path / "out", device, plan, is_source=True).run()
     assert device.calls[-1] == "release"
     trial = trials_of(planned())[device.calls.count("start") - 1]
     said = str(error.value)
@@ -106,7 +107,7 @@ def test_a_fault_leaves_everything_on_the_disk_and_the_next_run_goes_on(tmp_path
     kept = read_trial(tmp_path / "out" / "recording" / "aborted" / f"{trial.label}_1.parquet")
     assert kept is not None
     again = Faulty()
-    done = campaign(tmp_path / "out", again).run()
+    done = campaign(tmp_path / "out", again, plan, is_source=True).run()
     assert again.calls.count("start") == 4 - (trial.number - 1)
     for one, other in zip(done, whole, strict=True):
         assert one == other
