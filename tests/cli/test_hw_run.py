@@ -188,3 +188,11 @@ def test_no_executor(hknob, tmp_path: Path) -> None:
     done = hknob("hw-run", "spec.yaml", "--executor", "dask")
     assert (done.returncode, done.stdout) == (2, "")
     assert "one knob" in done.stderr
+
+
+def test_help_says_where_results_go_and_what_has_no_effect(hknob) -> None:
+    said = " ".join(hknob("hw-run", "--help").stdout.replace("│", " ").split())
+    assert "[default: results/NAME]" in said
+    assert "without effect, for trials follow one another" in said
+    assert "recordings of a device are moved to DIR/earlier" in said
+    assert "[default: all cores]" in hknob("sweep", "--help").stdout
