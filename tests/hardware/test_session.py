@@ -216,6 +216,19 @@ def test_silence_ends_the_trial_within_200_ms() -> None:
     assert_whole(wire.got, samples=10 * SETTINGS.block_samples)
 
 
+def test_a_target_that_simulates_may_be_silent_for_a_second() -> None:
+    wire = Wire(Manners(silent_at=10))
+    wire.target.manners.simulated = True
+    wire.arm()
+    wire.go(0.1)
+    silent_since = wire.now
+    while wire.session.failure is None and wire.now < silent_since + 2.0:
+        wire.step()
+    # From its last block on, which came 10 blocks after arming; told within a step or a few of the second.
+    assert "no samples came for 100" in (wire.session.failure or "")
+    assert 0.9 < wire.now - silent_since < 1.1
+
+
 def test_a_target_that_restarted_is_recognised() -> None:
     wire = Wire(Manners(restart_at=10))
     wire.arm()
