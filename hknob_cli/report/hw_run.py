@@ -119,7 +119,10 @@ def _spread(value: float | None, std: float | None) -> str:
 
 def _clock(summary: dict[str, Any]) -> list[str]:
     quench = [] if summary["sustained"] == len(summary["trials"]) else ["r the buzz was not sustained"]
-    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {summary['overruns']} late in the loop"]
+    missed = summary["missed_ticks"]
+    skipped = f", which left out {missed} tick{'s' if missed != 1 else ''} of the clock" if missed else ""
+    late = f"{summary['overruns']} late in the loop{skipped}"
+    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {late}"]
 
 
 def _doubts(rows: list[Row]) -> list[str]:

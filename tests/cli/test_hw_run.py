@@ -156,6 +156,10 @@ def test_nuisances_are_audited(hknob, tmp_path: Path) -> None:
     done = hknob("hw-run", "spec.yaml", "-o", "out", "--json")
     summary = json.loads(done.stdout)
     assert summary["overruns"] > 10
+    audited = pq.read_table(tmp_path / "out" / "timing.parquet")["missed_ticks"].to_pylist()
+    assert summary["missed_ticks"] == sum(audited) > 0
+    shown = hknob("hw-run", "spec.yaml", "-o", "out").stdout
+    assert f"{summary['overruns']} late in the loop, which left out {sum(audited)} ticks of the clock\n" in shown
     assert [row["fault"] for row in summary["trials"]] == [
         f"the loop was late {row['overruns']} times" if row["overruns"] else "" for row in summary["trials"]
     ]
