@@ -11,8 +11,6 @@ from hknob_cli.cli.options import (
     DryRun,
     Executor,
     ExecutorName,
-    Force,
-    Jobs,
     Json,
     Out,
     Quiet,
@@ -26,6 +24,9 @@ from hknob_cli.errors import UsageError
 PICTURE = "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png."
 UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
 
+JOBS = "As for every stage; without effect, for trials follow one another."
+FORCE = "Begin anew even where results are up to date; recordings of a device are moved to DIR/earlier."
+
 
 def hw_run(
     spec: SpecFile,
@@ -33,10 +34,10 @@ def hw_run(
     sets: Sets = None,
     unattended: Annotated[bool, typer.Option("--unattended", help=UNATTENDED)] = False,
     plot: Annotated[bool, typer.Option("--plot", help=PICTURE)] = False,
-    jobs: Jobs = None,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help=JOBS)] = None,
     executor: Executor = ExecutorName.local,
     scheduler: Scheduler = None,
-    force: Force = False,
+    force: Annotated[bool, typer.Option("--force", help=FORCE)] = False,
     dry_run: DryRun = False,
     as_json: Json = False,
     quiet: Quiet = False,

@@ -123,8 +123,9 @@ class HwRunWork(Work):
         return paths
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
-        """Every trial, and the grip over all."""
-        return describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n)
+        """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
+        missed = sum(tables[2]["missed_ticks"].to_pylist())
+        return {**describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n), "missed_ticks": missed}
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """Tables over sample rate and resolution."""

@@ -17,7 +17,7 @@ class ExecutorName(str, Enum):
 SpecFile = Annotated[Path, typer.Argument(metavar="SPEC.yaml", help="The spec to run.", show_default=False)]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", "-o", metavar="DIR", help="Where results go.  [default: results/NAME]", show_default=False),
+    typer.Option("--out", "-o", metavar="DIR", help="Where results go.  \\[default: results/NAME]", show_default=False),
 ]
 Sets = Annotated[
     list[str] | None,
@@ -25,7 +25,7 @@ Sets = Annotated[
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", "-j", min=1, metavar="N", help="Threads.  [default: all cores]", show_default=False),
+    typer.Option("--jobs", "-j", min=1, metavar="N", help="Threads.  \\[default: all cores]", show_default=False),
 ]
 Executor = Annotated[ExecutorName, typer.Option("--executor", help="How work is spread.")]
 Scheduler = Annotated[str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Address of a Dask scheduler.")]

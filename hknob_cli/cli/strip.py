@@ -20,7 +20,7 @@ REFRESH_S = 0.1
 WIDTH = 41  # of the gauge, odd so that the target is in its middle
 _WISHES = {" ": Wish.END, "r": Wish.REPEAT, "q": Wish.STOP}
 _SAID = {
-    HANDS_OFF: "hands off the knob, then press space",
+    HANDS_OFF: "hands off the knob",
     "zero": "hands off: reading the empty grip cell",
     "grip": "grip the knob, into the band",
     "buzz": "buzzing: hold it",
@@ -83,7 +83,9 @@ class Watching(Operator):
         text = Text()
         text.append(f"trial {trial.number}/{view.trials}", style="bold")
         text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts  ")
-        text.append(f"{_SAID.get(view.state, view.state)}", style="green" if view.state == "buzz" else "yellow")
+        said = _SAID.get(view.state, view.state)
+        said += ", then press space" if view.state == HANDS_OFF and self._attended else ""
+        text.append(said, style="green" if view.state == "buzz" else "yellow")
         text.append(f"  {view.state_s:.1f} s of {plan.buzz_s[1]:g}\n" if view.state == "buzz" else "\n")
         text.append(f"grip {force} N  ")
         text.append(gauge(view.grip_n, plan.grip_target_n, plan.grip_band_n), style="green" if held else "red")

@@ -5,12 +5,13 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from typing import Any
 
-from hknob_cli.errors import DeviceError, HknobError, RefusedError
+from hknob_cli.errors import DeviceError, HknobError, RefusedError, UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
 from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
 from hknob_cli.hardware.port import Block, Device
+from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.trial_file import Recorded, sample_table, zero_of
@@ -22,6 +23,7 @@ Opened = Callable[[ExitStack], Device]
 Who = Callable[[Trial], Simulated]
 Said = Callable[[str], None]
 GO_ON = "run the same command again to go on with it"
+IN_VAIN = "without a device the same command would end so again: change the spec"
 
 
 class Campaign:
@@ -50,8 +52,9 @@ class Campaign:
     def run(self) -> list[Recorded]:
         """All trials, from the disk or from the device.
 
-        Raises `DeviceError` where the device faults, `RefusedError` where it is another than before, `ComputationError`
-        where the disk is full, `KeyboardInterrupt` as asked for; what was recorded is on the disk in any case.
+        Raises `DeviceError` where the device faults, `RefusedError` where it is another than before, `UsageError` where
+        it cannot do a trial, `ComputationError` where the disk is full, `KeyboardInterrupt` as asked for; what was
+        recorded is on the disk in any case.
         """
         self._archive.enter()
         done: list[Recorded] = []
@@ -62,6 +65,7 @@ class Campaign:
                 if found is None:
                     if device is None:
                         device = self._open(stack, trial)
+                        self._check_ranges(device)
                     self._check_same(device, done)
                     found = self._run(device, trial)
                 done.append(found)
@@ -72,6 +76,15 @@ class Campaign:
             return self._opened(stack)
         except DeviceError as error:
             raise DeviceError(f"{self._place(trial)}: {error}") from error
+
+    def _check_ranges(self, device: Device) -> None:
+        """Raise `UsageError` if the device cannot do one of the trials: better before the first than hours later."""
+        for trial in self.trials:
+            faults = faults_of_settings(settings_of(self._plan, trial), device.identity)
+            if faults:
+                raise UsageError(
+                    f"{self._place(trial)}: the device '{device.identity.name}' cannot do that: {'; '.join(faults)}"
+                )
 
     def _check_same(self, device: Device, done: list[Recorded]) -> None:
         """Raise `RefusedError` if trials that are finished were recorded with another encoder."""
@@ -154,7 +167,8 @@ class Campaign:
             kept = f"what was recorded of it is in {journal.path}"
         place = self._place(trial)
         if isinstance(error, DeviceError):
-            raise DeviceError(f"{place}: {error}; torque released; {kept}; {GO_ON}") from error
+            then = GO_ON if self._plan.is_source else IN_VAIN
+            raise DeviceError(f"{place}: {error}; torque released; {kept}; {then}") from error
         if isinstance(error, KeyboardInterrupt):
             self._say(f"{place}: torque released; {kept}; {GO_ON}")
 

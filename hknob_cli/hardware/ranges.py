@@ -24,7 +24,7 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
         value = getattr(settings, name)
         if not least <= value <= most or (name in above and value == 0.0):
             allowed = f"above {least:g}, at most {most:g}" if name in above else f"from {least:g} to {most:g}"
-            faults.append(f"{name} must be {allowed}, got {value:g}")
+            faults.append(f"{name} must be {allowed}, got {value:.10g}")
     return faults
 
 

@@ -1,4 +1,4 @@
-"""The host's own watch over a trial: what is sent must be within the limits, in order, and not cease."""
+"""The host's own watch over a trial: what is sent must be within the limits, and in order."""
 
 import math
 
@@ -7,7 +7,6 @@ import numpy as np
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block, Settings
 
-SILENCE_S = 0.1  # without samples, after which the link is taken for dead
 _SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
 
 

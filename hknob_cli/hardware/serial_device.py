@@ -155,7 +155,7 @@ class SerialDevice:
             )
         if session.echoed:
             return "the port sends back what it is sent: it is a loop or a terminal, not a target"
-        if session.damaged:
+        if session.is_unread:
             return f"what comes from this port is not the protocol (docs/wire.md); is {self._baud} its baud rate?"
         return f"nobody answered within {self._patience_s:g} s: is the target on, and does it run the firmware?"
 

@@ -20,7 +20,13 @@ ALL = (RECORDING, *RESULTS, "hw_run.png", "timing.png")
 
 
 def spec_digest(values: dict[str, Any]) -> str:
-    """Digest of a spec as run: recordings are of a spec, whatever version of the program made them."""
+    """Digest of a spec as run: recordings are of a spec, whatever version of the program made them.
+
+    A device that is found at another port, as one plugged in again often is, is the same device.
+    """
+    device = values.get("device")
+    if isinstance(device, dict) and "url" in device:
+        values = {**values, "device": {**{key: device[key] for key in device if key != "baud"}, "url": ""}}
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
@@ -28,8 +34,8 @@ def source_digests(out: Path) -> dict[str, str]:
     """By what holds recordings of a device in a results folder, the digest of the spec that they are of."""
     found = {}
     about = read_about(out / RECORDING)
-    if about is not None and about.get("source"):
-        found[RECORDING] = str(about.get("identity"))
+    if about is not None and about["source"] and has_samples(out / RECORDING):
+        found[RECORDING] = str(about["identity"])
     for name in RESULTS[:1]:
         values = _spec_of(out / name)
         if (values.get("device") or {}).get("driver") == SERIAL:
@@ -38,12 +44,18 @@ def source_digests(out: Path) -> dict[str, str]:
 
 
 def read_about(folder: Path) -> dict[str, Any] | None:
-    """What a folder of trials says it is of; None where it says nothing."""
+    """What a folder of trials says it is of; None where it says nothing, or is not of this program."""
     try:
         found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
-        return found
     except (OSError, ValueError, TypeError):
         return None
+    ours = isinstance(found.get("identity"), str) and isinstance(found.get("source"), bool)
+    return found if ours else None
+
+
+def has_samples(folder: Path) -> bool:
+    """Whether there is anything recorded in a folder of trials: not if no device was found."""
+    return any(path.name != ABOUT for path in folder.iterdir())
 
 
 def refuse_other(out: Path, digest: str) -> None:

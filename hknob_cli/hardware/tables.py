@@ -60,7 +60,7 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "samples": one.table.num_rows,
         "gaps": one.gaps,
         "overruns": one.overruns,
-        "fault": "; ".join(_doubts(one)),
+        "fault": "; ".join(_doubts(one, measured)),
         "device": one.device,
         "native_counts": one.native_counts,
     }
@@ -81,13 +81,15 @@ def _settled_s(one: Recorded) -> float | None:
     return (one.settled_sample - start) / one.trial.sample_rate_hz
 
 
-def _doubts(one: Recorded) -> list[str]:
+def _doubts(one: Recorded, measured: TrialMeasures) -> list[str]:
     """What is doubtful about a trial, in words."""
     found = []
     if one.settled_sample is None:
         found.append("the grip was never held in its band")
     elif one.ended == Ended.LONGEST:
         found.append("neither buzz nor rest lasted until it was too long")
+    if measured.sustained and measured.p2p_rad == 0.0:
+        found.append("the buzz is smaller than the device's own encoder can tell")
     if one.ended == Ended.OVER:
         found.append("the recording that was replayed was over before it had ended")
     if one.gaps:

@@ -11,9 +11,14 @@ from hknob_cli.hardware.course import Course, Ended
 from hknob_cli.hardware.operator import Operator, View, Wish
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Block, Device, Settings
-from hknob_cli.hardware.safety import SILENCE_S, Watch
+from hknob_cli.hardware.safety import Watch
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.spec.campaign import CoursePlan
+
+# A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
+# Shorter, it would take a pause of this computer's own for silence.
+PATIENCE_S = 3.0
+_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 
 
 class RepeatTrialError(Exception):
@@ -54,15 +59,22 @@ def letting_go(device: Device) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _undisturbed() -> Iterator[None]:
-    """Hold back what interrupts, where this thread would hear it."""
+    """Put off what interrupts, where this thread would hear it.
+
+    By handlers: a mask is this thread's alone, and another, of a driver or a library, would take the signal for it.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGTERM, signal.SIGHUP})
+    heard: list[int] = []
+    before = {kind: signal.signal(kind, lambda number, _frame: heard.append(number)) for kind in _INTERRUPTING}
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for kind, handler in before.items():
+            signal.signal(kind, signal.SIG_DFL if handler is None else handler)
+        for number in dict.fromkeys(heard):
+            signal.raise_signal(number)
 
 
 def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operator: Operator) -> Outcome:
@@ -87,7 +99,7 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
         device.start()
         ended = _follow(device, task, course, watch, keep, operator)
         device.stop()
-        while (rest := device.read(SILENCE_S)) is not None:
+        while (rest := device.read(PATIENCE_S)) is not None:
             keep(rest)
             watch.check(rest)
     return Outcome(ended, course.settled_sample, watch.gaps)
@@ -112,9 +124,9 @@ def _follow(
 
 def _next(device: Device, *, live: bool) -> Block | None:
     """The next block; None where there are no more. Raises `DeviceError` where there must be one."""
-    block = device.read(SILENCE_S)
+    block = device.read(PATIENCE_S)
     if block is None and live:
-        raise DeviceError(f"no samples for {SILENCE_S * 1e3:g} ms")
+        raise DeviceError(f"no samples for {PATIENCE_S:g} s")
     return block
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.hardware.course import Ended
 from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -29,14 +30,15 @@ def describe_hw_run(trials: pa.Table, *, target_n: float) -> dict[str, Any]:
 
 
 def cells_of(rows: list[Row]) -> list[Row]:
-    """One row for each cell of the grid, in its order: means over the repeats, and how many of them buzzed."""
+    """One row for each cell of the grid, in its order: means over the repeats, and how many buzzed, and rested."""
     cells: dict[tuple[int, float], list[Row]] = {}
     for row in sorted(rows, key=lambda row: (row[COUNTS], row[RATE])):
         cells.setdefault((row[COUNTS], row[RATE]), []).append(row)
     found = []
     for (counts, rate), same in cells.items():
         buzzing = [row for row in same if row["sustained"]]
-        cell = {RATE: rate, COUNTS: counts, "trials": len(same), "sustained": len(buzzing)}
+        at_rest = sum(row["ended"] == Ended.REST.value and not row["sustained"] for row in same)
+        cell = {RATE: rate, COUNTS: counts, "trials": len(same), "sustained": len(buzzing), "at_rest": at_rest}
         for name in ("p2p_rad", "rms_rad", "frequency_hz"):
             cell[name] = fmean(row[name] for row in buzzing) if buzzing else 0.0
         grips = [row["grip_mean_n"] for row in same if row["grip_mean_n"] is not None]
@@ -99,6 +101,13 @@ def _std(values: list[float]) -> float | None:
     return stdev(values) if len(values) > 1 else None
 
 
+def quiet_text(cell: Row) -> str:
+    """What the trials of a cell were that did not buzz; nothing where all did."""
+    quiet = cell["trials"] - cell["sustained"]
+    what = "rest" if cell["at_rest"] == quiet else "not sustained"
+    return "" if not quiet else f"some {what}" if cell["sustained"] else what
+
+
 def _mark(row: Row) -> str:
     """Mark of a cell in which not every trial buzzed."""
     return "" if row["sustained"] == row["trials"] else "r"
@@ -110,7 +119,10 @@ def _spread(value: float | None, std: float | None) -> str:
 
 def _clock(summary: dict[str, Any]) -> list[str]:
     quench = [] if summary["sustained"] == len(summary["trials"]) else ["r the buzz was not sustained"]
-    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {summary['overruns']} late in the loop"]
+    missed = summary["missed_ticks"]
+    skipped = f", which left out {missed} tick{'s' if missed != 1 else ''} of the clock" if missed else ""
+    late = f"{summary['overruns']} late in the loop{skipped}"
+    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {late}"]
 
 
 def _doubts(rows: list[Row]) -> list[str]:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-from hknob_cli.report.hw_run import cells_of
+from hknob_cli.report.hw_run import cells_of, quiet_text
 from hknob_cli.report.picture import axis_name, colour_map, save
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -56,8 +56,7 @@ def _maps(figure: "SubFigure", cells: list[Row], rates: list[float], counts: lis
         ax.set_xlabel(axis_name(RATE))
         for i, j in np.ndindex(*values.shape):
             cell = grid[counts[i], rates[j]]
-            part = "" if cell["sustained"] == cell["trials"] else "rest" if not cell["sustained"] else "some rest"
-            text = "\n".join(filter(None, [f"{values[i, j]:.3g}" if values[i, j] else "", part]))
+            text = "\n".join(filter(None, [f"{values[i, j]:.3g}" if values[i, j] else "", quiet_text(cell)]))
             ax.text(j, i, text, ha="center", va="center", fontsize=8, color=inks[i][j])
     axes[0].set_yticks(range(len(counts)), [f"{count}" for count in counts])
     axes[0].set_ylabel(axis_name(COUNTS))

@@ -6,7 +6,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.hardware.order import period_ns
-from hknob_cli.hardware.timing import histogram, jitter_of
+from hknob_cli.hardware.timing import audit, histogram, jitter_of
 from hknob_cli.report.picture import save
 from hknob_cli.spec.plan import RATE
 
@@ -40,12 +40,25 @@ def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) 
         ax.tick_params(labelsize=8)
         rows = [row for row in trials if row[RATE] == rate]
         lost, late = sum(row["gaps"] for row in rows), sum(row["overruns"] for row in rows)
-        ax.text(0.03, 0.95, f"missing: {lost}\nlate: {late}", transform=ax.transAxes, va="top", fontsize=8)
+        skipped = sum(
+            audit(
+                columns_of["sample"][one], columns_of["device_time_us"][one], period_ns=period_ns(rate), overruns=0
+            ).missed_ticks
+            for one in here
+        )
+        ax.text(
+            0.03,
+            0.95,
+            f"missing: {lost}\nlate: {late}\nticks skipped: {skipped}",
+            transform=ax.transAxes,
+            va="top",
+            fontsize=8,
+        )
     for ax in list(axes.flat)[len(rates) :]:
         ax.set_axis_off()
-    figure.supxlabel(
-        "interval from sample to sample, less the one asked for, us (the device's clock counts whole us)", fontsize=9
-    )
+    between = "\n" if columns == 1 else " "  # one line is wider than one drawing
+    label = f"interval from sample to sample, less the one asked for, us{between}(the device's clock counts whole us)"
+    figure.supxlabel(label, fontsize=9)
     figure.supylabel("intervals", fontsize=9)
     figure.suptitle(f"{name}: sample clock")
     save(figure, path, stage="hw-run", name=name)

@@ -156,6 +156,10 @@ def test_nuisances_are_audited(hknob, tmp_path: Path) -> None:
     done = hknob("hw-run", "spec.yaml", "-o", "out", "--json")
     summary = json.loads(done.stdout)
     assert summary["overruns"] > 10
+    audited = pq.read_table(tmp_path / "out" / "timing.parquet")["missed_ticks"].to_pylist()
+    assert summary["missed_ticks"] == sum(audited) > 0
+    shown = hknob("hw-run", "spec.yaml", "-o", "out").stdout
+    assert f"{summary['overruns']} late in the loop, which left out {sum(audited)} ticks of the clock\n" in shown
     assert [row["fault"] for row in summary["trials"]] == [
         f"the loop was late {row['overruns']} times" if row["overruns"] else "" for row in summary["trials"]
     ]
@@ -188,3 +192,11 @@ def test_no_executor(hknob, tmp_path: Path) -> None:
     done = hknob("hw-run", "spec.yaml", "--executor", "dask")
     assert (done.returncode, done.stdout) == (2, "")
     assert "one knob" in done.stderr
+
+
+def test_help_says_where_results_go_and_what_has_no_effect(hknob) -> None:
+    said = " ".join(hknob("hw-run", "--help").stdout.replace("│", " ").split())
+    assert "[default: results/NAME]" in said
+    assert "without effect, for trials follow one another" in said
+    assert "recordings of a device are moved to DIR/earlier" in said
+    assert "[default: all cores]" in hknob("sweep", "--help").stdout

@@ -115,6 +115,13 @@ def test_nobody_answers(hknob, tmp_path: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
+def test_a_campaign_that_found_no_device_stands_in_nobodys_way(hknob, tmp_path: Path) -> None:
+    assert hknob(*arranged(tmp_path, "/dev/hknob-that-is-not-there")).returncode == 4
+    with PtyTarget() as pretended:
+        done = hknob(*arranged(tmp_path, pretended.url), "--set", "wall.stiffness=0.3")
+    assert done.returncode == 0, done.stderr
+
+
 def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
     with PtyTarget() as pretended:
         target = pretended.target
@@ -249,7 +256,8 @@ def test_a_simulation_is_shown_and_asks_nothing(tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text(VIRTUAL)
     terminal = Terminal("hw-run", tmp_path / "spec.yaml", "-o", tmp_path / "out")
     terminal.wait_for("trial 4/4")
-    assert "space:" not in terminal.shown
+    assert "hands off the knob" in terminal.shown
+    assert "space" not in terminal.shown
     code, printed = terminal.finish()
     assert (code, printed.splitlines()[0][:8]) == (0, "bench: 4")
 

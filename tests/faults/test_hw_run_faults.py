@@ -90,6 +90,7 @@ def test_a_device_that_trips(tmp_path: Path) -> None:
     assert errors.startswith("trial 1 of 4 (")
     assert "the knob is faster than the limit of 0.5 rad/s, at sample " in errors
     assert "torque released; what was recorded of it is in " in errors
+    assert errors.endswith("change the spec\n")
     assert errors.count("\n") == 1
     kept = list((tmp_path / "out" / "recording" / "aborted").iterdir())
     recorded = read_trial(kept[0])

@@ -321,6 +321,8 @@ def test_a_session_left_behind_by_another_host_is_ended_when_opening() -> None:
         (Manners(mute=True), "nobody answered within 0.3 s"),
         (Manners(version=2), "the target speaks version 2 of the protocol, this program version 1"),
         (Manners(out=lambda data: data[1:] or b""), "what comes from this port is not the protocol"),
+        (Manners(out=lambda _data: b"ready\r\n"), "what comes from this port is not the protocol"),
+        (Manners(out=lambda _data: b"ready\r\n" * 1000), "what comes from this port is not the protocol"),
     ],
 )
 def test_a_target_that_cannot_be_spoken_to_is_told_in_one_line(manners: Manners, said: str) -> None:

@@ -1,17 +1,21 @@
 """A campaign: its order, what becomes of every trial, and that the torque is off on every way out."""
 
+import math
 import shutil
-from collections import Counter
+from collections import Counter, deque
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hknob_cli.errors import DeviceError, RefusedError
+from hknob_cli.errors import DeviceError, RefusedError, UsageError
 from hknob_cli.hardware.operator import Nobody, View, Wish
 from hknob_cli.hardware.order import settings_of, trials_of
-from hknob_cli.hardware.sources import move_to_earlier
+from hknob_cli.hardware.port import Block
+from hknob_cli.hardware.sources import move_to_earlier, spec_digest
 from hknob_cli.hardware.trial_file import read_trial
+from hknob_cli.hardware.wire.block_order import GAP_PATIENCE_S
+from hknob_cli.hardware.wire.session import SIMULATED_SILENCE_S
 from hknob_cli.recordings.read import read
 from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
 
@@ -90,8 +94,9 @@ def test_a_fault_leaves_everything_on_the_disk_and_the_next_run_goes_on(tmp_path
     whole = campaign(tmp_path / "whole", Faulty()).run()
     (tmp_path / "out").mkdir()
     device = Faulty(fail_at=70)
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
     with pytest.raises(DeviceError) as error:
-        campaign(tmp_path / "out", device).run()
+        campaign(tmp_path / "out", device, plan, is_source=True).run()
     assert device.calls[-1] == "release"
     trial = trials_of(planned())[device.calls.count("start") - 1]
     said = str(error.value)
@@ -102,7 +107,7 @@ def test_a_fault_leaves_everything_on_the_disk_and_the_next_run_goes_on(tmp_path
     kept = read_trial(tmp_path / "out" / "recording" / "aborted" / f"{trial.label}_1.parquet")
     assert kept is not None
     again = Faulty()
-    done = campaign(tmp_path / "out", again).run()
+    done = campaign(tmp_path / "out", again, plan, is_source=True).run()
     assert again.calls.count("start") == 4 - (trial.number - 1)
     for one, other in zip(done, whole, strict=True):
         assert one == other
@@ -160,6 +165,93 @@ def test_the_operator_stops(tmp_path: Path) -> None:
     assert "torque released" in said[0]
 
 
+class Slow(Faulty):
+    """Its samples take as long as a driver may wait for them, or never come."""
+
+    def __init__(self, slow_s: float) -> None:
+        super().__init__()
+        self.slow_s = slow_s
+
+    def read(self, timeout_s: float) -> Block | None:
+        return super().read(timeout_s) if timeout_s >= self.slow_s else None
+
+
+def test_how_long_a_link_may_be_silent_is_for_its_driver_to_say(tmp_path: Path) -> None:
+    longest = SIMULATED_SILENCE_S + GAP_PATIENCE_S
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
+    assert len(campaign(tmp_path, Slow(longest), plan, is_source=True).run()) == 4
+
+
+def test_a_driver_that_hangs_does_not_hang_the_campaign(tmp_path: Path) -> None:
+    device = Slow(math.inf)
+    plan = planned(SPEC + "device: {driver: serial, url: x}\n")
+    with pytest.raises(DeviceError, match=r"trial 1 of 4 .*: no samples for 3 s; torque released"):
+        campaign(tmp_path, device, plan, is_source=True).run()
+    assert device.calls[-1] == "release"
+
+
+class Lagging(Faulty):
+    """A device whose samples are handed on a block late, as over a wire: some are left to read after the stop."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.kept: deque[Block] = deque()
+        self.sampled: list[int] = []
+
+    def arm(self) -> None:
+        super().arm()
+        self.kept.clear()
+        self.sampled.append(0)
+
+    def read(self, timeout_s: float) -> Block | None:
+        while len(self.kept) < 2 and (block := super().read(timeout_s)) is not None:
+            self.kept.append(block)
+            self.sampled[-1] += len(block.time_us)
+        return self.kept.popleft() if self.kept else None
+
+
+def test_samples_that_are_read_after_the_stop_are_kept(tmp_path: Path) -> None:
+    device = Lagging()
+    done = campaign(tmp_path, device).run()
+    assert [one.table.num_rows for one in done] == device.sampled
+
+
+class Spoilt(Lagging):
+    """Every block of a phase of its trials has a torque that no limit allows."""
+
+    def __init__(self, when: str) -> None:
+        super().__init__()
+        self.when, self.phase = when, ""
+
+    def arm(self) -> None:
+        super().arm()
+        self.phase = "zero"
+
+    def start(self) -> None:
+        super().start()
+        self.phase = "on"
+
+    def stop(self) -> None:
+        super().stop()
+        self.phase = "stopped"
+
+    def read(self, timeout_s: float) -> Block | None:
+        block = super().read(timeout_s)
+        if block is None or self.phase != self.when:
+            return block
+        return block._replace(torque_nm=np.full(block.torque_nm.size, 99.0))
+
+
+@pytest.mark.parametrize("when", ["zero", "on", "stopped"])
+def test_what_is_beyond_a_limit_ends_the_trial_in_every_phase_and_is_kept(tmp_path: Path, when: str) -> None:
+    device = Spoilt(when)
+    with pytest.raises(DeviceError, match="the torque is beyond the limit"):
+        campaign(tmp_path, device).run()
+    assert device.calls[-1] == "release"
+    (kept,) = (tmp_path / "recording" / "aborted").iterdir()
+    assert 99.0 in read_trial(kept).table["torque_nm"].to_pylist()
+
+
 def test_what_the_operator_sees(tmp_path: Path) -> None:
     operator = Asking(Wish.GO_ON, 0)
     campaign(tmp_path, Faulty(), operator=operator).run()
@@ -181,6 +273,16 @@ def test_recordings_of_a_device_are_kept(tmp_path: Path) -> None:
     campaign(tmp_path, device, identity="other", is_source=True).run()
     assert device.calls.count("start") == 4
     assert len(list((tmp_path / "earlier" / "1" / "recording").glob("*.parquet"))) == 4
+
+
+def test_a_device_at_another_port_is_the_same_campaign() -> None:
+    text = SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", "")
+    first = planned(text + "device: {driver: serial, url: /dev/ttyACM0}\n")
+    same = planned(text + "device: {driver: serial, url: /dev/ttyACM1, baud: 115200}\n")
+    built = planned(text + "device: {driver: serial, target: host}\n")
+    assert spec_digest(first.values) == spec_digest(same.values)
+    assert spec_digest(first.values) != spec_digest({**first.values, "seed": 3})
+    assert spec_digest(first.values) != spec_digest(built.values)
 
 
 def test_what_was_computed_gives_way(tmp_path: Path) -> None:
@@ -207,8 +309,11 @@ def test_a_folder_that_is_half_removed_is_no_hindrance(tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {"recording", "whole"}
 
 
-def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+@pytest.mark.parametrize("about", [None, "[1, 2]", '{"title": "holiday"}', '{"identity": "one"}'])
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path, about: str | None) -> None:
     (tmp_path / "recording").mkdir()
+    if about is not None:
+        (tmp_path / "recording" / "campaign.json").write_text(about)
     (tmp_path / "recording" / "song.wav").write_text("mine")
     with pytest.raises(RefusedError, match="not written by hknob"):
         campaign(tmp_path, Faulty()).run()
@@ -223,6 +328,27 @@ def test_another_encoder_is_refused(tmp_path: Path) -> None:
     with pytest.raises(RefusedError, match="'other' has 4096 counts"):
         campaign(tmp_path, other, is_source=True).run()
     assert other.calls.count("start") == 0
+
+
+def test_what_the_device_cannot_do_is_said_before_the_first_trial(tmp_path: Path) -> None:
+    device = Faulty()
+    device._identity = device._identity._replace(native_counts=300, name="coarse")
+    with pytest.raises(UsageError, match="'coarse' cannot do that: counts_per_rev must be from 1 to 300, got 512"):
+        campaign(tmp_path, device).run()
+    assert not [call for call in device.calls if call != "release"]
+    assert {path.name for path in (tmp_path / "recording").iterdir()} == {"campaign.json"}
+
+
+@pytest.mark.parametrize("damage", ["cut", "another"])
+def test_a_file_that_is_no_such_trial_is_not_taken_for_it(tmp_path: Path, damage: str) -> None:
+    done = campaign(tmp_path, Faulty()).run()
+    first, second = (tmp_path / "recording" / f"{one.trial.label}.parquet" for one in done[:2])
+    first.write_bytes(second.read_bytes() if damage == "another" else first.read_bytes()[:-100])
+    device = Faulty()
+    again = campaign(tmp_path, device).run()
+    assert device.calls.count("start") == 1
+    assert [one.trial for one in again] == [one.trial for one in done]
+    assert again[0].table.equals(done[0].table)
 
 
 @pytest.mark.parametrize("damage", ["cut", "garbage", "empty", "middle"])

@@ -1,6 +1,8 @@
 """The journal of a trial: what was written is read again, bit by bit, however the file ends."""
 
+from io import FileIO
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -120,3 +122,24 @@ def test_full_disk(tmp_path: Path) -> None:
     found = read_journal(tmp_path / "a.part")
     assert found is not None
     assert len(found.blocks) == 1
+
+
+class Cramped(FileIO):
+    """A file on a disk that takes 40 bytes more, and says so as the system does: by the number written."""
+
+    def write(self, data: Any) -> int:
+        return super().write(bytes(data)[:40])
+
+
+def test_a_disk_that_takes_half_a_block(tmp_path: Path) -> None:
+    journal = Journal(tmp_path / "a.part", ABOUT)
+    journal.keep(block(0, 4))
+    assert journal._file is not None
+    journal._file.close()
+    journal._file = Cramped(tmp_path / "a.part", "ab")
+    with pytest.raises(ComputationError, match="No space left"):
+        journal.keep(block(4, 4))
+    journal.close()
+    found = read_journal(tmp_path / "a.part")
+    assert found is not None
+    assert (len(found.blocks), found.whole) == (1, False)

@@ -179,6 +179,21 @@ def test_a_trip_hands_on_all_samples_then_says_why(fault: Trip) -> None:
     assert wire.do(Kind.RELEASE).state is State.IDLE
 
 
+def test_blocks_lost_just_before_a_trip_are_asked_for_and_handed_on_too() -> None:
+    wire = Wire(Manners(trip=(17, Trip.SPEED), hide={15}))
+    wire.arm()
+    while wire.target.state is not State.TRIPPED:
+        wire.step()
+    wire.go(0.03)
+    assert wire.session.failure is None  # there is something to wait for
+    wire.target.manners.hide.clear()
+    wire.go(0.2)
+    assert_whole(wire.got, samples=17 * SETTINGS.block_samples)
+    assert wire.session.failure is not None
+    assert "took its torque off at sample 680" in wire.session.failure
+    assert "lost" not in wire.session.failure
+
+
 def test_a_lost_block_that_never_comes_ends_the_trial_and_releases() -> None:
     wire = Wire(Manners(hide={5}))
     wire.arm()
@@ -199,6 +214,19 @@ def test_silence_ends_the_trial_within_200_ms() -> None:
     assert "no samples came for 10" in wire.session.failure
     assert "is it on, and is the cable in?" in wire.session.failure
     assert_whole(wire.got, samples=10 * SETTINGS.block_samples)
+
+
+def test_a_target_that_simulates_may_be_silent_for_a_second() -> None:
+    wire = Wire(Manners(silent_at=10))
+    wire.target.manners.simulated = True
+    wire.arm()
+    wire.go(0.1)
+    silent_since = wire.now
+    while wire.session.failure is None and wire.now < silent_since + 2.0:
+        wire.step()
+    # From its last block on, which came 10 blocks after arming; told within a step or a few of the second.
+    assert "no samples came for 100" in (wire.session.failure or "")
+    assert 0.9 < wire.now - silent_since < 1.1
 
 
 def test_a_target_that_restarted_is_recognised() -> None:

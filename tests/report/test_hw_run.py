@@ -2,14 +2,23 @@
 
 from typing import Any
 
+import pytest
+
 from hknob_cli.printed.tables import table
-from hknob_cli.report.hw_run import cells_of, grip_table
+from hknob_cli.report.hw_run import cells_of, grip_table, quiet_text
 
 RATES = (455, 1000, 2000, 4000)
 
 
 def trial(counts: int, rate: float, **values: Any) -> dict[str, Any]:
-    plain = {"sustained": True, "p2p_rad": 1e-3, "rms_rad": 4e-4, "frequency_hz": 80.0, "grip_mean_n": 0.7}
+    plain = {
+        "ended": "buzz",
+        "sustained": True,
+        "p2p_rad": 1e-3,
+        "rms_rad": 4e-4,
+        "frequency_hz": 80.0,
+        "grip_mean_n": 0.7,
+    }
     return {"counts_per_rev": counts, "sample_rate_hz": float(rate), **plain, **values}
 
 
@@ -50,3 +59,19 @@ def test_cells_are_means_over_the_repeats_that_buzzed() -> None:
     assert (one["trials"], one["sustained"], one["p2p_rad"], one["frequency_hz"]) == (3, 2, 2e-3, 90.0)
     assert round(one["grip_mean_n"], 12) == 0.7
     assert (other["trials"], other["sustained"], other["p2p_rad"], other["frequency_hz"]) == (1, 0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("ends", "said"),
+    [
+        ("buzz buzz", ""),
+        ("rest rest", "rest"),
+        ("buzz rest", "some rest"),
+        ("longest rest", "not sustained"),
+        ("longest longest", "not sustained"),
+        ("buzz operator", "some not sustained"),
+    ],
+)
+def test_a_cell_that_did_not_buzz_says_what_it_was(ends: str, said: str) -> None:
+    rows = [trial(256, 1000, ended=end, sustained=end == "buzz") for end in ends.split()]
+    assert quiet_text(cells_of(rows)[0]) == said

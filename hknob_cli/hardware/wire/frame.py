@@ -46,6 +46,11 @@ class Decoder:
         """Bytes of a frame that has not ended yet."""
         return len(self._begun)
 
+    @property
+    def is_amid(self) -> bool:
+        """Whether bytes came since the last zero byte."""
+        return bool(self._begun) or self._skipping
+
     def feed(self, data: bytes) -> list[bytes]:
         """Bodies of the good frames that end in this piece, in order; never raises."""
         bodies = []

@@ -55,6 +55,11 @@ class Session:
         return self._decoder.damaged + self.rejected
 
     @property
+    def is_unread(self) -> bool:
+        """Whether something came that is no frame, or has not ended as one does: text has no zero byte."""
+        return self.damaged > 0 or self._decoder.is_amid
+
+    @property
     def is_stopped(self) -> bool:
         """Whether the target has said how many blocks there are, and why there are no more: it was told to stop."""
         return self._order is not None and self._order.total is not None and self._event is None
