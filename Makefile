@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep paper ladder maps smoke test lint schemas compare bench clean
+.PHONY: help sweep paper ladder maps smoke test firmware lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -48,11 +48,15 @@ ladder: $(VENV)/.run ## that grid at half a count's bias: formulas, describing f
 smoke: $(VENV)/.run ## every kind of stage on a 3x3 grid, in seconds
 	@$(BIN)/hknob run experiments/smoke.yaml --out $(OUT)/smoke
 
-test: $(VENV)/.dev ## lint, types, and every test
+test: $(VENV)/.dev ## lint, types, and every test; ends with what was left out, and why
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
-	@$(BIN)/python -m pytest -n $(WORKERS)
+	@$(BIN)/python -m pytest -n $(WORKERS) -rs
+
+firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
+	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
+	@$(BIN)/python -m hknob_cli.hardware.build_target $(OUT)/firmware
 
 lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff check --fix .
@@ -60,15 +64,15 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/ and docs/page.md from the program
-	@for kind in sysid sweep dfa predict bench report pipeline claims; do \
+	@for kind in sysid sweep dfa predict hw-run bench report pipeline claims; do \
 	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/page.md
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench
 
-bench: $(VENV)/.dev ## throughput, start-up, and rival methods
-	@for name in throughput friction rivals startup; do \
+bench: $(VENV)/.dev ## throughput, start-up, rival methods, and identification
+	@for name in throughput friction rivals startup sysid; do \
 	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
 
 clean: ## remove the environment, caches and results

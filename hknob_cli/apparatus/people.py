@@ -1,8 +1,19 @@
 """People who hold the knob, drawn from the means and the spread of Tables 1-5.
 
-A subject has one factor each for inertia, damping and stiffness, the same at every grip and in every experiment: who
-is stiff is stiff throughout. The factors are lognormal, so that nothing is negative, and scaled to each row's
-coefficient of variation. Blocks and trials have factors of their own, around 1.
+A subject has one factor each for inertia and stiffness, the same at every grip and in every experiment: who is stiff is
+stiff throughout. The factors are lognormal, so that nothing is negative, and scaled to each row's coefficient of
+variation. Blocks and trials have factors of their own, around 1.
+
+Damping goes with stiffness as far as each row's spread of the damping ratio says. With ζ = B / (2 sqrt(J K)), lognormal
+J, B and K, and J independent of both,
+
+    var ln ζ = var ln B + (var ln J + var ln K) / 4 - r sqrt(var ln B var ln K),    var ln = ln(1 + cv²),
+
+so the four printed coefficients of variation give r, the correlation of ln B with ln K, of each row; they are printed
+to 0.1 %, which leaves r open by 0.03 at most. 25 rows have 0.15 to 1.00; two of key pinches -0.10 and -0.05; the three
+lightest of Table 4 -1.2 to -2.7, which no correlation can be: -1 there, and ζ spreads less than printed (43 for 60 % at
+0.71 N; with J at its worst, too, it would be 48 %). The printed means of ζ play no part in it. What of a subject's B
+does not go with K is one factor, too.
 """
 
 from functools import cache
@@ -15,10 +26,6 @@ from hknob_cli.apparatus.hand import SecondOrder
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
 from hknob_cli.printed.tables import table
-
-# Correlation of ln B with ln K between subjects: the median of what the printed spread of the damping ratio implies,
-# var ln ζ = var ln B + (var ln J + var ln K) / 4 - cov(ln B, ln K), over the 30 rows, J apart.
-DAMPING_WITH_STIFFNESS = 0.65
 
 _COLUMNS = (
     ("inertia_kg_m2", "inertia_cv_percent"),
@@ -79,20 +86,25 @@ def grips(experiment: int) -> tuple[float, ...]:
 
 def mean_hand(experiment: int, grip_n: float) -> SecondOrder:
     """The tabled mean over subjects, the apparatus' inertia included. Raises `UsageError` if it is not in the table."""
-    return SecondOrder(*_row(experiment, grip_n)[0])
+    return SecondOrder(*_row(experiment, grip_n).means)
 
 
 def spread(experiment: int, grip_n: float) -> tuple[float, float, float]:
     """The tabled coefficients of variation between subjects, of J, B and K. Raises `UsageError`."""
-    return _row(experiment, grip_n)[1]
+    return _row(experiment, grip_n).cvs
+
+
+def damping_with_stiffness(experiment: int, grip_n: float) -> float:
+    """Correlation of ln B with ln K between subjects, as the row's spread of ζ implies. Raises `UsageError`."""
+    return _row(experiment, grip_n).correlation
 
 
 def subject_hand(place: Place, *, seed: int = 0, variation: Variation | None = None) -> SecondOrder:
     """The hand of a subject, on average over all blocks and trials. Raises `UsageError` if it is not in the table."""
-    mean, cvs = _row(place.experiment, place.grip_n)
+    mean, cvs, rho = _row(place.experiment, place.grip_n)
     share = (variation or Variation()).subjects
-    inertia, damping, own = stream(seed, Purpose.SUBJECT, place.subject).standard_normal(3)
-    stiffness = DAMPING_WITH_STIFFNESS * damping + sqrt(1.0 - DAMPING_WITH_STIFFNESS**2) * own
+    inertia, own, stiffness = stream(seed, Purpose.SUBJECT, place.subject).standard_normal(3)
+    damping = rho * stiffness + sqrt(1.0 - rho * rho) * own
     scaled = (share * cvs[0], share * cvs[1], share * cvs[2])
     return _times(SecondOrder(*mean), scaled, np.array([inertia, damping, stiffness]))
 
@@ -122,7 +134,12 @@ def _times(hand: SecondOrder, cvs: tuple[float, float, float], normal: np.ndarra
     return SecondOrder(*values)
 
 
-Row = tuple[tuple[float, float, float], tuple[float, float, float]]
+class Row(NamedTuple):
+    """A row of a table: means and coefficients of variation of J, B and K, and the correlation of ln B with ln K."""
+
+    means: tuple[float, float, float]
+    cvs: tuple[float, float, float]
+    correlation: float
 
 
 def _row(experiment: int, grip_n: float) -> Row:
@@ -134,7 +151,7 @@ def _row(experiment: int, grip_n: float) -> Row:
 
 @cache
 def _rows(experiment: int) -> dict[float, Row]:
-    """Means and coefficients of variation by grip force."""
+    """Rows by grip force."""
     if experiment not in EXPERIMENTS:
         raise UsageError(f"no experiment {experiment}; there are: {', '.join(map(str, EXPERIMENTS))}")
     found = {}
@@ -142,5 +159,13 @@ def _rows(experiment: int) -> dict[float, Row]:
         numbers = {name: value for name, value in row.items() if isinstance(value, float)}
         j, b, k = (numbers[mean] for mean, _ in _COLUMNS)
         cvs = [numbers[cv] / 100.0 for _, cv in _COLUMNS]
-        found[numbers["grip_n"]] = ((j, b, k), (cvs[0], cvs[1], cvs[2]))
+        ratio = numbers["damping_ratio_cv_percent"] / 100.0
+        found[numbers["grip_n"]] = Row((j, b, k), (cvs[0], cvs[1], cvs[2]), _correlation(cvs, ratio))
     return found
+
+
+def _correlation(cvs: list[float], ratio_cv: float) -> float:
+    """Correlation of ln B with ln K that gives ζ this coefficient of variation, or the next that there can be."""
+    inertia, damping, stiffness, ratio = (log1p(cv * cv) for cv in (*cvs, ratio_cv))
+    implied = (damping + 0.25 * (inertia + stiffness) - ratio) / sqrt(damping * stiffness)
+    return min(max(implied, -1.0), 1.0)

@@ -13,6 +13,8 @@ class Purpose(IntEnum):
     TRIAL = 3
     RECORDING = 4
     BENCH = 5
+    DEVICE = 6
+    PERSON = 7
 
 
 def stream(seed: int, purpose: Purpose, *place: int) -> np.random.Generator:

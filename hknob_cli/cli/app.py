@@ -6,6 +6,7 @@ import typer
 
 from hknob_cli import __version__
 from hknob_cli.cli.check import check
+from hknob_cli.cli.hw_run import hw_run
 from hknob_cli.cli.run import run
 from hknob_cli.cli.schema import schema
 from hknob_cli.cli.stages import STAGES, stage_command
@@ -19,6 +20,7 @@ app = typer.Typer(
 )
 for kind in STAGES:
     app.command(kind)(stage_command(kind))
+app.command("hw-run")(hw_run)
 app.command()(run)
 app.command()(check)
 app.command()(schema)

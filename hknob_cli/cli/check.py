@@ -17,15 +17,19 @@ if TYPE_CHECKING:
 
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
+    from hknob_cli.spec.campaign import HwRunPlan
     from hknob_cli.spec.identification import SysidPlan
-    from hknob_cli.spec.plan import BenchPlan, ReportPlan
+    from hknob_cli.spec.page_plan import ReportPlan
+    from hknob_cli.spec.plan import BenchPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
     if isinstance(plan, SysidPlan):
-        return plan.what.replace("_", " ")
+        return "study" if plan.study else plan.what.replace("_", " ")
     if isinstance(plan, ReportPlan):
         return _counted(len(plan.results), "result")
+    if isinstance(plan, HwRunPlan):
+        return _counted(prod(len(values) for values in plan.axes.values()) * plan.repeats, "trial")
     return _counted(prod(len(values) for values in plan.axes.values()), "cell")
 
 

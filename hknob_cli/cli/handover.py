@@ -16,8 +16,8 @@ from typing import BinaryIO, Protocol
 
 # What the work of a subcommand needs, to be loaded ahead.
 AHEAD = {
-    kind: (f"hknob_cli.cli.{kind}_work", "hknob_cli.cli.stage_run", "filelock")
-    for kind in ("sweep", "dfa", "predict", "bench", "report", "sysid", "remedies")
+    kind: (f"hknob_cli.cli.{kind.replace('-', '_')}_work", "hknob_cli.cli.stage_run", "filelock")
+    for kind in ("sweep", "dfa", "predict", "bench", "report", "sysid", "remedies", "hw-run")
 }
 
 _pipe: BinaryIO | None = None

@@ -13,6 +13,7 @@ WORK = {
     "report": "hknob_cli.cli.report_work",
     "sysid": "hknob_cli.cli.sysid_work",
     "remedies": "hknob_cli.cli.remedies_work",
+    "hw-run": "hknob_cli.cli.hw_run_work",
 }
 
 
@@ -35,6 +36,7 @@ class Job(NamedTuple):
     as_json: bool = False
     quiet: bool = False
     verbose: bool = False
+    unattended: bool = False  # nobody is there to press keys
 
     def run(self) -> None:
         """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""

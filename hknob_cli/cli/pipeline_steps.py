@@ -13,7 +13,8 @@ from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import PipelinePlan, Plan, ReportPlan, StagePlan
+from hknob_cli.spec.page_plan import ReportPlan
+from hknob_cli.spec.plan import PipelinePlan, Plan, StagePlan
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one

@@ -72,7 +72,7 @@ def run(
 
         plan = load_pipeline(pipeline, tuple(sets or ()))
         stages = chosen(plan, until)
-        work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose)
+        work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True)
         steps = steps_of(stages, work, root, said)
         if dry_run or explain:
             outcomes = build(steps, root, force=force, dry=True)

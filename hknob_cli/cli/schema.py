@@ -10,7 +10,8 @@ from hknob_cli.cli.console import reporting
 
 def schema(
     kind: Annotated[
-        str, typer.Argument(help="sysid, sweep, dfa, predict, bench, report, pipeline, claims.", show_default=False)
+        str,
+        typer.Argument(help="sysid, sweep, dfa, predict, hw-run, bench, report, pipeline, claims", show_default=False),
     ],
 ) -> None:
     """Print the JSON Schema of a kind of spec."""

@@ -54,9 +54,15 @@ class Work:
         """Versions that the result depends on."""
         return computing_versions()
 
+    def refuse(self, job: Job) -> None:
+        """Raise `RefusedError` where what is there must not be replaced by this job."""
+
     def compute(self, job: Job) -> Tables:
         """Result tables. Raises `ComputationError`."""
         raise NotImplementedError
+
+    def finish(self, job: Job) -> None:
+        """Clear away what was needed only until the results were in place."""
 
     def folders(self, _job: Job) -> tuple[str, ...]:
         """Names of folders in which `compose` writes more than `texts`."""
@@ -125,10 +131,22 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
             for folder in work.folders(job):
                 (job.out / folder).mkdir(exist_ok=True)
             store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+            work.finish(job)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
         drawn = work.draw(job, tables, pictures) if job.plot else []
     return tables, [*paths, *drawn], current is None
+
+
+def stamp_of(job: Job, work: Work) -> bytes:
+    """Provenance of a stage's results."""
+    return provenance.describe(
+        stage=job.kind,
+        values=job.plan.values,
+        overrides=job.overrides,
+        inputs={**hand_inputs(job.plan), **work.inputs(job)},
+        versions=work.versions(),
+    )
 
 
 def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
@@ -137,17 +155,12 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
     Raises `RefusedError` where a file in the way is not ours.
     """
     work.verify(job)
-    stamp = provenance.describe(
-        stage=job.kind,
-        values=job.plan.values,
-        overrides=job.overrides,
-        inputs={**hand_inputs(job.plan), **work.inputs(job)},
-        versions=work.versions(),
-    )
+    stamp = stamp_of(job, work)
     tables = [job.out / file for file in work.files(job)]
     texts = [job.out / file for file in work.texts(job)]
     for_others = [job.out / file for file in (*work.pictures(job), *work.others(job))]
     store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
+    work.refuse(job)
     current = None if job.force else store.read_current(tables, stamp)
     ours = mark(job.kind, job.plan.name, stamp)
     if current is not None and not (store.are_current(texts, ours) and work.is_whole(job, ours)):

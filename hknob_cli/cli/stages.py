@@ -28,7 +28,7 @@ from hknob_cli.errors import UsageError
 STAGES = {
     "sysid": (
         "Identify the hand that holds a knob, with error bars, from recordings of torque pulses.",
-        "No effect yet: pages draw what was identified.",
+        "Draw the hand over grip force, a calibration or studies into sysid.png, calibration.png, bias.png, ...",
     ),
     "sweep": (
         "Find every limit cycle of a grid of sample rates and encoder resolutions, with its size, pitch and share.",

@@ -11,10 +11,24 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.errors import UsageError
+from hknob_cli.report.study import study_text
 from hknob_cli.report.sysid import describe_sysid, sysid_text
-from hknob_cli.stages.sysid import SysidStage, calibrate, kept_recordings
+from hknob_cli.stages.sysid import SysidStage, kept_recordings
+from hknob_cli.stages.sysid_calibration import calibrate
+from hknob_cli.stages.sysid_study import levels_of, study_bias, study_hidden
 
 CALIBRATED = ("motor", "grip_cell")
+STUDIES = ("bias", "hidden_inertia")
+CALIBRATION = ("calibration.parquet", "calibration_points.parquet")
+EVERYTHING = (
+    "trials.parquet",
+    "conditions.parquet",
+    "recordings.parquet",
+    "sysid.png",
+    *CALIBRATION,
+    "calibration.png",
+    *(f"{name}.{end}" for name in STUDIES for end in ("parquet", "png")),
+)
 
 
 class SysidWork(Work):
@@ -22,18 +36,26 @@ class SysidWork(Work):
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Fits of every motion, of every condition, and the recordings where they are kept; or a calibration."""
+        if job.plan.study:
+            return tuple(f"{name}.parquet" for name in _studies(job))
         if job.plan.what in CALIBRATED:
-            return ("calibration.parquet",)
+            return CALIBRATION
         return "trials.parquet", "conditions.parquet", *(["recordings.parquet"] if job.plan.keep else [])
+
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The hand over grip force, the lines of a calibration, or one of each study."""
+        if job.plan.study:
+            return tuple(f"{name}.png" for name in _studies(job))
+        return ("calibration.png",) if job.plan.what in CALIBRATED else ("sysid.png",)
 
     def others(self, job: Job) -> tuple[str, ...]:
         """What another spec of this name may have left."""
-        everything = {"trials.parquet", "conditions.parquet", "recordings.parquet", "calibration.parquet"}
-        return tuple(sorted(everything - set(self.files(job))))
+        ours = {*self.files(job), *self.pictures(job)}
+        return tuple(name for name in EVERYTHING if name not in ours)
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """The recordings, or the printed tables that virtual people are drawn from."""
-        if job.plan.virtual is None:
+        if job.plan.virtual is None and not job.plan.study:
             return tuple(job.plan.recordings)
         from hknob_cli.printed.tables import NUMBERS, file_of
 
@@ -58,8 +80,10 @@ class SysidWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        if job.plan.study:
+            return _study(job)
         if job.plan.what in CALIBRATED:
-            return (calibrate(job.plan),)
+            return calibrate(job.plan)
         begin = time.perf_counter()
         stage = SysidStage(job.plan)
         trials = stage.trials()
@@ -72,15 +96,63 @@ class SysidWork(Work):
         kept: list[pa.Table] = [kept_recordings(trials)] if job.plan.keep else []
         return (*tables, *kept)
 
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """Parameters over grip force, readings with their lines, or what the studies found."""
+        title = job.plan.name
+        if job.plan.study:
+            _draw_studies(job, tables, paths)
+        elif job.plan.what in CALIBRATED:
+            from hknob_cli.report.calibration_picture import draw_calibration
+
+            quantities, points = (table.to_pylist() for table in tables)
+            if not draw_calibration(quantities, points, title=title, path=paths[0]):
+                note(job, "no picture: no set of readings has a line through it")
+                return []
+        else:
+            from hknob_cli.report.sysid_picture import draw_hands
+
+            draw_hands(tables[1].to_pylist(), title=title, path=paths[0])
+        return paths
+
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every condition over all persons, or every quantity of a calibration."""
+        if job.plan.study:
+            return {name: table.to_pylist() for name, table in zip(_studies(job), tables, strict=True)}
         if job.plan.what in CALIBRATED:
             return {"calibration": tables[0].to_pylist()}
         return describe_sysid(tables[0], tables[1])
 
-    def text(self, _job: Job, summary: dict[str, Any]) -> str:
-        """Tables by experiment and estimator."""
+    def text(self, job: Job, summary: dict[str, Any]) -> str:
+        """Tables by experiment and estimator, or of the studies."""
+        if job.plan.study:
+            return study_text(summary)
         return sysid_text(summary)
+
+
+def _studies(job: Job) -> tuple[str, ...]:
+    """Names of the studies that are asked for."""
+    return tuple(name for name, one in zip(STUDIES, job.plan.study, strict=True) if one is not None)
+
+
+def _draw_studies(job: Job, tables: Tables, paths: list[Path]) -> None:
+    from hknob_cli.report.bias_picture import draw_bias
+    from hknob_cli.report.hidden_picture import draw_hidden
+
+    for name, table, path in zip(_studies(job), tables, paths, strict=True):
+        draw = draw_bias if name == "bias" else draw_hidden
+        draw(table.to_pylist(), title=job.plan.name, path=path)
+
+
+def _study(job: Job) -> Tables:
+    bias, hidden = job.plan.study
+    tables = []
+    if bias is not None:
+        count = len(bias.grips_n) * sum(map(len, levels_of(bias).values()))
+        with progress_bar(count, show=not job.quiet, what="levels") as progress:
+            tables.append(study_bias(bias, progress))
+    if hidden is not None:
+        tables.append(study_hidden(hidden))
+    return tuple(tables)
 
 
 WORK = SysidWork()

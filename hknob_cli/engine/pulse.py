@@ -11,6 +11,7 @@ solution: the plant's equation differentiated by alpha, by beta and by phi, and 
 from math import exp
 
 TERMS = 22  # of Taylor series whose coefficients are at most 1/n!: 1/22! is 1e-21
+SERIES = 17  # of a matrix's exponential at norm 1/2: 0.5^17/17! is 2e-20
 
 
 def rise_series(alpha, beta, decay):
@@ -205,3 +206,63 @@ def follow_linear(drive, move, push, moves, pushes, work, angle, slopes):
             work[p + 1, a] = total
         for a in range(m):
             work[p, a] = work[p + 1, a]
+
+
+def exponential(whole, wholes, squarings, value, slopes, term, terms, spare):
+    """Exponential of 2^squarings times ``whole`` (m, m), and its derivatives for ``wholes`` (p, m, m), its own.
+
+    By Taylor series, scaling and squaring, of norm 1/2 at most (Higham, *Functions of Matrices*, sec. 10.3); the
+    derivatives are those of the series, term by term. Fills ``value`` (m, m) and ``slopes`` (p, m, m); ``term`` (m, m),
+    ``terms`` (p, m, m) and ``spare`` (m, m) are overwritten.
+    """
+    m, p = len(whole), len(wholes)
+    for a in range(m):
+        for b in range(m):
+            term[a, b] = value[a, b] = whole[a, b]
+        value[a, a] += 1.0
+    for k in range(p):
+        for a in range(m):
+            for b in range(m):
+                terms[k, a, b] = slopes[k, a, b] = wholes[k, a, b]
+    for n in range(2, SERIES):
+        for k in range(p):
+            for a in range(m):
+                for b in range(m):
+                    total = 0.0
+                    for c in range(m):
+                        total += terms[k, a, c] * whole[c, b] + term[a, c] * wholes[k, c, b]
+                    spare[a, b] = total / n
+            for a in range(m):
+                for b in range(m):
+                    terms[k, a, b] = spare[a, b]
+                    slopes[k, a, b] += spare[a, b]
+        for a in range(m):
+            for b in range(m):
+                total = 0.0
+                for c in range(m):
+                    total += term[a, c] * whole[c, b]
+                spare[a, b] = total / n
+        for a in range(m):
+            for b in range(m):
+                term[a, b] = spare[a, b]
+                value[a, b] += spare[a, b]
+    for _ in range(squarings):
+        for k in range(p):
+            for a in range(m):
+                for b in range(m):
+                    total = 0.0
+                    for c in range(m):
+                        total += slopes[k, a, c] * value[c, b] + value[a, c] * slopes[k, c, b]
+                    spare[a, b] = total
+            for a in range(m):
+                for b in range(m):
+                    slopes[k, a, b] = spare[a, b]
+        for a in range(m):
+            for b in range(m):
+                total = 0.0
+                for c in range(m):
+                    total += value[a, c] * value[c, b]
+                spare[a, b] = total
+        for a in range(m):
+            for b in range(m):
+                value[a, b] = spare[a, b]

@@ -22,13 +22,15 @@ class Aligned(NamedTuple):
     """A trial on a uniform grid; the torque sets in at sample ``onset``, where the angle is still at rest, 0.
 
     ``torque_nm`` acts from sample i to i + 1. ``noise_rad``: standard deviation of the angle before the pulse, None
-    with fewer than eight samples there.
+    with fewer than eight samples there. ``scatter_rad``, of a mean: standard deviation of its trials at each sample,
+    scaled to one pulse.
     """
 
     onset: int
     torque_nm: Array
     angle_rad: Array
     noise_rad: float | None
+    scatter_rad: Array | None = None
 
 
 def interval(trial: Trial) -> float:

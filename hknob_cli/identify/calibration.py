@@ -10,8 +10,24 @@ from hknob_cli.recordings.trial import Array
 CURVED = 0.999  # share of the variance that a straight line must explain
 
 
+class Line(NamedTuple):
+    """Points that a line was fitted to: ``x`` (n,) and ``y`` (n,) in these units, and the ``fitted`` (n,) values.
+
+    The fitted line of a slope has an intercept; of a mean it is level.
+    """
+
+    x: Array
+    x_unit: str
+    y: Array
+    y_unit: str
+    fitted: Array
+
+
 class Calibrated(NamedTuple):
-    """One quantity with its standard error; ``r_squared`` of the line it is the slope of, if it is one."""
+    """One quantity with its standard error; ``r_squared`` of the line it is the slope of, if it is one.
+
+    ``line``: the points it rests on, where it is a slope or a mean of some.
+    """
 
     quantity: str
     condition: str
@@ -20,6 +36,7 @@ class Calibrated(NamedTuple):
     unit: str
     r_squared: float | None = None
     flags: tuple[str, ...] = ()
+    line: Line | None = None
 
 
 def motor(columns: Mapping[str, Array]) -> list[Calibrated]:
@@ -44,11 +61,12 @@ def motor(columns: Mapping[str, Array]) -> list[Calibrated]:
             continue
         clockwise, counter = (np.array([one.mean() for one in way]) for way in ways)
         torque, friction = 0.5 * (clockwise + counter), 0.5 * (clockwise - counter)
-        found.append(_slope("torque constant", name, "N*m/A", currents, torque))
+        found.append(_slope("torque constant", name, "N*m/A", currents, torque, ("A", "N*m")))
         error = float(friction.std(ddof=1) / np.sqrt(len(friction))) if len(friction) > 1 else float("nan")
-        trend = _slope("", "", "", currents, friction)
+        trend = _slope("", "", "", currents, friction, ("A", "N*m"))
         turned = ("friction changes with the current",) if abs(trend.value) > 4.0 * trend.std else ()
-        found.append(Calibrated("dynamic friction", name, float(friction.mean()), error, "N*m", flags=turned))
+        level = Line(currents, "A", friction, "N*m", np.full(len(friction), friction.mean()))
+        found.append(Calibrated("dynamic friction", name, float(friction.mean()), error, "N*m", None, turned, level))
     return found
 
 
@@ -62,7 +80,8 @@ def grip_cell(columns: Mapping[str, Array]) -> list[Calibrated]:
     for position in positions:
         here = columns["position_m"] == position
         name = f"{1e3 * position:.3g} mm from the end"
-        found.append(_slope("grip cell slope", name, "V/N", columns["force_n"][here], columns["voltage_v"][here]))
+        force, voltage = columns["force_n"][here], columns["voltage_v"][here]
+        found.append(_slope("grip cell slope", name, "V/N", force, voltage, ("N", "V")))
     if len(positions) > 1:
         slopes = np.array([one.value for one in found])
         largest, least = float(slopes.max()), float(slopes.min())
@@ -72,8 +91,8 @@ def grip_cell(columns: Mapping[str, Array]) -> list[Calibrated]:
     return found
 
 
-def _slope(quantity: str, condition: str, unit: str, x: Array, y: Array) -> Calibrated:
-    """Slope of a straight line with its standard error, by least squares."""
+def _slope(quantity: str, condition: str, unit: str, x: Array, y: Array, units: tuple[str, str]) -> Calibrated:
+    """Slope of a straight line with its standard error, by least squares; ``units`` of x and y."""
     if len(np.unique(x)) < 3:
         why = ("fewer than three different readings",)
         return Calibrated(quantity, condition, float("nan"), float("nan"), unit, flags=why)
@@ -84,4 +103,6 @@ def _slope(quantity: str, condition: str, unit: str, x: Array, y: Array) -> Cali
     spread = float((y - y.mean()) @ (y - y.mean()))
     share = 1.0 - float(residual @ residual) / spread if spread > 0.0 else None
     flags = ("not a straight line",) if share is not None and share < CURVED else ()
-    return Calibrated(quantity, condition, value, float(np.sqrt(variance / (lean @ lean))), unit, share, flags)
+    error = float(np.sqrt(variance / (lean @ lean)))
+    line = Line(x, units[0], y, units[1], y.mean() + value * lean)
+    return Calibrated(quantity, condition, value, error, unit, share, flags, line)

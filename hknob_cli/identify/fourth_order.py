@@ -1,69 +1,39 @@
-"""The fourth-order hand: finger to ground, fingerpad between finger and knob; fitted by its exact motion.
+"""The fourth-order hand fitted by its exact motion: finger to ground, fingerpad between finger and knob.
 
-Section 4.4.1, Figs 13 and 14. The network of Equation 1 gives -(B1 + B2)/J1 as the last element of Equation 2, which
-prints -(B1 - B2). All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart:
-those that it does not are said not to be identifiable, whatever number comes out.
+All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart, and what it leaves open is
+no ellipse: two springs and dampers in series move alike in either order but for the finger's inertia, and alike for
+K1/K2 above and below B1/B2. So the search starts from several places, and an interval holds all that fits as well as
+chance allows (`profile`). What is not told is said not to be identifiable, whatever number comes out.
 """
 
-from collections.abc import Mapping
-from math import isfinite, log
+from collections.abc import Callable, Mapping
+from math import isfinite, log, sqrt
 from typing import Any
 
 import numpy as np
 
 from hknob_cli.identify.covariance import condition
+from hknob_cli.identify.finger_network import FINGER_INERTIA, ORDER, respond_with_slopes, split
 from hknob_cli.identify.fit import Estimate, Fit
-from hknob_cli.identify.linear_motion import hold_matrices, respond_linear
+from hknob_cli.identify.levenberg import Minimum
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.nearest import nearest
+from hknob_cli.identify.nearest import Nearest, cost, nearest
 from hknob_cli.identify.output_error import output_error
+from hknob_cli.identify.profile import spread
 from hknob_cli.identify.quality import blank, misfit, unidentified, vaf, whiteness
 from hknob_cli.recordings.trial import Array
 
 NAME = "fourth_order"
-ORDER = ("inertia", "finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness")
-FINGER_INERTIA = 3.0e-7  # Section 4.4.1: "a generous estimate"
-SPLIT = 10.0  # Section 4.4.1: K1 = 10 K2, B1 = 10 B2
 REACH = log(1e4)  # how far from its start a parameter may go
 WORST = 1e12  # condition number beyond which the parameters' effects are one
-BENT = 2.0  # how many times too small a standard error may be, by the profile of the sum of squares
 
 # What is searched for: springs and dampers in series, as one, are told well; their ratio, finger to pad, is not.
 SOUGHT = ("inertia", "finger_inertia", "damping", "stiffness", "damping_ratio", "stiffness_ratio")
-
-
-def network(parameters: Mapping[str, Any]) -> tuple[Any, Any]:
-    """Matrix (4, 4) and input (4,) of knob angle, knob velocity, finger angle, finger velocity. Numbers may be complex.
-
-    Source: Equation 1.
-    """
-    knob, tip, b1, k1, b2, k2 = (parameters[name] for name in ORDER)
-    matrix = np.array(
-        [
-            [0.0, 1.0, 0.0, 0.0],
-            [-k2 / knob, -b2 / knob, k2 / knob, b2 / knob],
-            [0.0, 0.0, 0.0, 1.0],
-            [k2 / tip, b2 / tip, -(k1 + k2) / tip, -(b1 + b2) / tip],
-        ]
-    )
-    return matrix, np.array([0.0, 1.0 / knob, 0.0, 0.0])
-
-
-def split(damping: float, stiffness: float, ratio: float = SPLIT) -> dict[str, float]:
-    """Finger and fingerpad in series that have ``damping`` and ``stiffness`` between knob and ground, in this ratio."""
-    pad = (1.0 + ratio) / ratio
-    return {
-        "finger_damping": ratio * pad * damping,
-        "finger_stiffness": ratio * pad * stiffness,
-        "pad_damping": pad * damping,
-        "pad_stiffness": pad * stiffness,
-    }
-
-
-def respond_fourth(parameters: Mapping[str, float], torque_nm: Array, dt_s: float) -> Array:
-    """Angle (n,) rad of the knob, from rest at 0, under a torque held from sample i to i + 1."""
-    move, push = hold_matrices([network(parameters)], dt_s)
-    return respond_linear(move.real, push.real, torque_nm)[0]
+# Where searches begin, too: ratios of damping and of stiffness, on either side of their equality and of one.
+THIRD = 1.0 / 3.0
+STARTS = ((4.0, 3.0), (1.2, 1.0), (1.0, 3.0), (3.0, 1.0), (THIRD, 1.0), (1.0, THIRD), (100.0, 30.0), (30.0, 100.0))
+FARTHEST = log(100.0)  # a ratio's logarithm where a search begins: the valleys are flat beyond
+STEPS, ENOUGH = 25, 1e-5  # of a search whose end is only compared; a share of the sum of squares
 
 
 def fourth_order(
@@ -76,10 +46,15 @@ def fourth_order(
     """Finger and fingerpad (and inertias) by the least squares of measured less modelled angle.
 
     ``inertia``: the knob's own in kg·m², with what moves with it, and ``finger_inertia``: known, or None to fit them.
-    ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1. Standard
-    errors as of `output_error`. Not identifiable: a standard error above the value; one that the profile of the
-    sum of squares shows to be less than half of what it is (`Nearest.misjudged`); a value that ran away from its start
-    by 10,000; or all, where their effects are numerically one.
+    ``start``: first values by name; by default the second-order fit's, in the 10:1 split of Section 4.4.1, and others.
+    Standard errors as of `output_error`, or larger where `profile.spread` finds more that fits as well. Not
+    identifiable: a standard error above the value, or three times the value or a third of it that fits as well; a
+    value that ran away from its start by 10,000; or all, where their effects are numerically one.
+
+    Of 730 synthetic pulses of 60 ms (ratios 1 to 100 and beyond, noise 2 to 100 µrad, the knob's inertia known or not),
+    2063 of 3285 numbers were told, and their intervals held the truth in 96.7 %: 93 to 100 % by noise, by knowledge of
+    the inertia, and by whether K1/K2 = B1/B2. With the finger's inertia alone free, in 96 % of 112; with neither
+    inertia known in 82 % of the 90 told of 522, which is flagged.
     """
     known = {"inertia": inertia, "finger_inertia": finger_inertia}
     names = tuple(name for name in ORDER if known.get(name) is None)
@@ -92,51 +67,73 @@ def fourth_order(
     searched = tuple(name for name in SOUGHT if known.get(name) is None)
     fixed = {name: value for name, value in known.items() if value is not None}
 
-    def parts(p: Any) -> dict[str, Any]:
+    def parts(p: Array) -> dict[str, float]:
         return {**fixed, **_parts(dict(zip(searched, np.exp(p), strict=True)))}
 
     def answer(p: Array) -> tuple[Array, Array]:
-        systems = [network(parts(p))]
-        for k in range(len(p)):
-            nudged = p.astype(complex)
-            nudged[k] += 1e-30j
-            systems.append(network(parts(nudged)))
-        move, push = hold_matrices(systems, motion.dt_s)
-        moves, pushes = move[1:].imag * 1e30, push[1:].imag * 1e30
-        return respond_linear(move.real, push.real, motion.torque_nm, moves, pushes)
+        here = parts(p)
+        return respond_with_slopes(here, motion.torque_nm, motion.dt_s, _slopes(here, searched))
+
+    def elsewhere(fit: Callable[..., Minimum], begin: Array) -> list[Minimum]:
+        def turned(p: Array, ratios: tuple[float, float], heavier: float = 0.0) -> Minimum:
+            near = tuple(min(max(ratio, -FARTHEST), FARTHEST) for ratio in ratios)
+            return fit(_turned(p, searched, parts, near, heavier), steps=STEPS, enough=ENOUGH)
+
+        found = [fit(begin, steps=STEPS, enough=ENOUGH)]
+        found += [turned(begin, (log(a), log(b))) for a, b in STARTS]
+        best = min(found, key=cost).parameters
+        a, b = (best[searched.index(name)] for name in ("damping_ratio", "stiffness_ratio"))
+        # The same relaxation with the ratios' order reversed, the same springs with finger and pad exchanged, and both.
+        for ratios in ((a, 2.0 * a - b), (-a, -b), (-a, b - 2.0 * a)):
+            found += [turned(best, ratios, more) for more in ((0.0, 1.0, -1.0) if finger_inertia is None else (0.0,))]
+        return found
 
     begin = np.log([_sought(first)[name] for name in searched])
-    found = nearest(motion, answer, begin, lowest=begin - REACH, highest=begin + REACH)
+    found = nearest(motion, answer, begin, lowest=begin - REACH, highest=begin + REACH, elsewhere=elsewhere)
+    return _fit(motion, found, names, searched, parts, begin)
+
+
+def _fit(
+    motion: Motion,
+    found: Nearest,
+    names: tuple[str, ...],
+    searched: tuple[str, ...],
+    parts: Callable[[Array], dict[str, float]],
+    begin: Array,
+) -> Fit:
     here = parts(found.parameters)
-    values = np.array([here[name] for name in names])
-    by = np.empty((len(names), len(searched)))
-    for k in range(len(searched)):
-        nudged = found.parameters.astype(complex)
-        nudged[k] += 1e-30j
-        there = parts(nudged)
-        by[:, k] = [np.imag(there[name]) * 1e30 for name in names]
-    covariance = by @ found.covariance @ by.T
-    worst = condition(found.slopes)
-    with np.errstate(invalid="ignore"):
-        spread = np.sqrt(np.diagonal(covariance))
-    bent = np.array([found.misjudged(k, BENT) for k in range(len(searched))])
+    by = _slopes(here, searched)
     stuck = np.abs(found.parameters - begin) > REACH - 1e-6
-    estimates, doubts = {}, []
-    reach = by * np.sqrt(np.abs(np.diagonal(found.covariance)))
-    for name, value, std, moved, effect in zip(names, values, spread, np.abs(by) > 0.0, reach, strict=True):
-        ran = bool(np.any(stuck & moved))
-        curved = bool(np.any(bent & (np.abs(effect) > 0.1 * std)))
-        sure = bool(isfinite(std) and std < value and not (ran or curved) and worst < WORST)
-        estimates[name] = Estimate(float(value), float(std), sure)
+    worst = condition(found.slopes)
+    estimates, doubts, shares = {}, [], []
+    for name in names:
+
+        def logarithm(p: Array, name: str = name) -> tuple[float, Array]:
+            at = parts(p)
+            return log(at[name]), _slopes(at, searched)[ORDER.index(name)]
+
+        row = by[ORDER.index(name)]
+        ran = bool(np.any(stuck & (row != 0.0)))
+        own = sqrt(max(float(row @ found.covariance @ row), 0.0))
+        share = own if ran or not worst < WORST else spread(found, logarithm)
+        value, std = here[name], here[name] * share
+        sure = bool(isfinite(std) and std < value and not ran and worst < WORST)
         if not sure:
-            reason = f"{value:.2g} ± {std:.2g}"
+            reason = f"{value:.2g} ± {here[name] * own:.2g}"
             if ran:
                 reason = "it ran to the end of its range"
-            elif curved and std < value:
-                reason += ", an error that is too small: the fit hardly changes with it"
+            elif own < 1.0:
+                reason += ", an error that is too small: what is far from it fits as well"
             doubts.append(f"{name} is not identifiable from this motion: {reason}")
+        estimates[name] = Estimate(float(value), float(std), sure)
+        shares.append((value, own, share))
+    if len(names) == len(ORDER):
+        doubts.append("neither inertia is known: intervals have been too narrow in one of five synthetic cases")
     if not worst < WORST:
         doubts.append(f"the parameters' effects are numerically one (condition number {worst:.1g})")
+    index = [ORDER.index(name) for name in names]
+    scale = np.array([value * (share / own if own > 0.0 and isfinite(share) else 1.0) for value, own, share in shares])
+    covariance = by[index] @ found.covariance @ by[index].T * np.outer(scale, scale)
     share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
     flags = () if found.converged else ("the search did not converge",)
     return Fit(
@@ -144,11 +141,38 @@ def fourth_order(
         estimates,
         share,
         white,
-        (*flags, *misfit(white, share, found.rms_rad, motion.noise_rad), *doubts),
+        (*flags, *misfit(white, share, found.rms_rad, motion), *doubts),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
         covariance=tuple(map(tuple, covariance.tolist())),
     )
+
+
+def _turned(
+    p: Array,
+    searched: tuple[str, ...],
+    parts: Callable[[Array], dict[str, float]],
+    ratios: tuple[float, ...],
+    heavier: float,
+) -> Array:
+    """Another start: with these logarithms of the ratios, and a finger heavier by that much of a logarithm.
+
+    A finger that moves with a share 1/(1 + ratio) of the knob's velocity adds the square of it of its inertia: the knob
+    has what is left of the whole, if it is searched for.
+    """
+    other = p.copy()
+    other[searched.index("damping_ratio")], other[searched.index("stiffness_ratio")] = ratios
+    if "finger_inertia" in searched:
+        other[searched.index("finger_inertia")] += heavier
+    if "inertia" in searched:
+        was, now = (parts(one[: len(searched)]) for one in (p, other))  # the rest angle is last
+        carried = [
+            one["finger_inertia"] * (one["pad_damping"] / (one["pad_damping"] + one["finger_damping"])) ** 2
+            for one in (was, now)
+        ]
+        whole = was["inertia"] + carried[0]
+        other[searched.index("inertia")] = log(max(whole - carried[1], 0.3 * whole))
+    return other
 
 
 def _parts(sought: Mapping[str, Any]) -> dict[str, Any]:
@@ -158,6 +182,17 @@ def _parts(sought: Mapping[str, Any]) -> dict[str, Any]:
         whole, ratio = sought[kind], sought[f"{kind}_ratio"]
         found[f"finger_{kind}"], found[f"pad_{kind}"] = whole * (1.0 + ratio), whole * (1.0 + ratio) / ratio
     return found
+
+
+def _slopes(parts: Mapping[str, float], searched: tuple[str, ...]) -> Array:
+    """Derivatives (6, p) of the parts' logarithms, in their `ORDER`, by the logarithms of what is searched for."""
+    by = np.zeros((len(ORDER), len(SOUGHT)))
+    by[0, 0] = by[1, 1] = 1.0
+    for k, kind in enumerate(("damping", "stiffness")):
+        finger, pad = parts[f"finger_{kind}"], parts[f"pad_{kind}"]
+        by[[2 + k, 4 + k], 2 + k] = 1.0
+        by[2 + k, 4 + k], by[4 + k, 4 + k] = finger / (finger + pad), -pad / (finger + pad)
+    return by[:, [SOUGHT.index(name) for name in searched]]
 
 
 def _sought(parts: Mapping[str, float]) -> dict[str, float]:

@@ -10,14 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.fourth_order import FINGER_INERTIA, network, respond_fourth, split
+from hknob_cli.identify.finger_network import FINGER_INERTIA, network, respond_fourth, split
 from hknob_cli.identify.least_squares import least_squares
 from hknob_cli.identify.linear_motion import hold_matrices
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.recordings.trial import Array
 
-MOTOR_INERTIA = 1.98e-6  # Appendix C
 RATIOS = tuple(float(ratio) for ratio in np.geomspace(1.0, 1000.0, 13))
 
 
@@ -36,7 +35,7 @@ def hidden_inertia(
     damping: float,
     stiffness: float,
     *,
-    inertia: float = MOTOR_INERTIA,
+    inertia: float,
     finger_inertia: float = FINGER_INERTIA,
     ratios: Sequence[float] = RATIOS,
     pulse_s: float = 0.02,
@@ -45,8 +44,9 @@ def hidden_inertia(
 ) -> list[Hidden]:
     """Second-order fits of noiseless pulse responses of the fourth-order hand, by least squares and output error.
 
-    ``damping``, ``stiffness``: of finger and pad in series (Table 1's at 14.2 N in the dissertation's figure). Velocity
-    and acceleration are the model's own, so that nothing but the model's order is at work.
+    ``damping``, ``stiffness``: of finger and pad in series (Table 1's at 14.2 N in the dissertation's figure);
+    ``inertia`` of the knob and what turns with it, ``finger_inertia`` (kg·m²). Velocity and acceleration are the
+    model's own, so that nothing but the model's order is at work.
     """
     torque = np.zeros(round(window_s / dt_s) + 1)
     torque[: round(pulse_s / dt_s)] = 1.0
@@ -63,7 +63,7 @@ def hidden_inertia(
 
 def _motion(parts: dict[str, float], torque_nm: Array, dt_s: float) -> Motion:
     matrix, push = network(parts)
-    move, added = (one[0].real for one in hold_matrices([(matrix, push)], dt_s))
+    move, added = (one[0] for one in hold_matrices(matrix, push, dt_s))
     states = np.zeros((len(torque_nm), 4))
     for i, torque in enumerate(torque_nm[:-1]):
         states[i + 1] = move @ states[i] + added * torque

@@ -21,6 +21,7 @@ class Minimum(NamedTuple):
     converged: bool
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a step too far overflows, and is not taken
 def minimise(
     data: Array,
     model: Callable[[Array], tuple[Array, Array]],
@@ -29,10 +30,13 @@ def minimise(
     lowest: Array | float = -np.inf,
     highest: Array | float = np.inf,
     steps: int = STEPS,
+    enough: float = ENOUGH,
+    until: float = 0.0,
 ) -> Minimum:
     """The least sum of squares of ``data`` (r,) less ``model(p)``, which gives values (r,) and derivatives (r, p).
 
-    ``lowest``, ``highest``: bounds, (p,) or one for all; equal where a parameter is held. Source: Moré, *The
+    ``lowest``, ``highest``: bounds, (p,) or one for all; ``enough``: share of the sum of squares that a step may still
+    gain at the end; ``until``: a sum of squares that is low enough to end the search. Source: Moré, *The
     Levenberg-Marquardt algorithm* (1978), with the derivatives' lengths as scale, and bounds by projection.
     """
     at = np.clip(np.asarray(start, dtype=float), lowest, highest)
@@ -62,13 +66,13 @@ def minimise(
             if less < cost:
                 better = True
                 break
-            if float(step @ pull) <= ENOUGH * cost:
+            if float(step @ pull) <= enough * cost:
                 break
             ease = max(10.0 * ease, 1e-12)
         gain = float(step @ pull)
         if better:
             at, residuals, slopes, cost, ease = tried, left, ahead, less, 0.01 * ease
-        if not better or gain <= ENOUGH * cost or cost <= rounding:
+        if not better or gain <= enough * cost or cost <= max(rounding, until):
             converged = True
             break
     return Minimum(at, residuals, slopes, converged)

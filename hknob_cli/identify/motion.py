@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from hknob_cli.recordings.trial import Array
 
 
@@ -11,6 +13,8 @@ class Motion(NamedTuple):
     ``velocity_rad_s`` and ``acceleration_rad_s2`` where differentiation was asked for. ``torque_nm`` is what acts from
     sample i to i + 1 (zero-order hold). ``noise_rad``: standard deviation of the angle's noise, from the part before
     the pulse and the encoder's step; None if unknown. ``averaged``: trials that were averaged into it.
+    ``scatter_rad``: root mean square over time of the trials' standard deviation about it, what noise makes taken off;
+    None of a single trial.
     """
 
     dt_s: float
@@ -20,3 +24,18 @@ class Motion(NamedTuple):
     acceleration_rad_s2: Array | None = None
     noise_rad: float | None = None
     averaged: int = 1
+    scatter_rad: float | None = None
+
+    @property
+    def blend_rad(self) -> float:
+        """What trials that differ leave between their mean and any one motion, rad rms: scatter squared over the peak.
+
+        The mean of motions with parameters spread by a share s is the motion with their mean but for s² of it.
+        """
+        return (self.scatter_rad or 0.0) * (self.trials_differ or 0.0)
+
+    @property
+    def trials_differ(self) -> float | None:
+        """Share of the peak angle by which the averaged trials scatter beyond noise; None of a single trial."""
+        peak = float(np.max(np.abs(self.angle_rad)))
+        return None if self.scatter_rad is None or not peak > 0.0 else self.scatter_rad / peak

@@ -73,7 +73,7 @@ def output_error(
         estimates,
         share,
         white,
-        (*flags, *misfit(white, share, found.rms_rad, motion.noise_rad), *doubts(estimates, motion)),
+        (*flags, *misfit(white, share, found.rms_rad, motion), *doubts(estimates, motion)),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
         covariance=tuple(map(tuple, covariance.tolist())),

@@ -105,13 +105,23 @@ def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:
 
 def _mean(cuts: list[Aligned]) -> Aligned:
     """Mean of trials aligned at the onset, where all have samples; its noise is that of the mean."""
+    if len(cuts) == 1:
+        return cuts[0]
     before = min(cut.onset for cut in cuts)
     after = min(cut.angle_rad.size - cut.onset for cut in cuts)
     torque = np.mean([cut.torque_nm[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
     angle = np.mean([cut.angle_rad[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
     noises = [cut.noise_rad for cut in cuts if cut.noise_rad is not None]
     noise = math.sqrt(sum(value**2 for value in noises) / len(noises) / len(cuts)) if noises else None
-    return Aligned(before, torque, angle, noise)
+    impulses = [float(cut.torque_nm.sum()) for cut in cuts]
+    usual = float(torque.sum())
+    # Of pulses of one size: a larger one moves the same hand further.
+    scaled = [
+        cut.angle_rad[cut.onset - before : cut.onset + after] * (usual / impulse if impulse and usual else 1.0)
+        for cut, impulse in zip(cuts, impulses, strict=True)
+    ]
+    scatter = np.std(scaled, axis=0, ddof=1)
+    return Aligned(before, torque, angle, noise, scatter)
 
 
 def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: float | None) -> Motion:
@@ -142,7 +152,16 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
         acceleration_rad_s2=None if acceleration is None else acceleration[kept],
         noise_rad=_noise(mean.noise_rad, count, counts),
         averaged=count,
+        scatter_rad=_scatter(mean, slice(mean.onset, stop), count, counts),
     )
+
+
+def _scatter(mean: Aligned, kept: slice, count: int, counts: float | None) -> float | None:
+    """Standard deviation of the trials about their mean, rms over the motion, what noise makes of it taken off."""
+    if mean.scatter_rad is None:
+        return None
+    noise = (_noise(mean.noise_rad, count, counts) or 0.0) * math.sqrt(count)
+    return math.sqrt(max(float(np.mean(mean.scatter_rad[kept] ** 2)) - noise**2, 0.0))
 
 
 def _at_samples(torque: Array) -> Array:

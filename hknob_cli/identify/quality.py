@@ -11,6 +11,7 @@ from hknob_cli.recordings.trial import Array
 
 LAGS = 20
 ODDS = 0.01  # p-value below which residuals are called not white
+MISFIT = "the model does not fit"
 EXCESS = 1.5  # residuals this many times the known noise are more than noise
 ROUNDING = 1e-14  # share of variance below which what is left is the arithmetic's own
 OVERDAMPED, UNDAMPED = 1.5, 0.05  # damping ratios beyond which a pulse tells two of the parameters badly
@@ -65,17 +66,17 @@ def unidentified(estimator: str, names: Sequence[str], why: str) -> Fit:
     return Fit(estimator, {name: Estimate(nan, nan, False) for name in names}, nan, None, (why,))
 
 
-def misfit(white: float | None, share: float, rms: float, noise: float | None) -> tuple[str, ...]:
-    """That the model does not fit, in words: residuals not white and, where the noise is known, larger than it."""
-    if (
-        white is None
-        or white >= ODDS
-        or 1.0 - share < ROUNDING
-        or (noise is not None and noise > 0.0 and rms <= EXCESS * noise)
-    ):
+def misfit(white: float | None, share: float, rms: float, motion: Motion) -> tuple[str, ...]:
+    """That the model does not fit, in words: residuals not white and larger than what is known to make them.
+
+    That is the motion's noise, and what averaging leaves of trials that differ (`Motion.blend_rad`).
+    """
+    noise = motion.noise_rad
+    known = max(EXCESS * (noise or 0.0), motion.blend_rad)
+    if white is None or white >= ODDS or 1.0 - share < ROUNDING or rms <= known:
         return ()
     size = f", {rms / noise:.1f} times the noise" if noise else ""
-    return (f"the model does not fit: residuals are not white (p = {white:.1g}){size}; VAF {100.0 * share:.2f} %",)
+    return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, VAF {100.0 * share:.2f} %",)
 
 
 def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]:

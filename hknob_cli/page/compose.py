@@ -14,7 +14,7 @@ from hknob_cli.page.book import Chapter, Drawn, Page, Source
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]

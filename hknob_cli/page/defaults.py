@@ -4,7 +4,8 @@ from typing import Any
 
 from hknob_cli.report.perceived import perceived_levels
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.plan import PERSON, ChapterPlan, FigurePlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
+from hknob_cli.spec.plan import PERSON
 
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
@@ -13,7 +14,8 @@ def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
 
 
 def _chapter(result: Result) -> ChapterPlan:
-    figures = {"sweep": _sweep, "dfa": _methods, "predict": _laws, "bench": _bench}.get(result.stage, _none)(result)
+    kinds = {"sweep": _sweep, "dfa": _methods, "predict": _laws, "bench": _bench, "sysid": _identified}
+    figures = kinds.get(result.stage, _none)(result)
     return ChapterPlan(f"{result.name} ({result.stage})", "", tuple(figures))
 
 
@@ -81,6 +83,23 @@ def _bench(result: Result) -> list[FigurePlan]:
     ]
 
 
+def _identified(result: Result) -> list[FigurePlan]:
+    figures = []
+    if "conditions.parquet" in result.files:
+        rows = [row for row in result.rows("conditions") if row["grip_target_n"] and row["inertia_kg_m2"] is not None]
+        for experiment in dict.fromkeys(row["experiment"] for row in rows):
+            best = next(row["estimator"] for row in reversed(rows) if row["experiment"] == experiment)
+            options = {"experiment": experiment, "estimator": best, "printed": False}
+            figures.append(_figure(result, "all_persons", f"experiment {experiment} by {best}", _PERSONS, **options))
+    if "calibration_points.parquet" in result.files:
+        quantities = {row["quantity"] for row in result.rows("calibration")}
+        draw = "motor_calibration" if "torque constant" in quantities else "grip_cell"
+        figures.append(_figure(result, draw, "calibration", "Readings, and the straight lines fitted to them."))
+    if "hidden_inertia.parquet" in result.files:
+        figures.append(_figure(result, "hidden_inertia", "hidden inertia", "What second-order fits take for inertia."))
+    return figures
+
+
 def _none(_result: Result) -> list[FigurePlan]:
     return []
 
@@ -88,6 +107,7 @@ def _none(_result: Result) -> list[FigurePlan]:
 _NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
 _MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
+_PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
 _DOTS = "A dot for each orbit, sized by its share of the trials."
 _LARGEST = "Of several cycles in a cell the largest."
 

@@ -2,10 +2,12 @@
 
 import re
 from collections import Counter
+from statistics import median
 from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.identify.quality import MISFIT, ODDS
 from hknob_cli.report.matrix import short
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
@@ -19,15 +21,32 @@ _COLUMNS = (
 
 def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
     """Summary as plain data: conditions over all persons, and what is doubtful."""
-    rows = conditions.to_pylist()
-    said = (flag for row in trials.to_pylist() for flag in row["flags"].split("; ") if flag)
-    flags = Counter(_NUMBER.sub("…", flag) for flag in said)
+    rows, fits = conditions.to_pylist(), trials.to_pylist()
+    said = ((row["estimator"], flag) for row in fits for flag in row["flags"].split("; ") if flag)
+    flags = Counter(f"{estimator}: {_NUMBER.sub('…', flag)}" for estimator, flag in said)
     return {
         "fits": trials.num_rows,
         "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
         "conditions": [row for row in rows if row["level"] == "all"],
         "flags": dict(flags.most_common(20)),
+        "averages": _averages(fits),
     }
+
+
+def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
+    """Averages whose residuals are not white for no other reason than that their trials differ; None if there are none.
+
+    Shares of the peak angle by which the trials differ, least, median and largest; how many of how many fits.
+    """
+    blends = [
+        row["trials_differ"]
+        for row in fits
+        if row["trials_differ"] and row["white"] is not None and row["white"] < ODDS and MISFIT not in row["flags"]
+    ]
+    if not blends:
+        return None
+    of = sum(row["trials_differ"] is not None for row in fits)
+    return {"fits": len(blends), "of": of, "least": min(blends), "median": median(blends), "largest": max(blends)}
 
 
 def sysid_text(summary: dict[str, Any]) -> str:
@@ -45,6 +64,14 @@ def sysid_text(summary: dict[str, Any]) -> str:
             cells += [_spread(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
             cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
             lines.append("  ".join(f"{cell:>18}" for cell in cells) + ("  *" if row["flags"] else ""))
+    if blend := summary["averages"]:
+        least, largest, middle = (f"{100.0 * blend[name]:.2g}" for name in ("least", "largest", "median"))
+        lines += [
+            "",
+            f"{blend['fits']} of {blend['of']} fits: residuals not white, but as small as noise or averaging make;",
+            f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
+            "their mean is not one motion's. prepare: {average: false} fits each trial",
+        ]
     if summary["flags"]:
         lines += ["", "* doubtful in some fits; the column flags says which:"]
         lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]

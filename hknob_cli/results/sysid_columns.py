@@ -47,6 +47,12 @@ QUALITY = (
 )
 FLAGS = Column("flags", _TEXT, "", "what is doubtful about it, in words; empty where nothing is")
 AVERAGED = Column("trials", _WHOLE, "1", "trials that it rests on")
+DIFFER = Column(
+    "trials_differ",
+    _REAL,
+    "1",
+    "standard deviation of the averaged trials about their mean beyond noise, over the peak of it; null of one trial",
+)
 APPARATUS = Column("apparatus_inertia_kg_m2", _REAL, "kg*m^2", "inertia subtracted as the apparatus's own; null: none")
 CALIBRATION = (
     Column("quantity", _TEXT, "", "what was calibrated"),
@@ -56,6 +62,15 @@ CALIBRATION = (
     Column("unit", _TEXT, "", "unit of value and std"),
     Column("r_squared", _REAL, "1", "share of the variance that a straight line explains; null where there is none"),
     Column("flags", _TEXT, "", "what is doubtful about it; empty where nothing is"),
+)
+CALIBRATION_POINTS = (
+    Column("quantity", _TEXT, "", "what was calibrated by the points"),
+    Column("condition", _TEXT, "", "range of torque, or position of the force"),
+    Column("x", _REAL, "", "current or force, in the column x_unit"),
+    Column("x_unit", _TEXT, "", "unit of x"),
+    Column("y", _REAL, "", "torque, friction torque or voltage, in the column y_unit"),
+    Column("y_unit", _TEXT, "", "unit of y and fitted"),
+    Column("fitted", _REAL, "", "y of the fitted line there"),
 )
 
 

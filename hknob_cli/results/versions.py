@@ -44,7 +44,7 @@ def source_digest(folders: tuple[str, ...] = COMPUTING) -> str:
 def _files(folder: Path) -> Iterable[Path]:
     if folder.is_file():
         return [folder]
-    return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js"})
+    return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js", ".c", ".h"})
 
 
 @cache

@@ -190,20 +190,29 @@ def axis_values(name: str, axis: AxisSpec) -> list[float | int]:
     else:
         info = scalar_field(name)
         kind = SampleRate if name == RATE else _annotated(info)
-        adapter: TypeAdapter[Any] = TypeAdapter(kind)
-        if isinstance(axis, LogAxis | LinAxis):
-            values = list(_spread(axis, adapter))
-        else:
-            listed = axis if isinstance(axis, list) else [axis]
-            values = [
-                float(_checked(raw, adapter, (i,) if isinstance(axis, list) else ())) for i, raw in enumerate(listed)
-            ]
+        return list(levels(axis, kind))
+    _unrepeated(values, axis)
+    return values
+
+
+def levels(axis: AxisSpec, kind: Any) -> tuple[float, ...]:
+    """Values of an axis, of the scene or not, each of a ``kind`` as pydantic validates it. Raises `AxisError`."""
+    adapter: TypeAdapter[Any] = TypeAdapter(kind)
+    if isinstance(axis, LogAxis | LinAxis):
+        values = _spread(axis, adapter)
+    else:
+        listed = axis if isinstance(axis, list) else [axis]
+        values = [float(_checked(raw, adapter, (i,) if isinstance(axis, list) else ())) for i, raw in enumerate(listed)]
+    _unrepeated(values, axis)
+    return tuple(values)
+
+
+def _unrepeated(values: list[Any], axis: AxisSpec) -> None:
     seen: set[float | int] = set()
     for i, value in enumerate(values):
         if value in seen:
             raise AxisError((i,) if isinstance(axis, list) else (), f"must not repeat a value, got {value:g} twice")
         seen.add(value)
-    return values
 
 
 def _annotated(info: FieldInfo | None) -> Any:

@@ -27,10 +27,36 @@ class VirtualPlan(NamedTuple):
     rig: dict[str, float]
 
 
+class BiasPlan(NamedTuple):
+    """How far off the estimators are: printed hands, and levels of each nuisance by its name in `bias_study`."""
+
+    table: int
+    grips_n: tuple[float, ...]
+    repeats: int
+    seed: int
+    nuisances: dict[str, tuple[float, ...]]
+
+
+class HiddenPlan(NamedTuple):
+    """What a second-order fit takes for the inertia of a hand with finger and fingerpad, over ratios K1/K2 = B1/B2."""
+
+    table: int
+    grip_n: float
+    finger_inertia: float
+    ratios: tuple[float, ...]
+
+
+class StudyPlan(NamedTuple):
+    """What is asked about the estimators themselves."""
+
+    bias: BiasPlan | None
+    hidden: HiddenPlan | None
+
+
 class SysidPlan(NamedTuple):
     """An identification. ``apparatus``, ``radius``: inertia to subtract and radius of the knob by experiment.
 
-    The experiment "" stands for all that are not named.
+    The experiment "" stands for all that are not named. With a ``study`` there are no recordings.
     """
 
     name: str
@@ -46,3 +72,4 @@ class SysidPlan(NamedTuple):
     apparatus: dict[str, float]
     radius: dict[str, float]
     values: dict[str, Any]
+    study: StudyPlan | None = None

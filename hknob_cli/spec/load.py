@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = ("sysid", *GRIDS, "remedies", "bench", "report")
+KINDS = ("sysid", *GRIDS, "remedies", "hw-run", "bench", "report")
 PIPELINE = "pipeline"
 
 
@@ -129,6 +129,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.spec.sysid import validate_sysid
 
         return validate_sysid(source)
+    if given == "hw-run":
+        from hknob_cli.spec.hw_run import validate_hw_run
+
+        return validate_hw_run(source)
     if given == "report":
         from hknob_cli.spec.report import validate_report
 
@@ -304,8 +308,9 @@ def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    models = {"sysid": "SysidSpec", "remedies": "RemediesSpec", "bench": "BenchSpec", "report": "ReportSpec", PIPELINE: "PipelineSpec"}
+    models = {"sysid": "SysidSpec", "remedies": "RemediesSpec", "hw-run": "HwRunSpec", "bench": "BenchSpec"}
+    models |= {"report": "ReportSpec", PIPELINE: "PipelineSpec"}
     if kind not in models:
         raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
-    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind}"), models[kind])
+    model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{kind.replace('-', '_')}"), models[kind])
     return model

@@ -8,9 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.campaign import HwRunPlan
 from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
+from hknob_cli.spec.page_plan import ReportPlan
 from hknob_cli.spec.perception import Perceive
 from hknob_cli.spec.remedies_plan import RemediesPlan
 
@@ -219,56 +221,6 @@ class BenchPlan(NamedTuple):
     values: dict[str, Any]
 
 
-class Sentence(NamedTuple):
-    """Text, and for each ``{name}`` in it the check, its arguments, a factor and a format; without values as it is.
-
-    ``where`` it is in its file.
-    """
-
-    text: str
-    values: dict[str, tuple[str, dict[str, Any], float, str]] = {}  # noqa: RUF012 - never written to
-    where: str = ""
-
-
-class FigurePlan(NamedTuple):
-    """A figure of a page: which drawing, ``of`` which results, with which options."""
-
-    id: str
-    draw: str
-    of: tuple[str, ...]
-    options: dict[str, Any]
-    title: str
-    caption: Sentence
-    alt: str
-    where: str = ""
-
-
-class ChapterPlan(NamedTuple):
-    """A part of a page."""
-
-    title: str
-    text: str
-    figures: tuple[FigurePlan, ...]
-
-
-class ReportPlan(NamedTuple):
-    """A page.
-
-    ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary; ``rerun``: command
-    lines that make the page again.
-    """
-
-    name: str
-    title: str
-    results: dict[str, str]
-    claims: str | None
-    summary: tuple[Sentence, ...]
-    lead: tuple[str, ...]
-    chapters: tuple[ChapterPlan, ...]
-    rerun: tuple[str, ...]
-    values: dict[str, Any]
-
-
 class StagePlan(NamedTuple):
     """A stage of a pipeline: its ``spec``, or the ``folder`` of results that are taken as they are.
 
@@ -301,7 +253,7 @@ class PipelinePlan(NamedTuple):
     values: dict[str, Any]
 
 
-Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | HwRunPlan | RemediesPlan
 
 
 def cells(axes: Axes) -> Iterator[Cell]:

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
-from hknob_cli.spec.plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import Name
@@ -17,30 +17,41 @@ Text = Annotated[str, Field(min_length=1)]
 Anchor = Annotated[str, Field(pattern=r"^fig-[a-z0-9.-]+$", max_length=40)]
 Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
 Draw = Literal[
+    "all_persons",
+    "bias_curves",
     "block_diagram",
     "cases",
     "contact_energy",
     "error_time",
+    "fourth_beside_second",
     "grasp_parameters",
     "grid_difference",
     "grid_lines",
     "grid_map",
     "grid_pair",
+    "grip_cell",
     "grip_forces",
     "hardware_grid",
+    "hidden_inertia",
+    "identified_terms",
     "law_lines",
+    "models_beside_data",
+    "motor_calibration",
     "nonlinearity",
     "normalised_grasp",
     "nyquist",
+    "one_person",
     "phase_plane",
     "population",
     "pulse_terms",
+    "pulse_vectors",
     "saturated_map",
     "schematic",
     "stability_table",
     "staircase",
     "surface",
     "time_response",
+    "trial_thumbnails",
 ]
 
 

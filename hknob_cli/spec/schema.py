@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hknob_cli.spec.load import spec_model
+from hknob_cli.spec.load import GRIDS, spec_model
 
 # Axes of the grid, and where in the scene which value makes them unnecessary.
 _NOT_NEEDED = (("counts_per_rev", "encoder", "none"), ("sample_rate_hz", "sampling", "continuous"))
@@ -11,7 +11,7 @@ _NOT_NEEDED = (("counts_per_rev", "encoder", "none"), ("sample_rate_hz", "sampli
 def json_schema(kind: str) -> dict[str, Any]:
     """JSON Schema (2020-12) of one kind of spec. Raises `UsageError` for an unknown kind."""
     schema = spec_model(kind).model_json_schema()
-    conditions = [_axis_unless(*one) for one in _NOT_NEEDED] if "grid" in schema["properties"] else []
+    conditions = [_axis_unless(*one) for one in _NOT_NEEDED] if kind in GRIDS else []
     return {**titled(schema, f"hknob {kind} spec"), **({"allOf": conditions} if conditions else {})}
 
 

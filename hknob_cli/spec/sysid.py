@@ -11,6 +11,7 @@ from hknob_cli.spec.identification import PreparePlan, SysidPlan, VirtualPlan
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque
 from hknob_cli.spec.source import Source
+from hknob_cli.spec.study import StudySpec, plan_study
 from hknob_cli.spec.sweep import Name
 
 What = Literal["hand", "motor", "grip_cell", "apparatus"]
@@ -97,6 +98,7 @@ class SysidSpec(Part):
     counts_per_rev: Annotated[
         int | None, Field(strict=True, ge=1, le=2**31, description="of the encoder that recorded; null: not known")
     ] = None
+    study: Annotated[StudySpec | None, Field(description="of the estimators themselves, instead of recordings")] = None
     prepare: Annotated[PrepareSpec, Field(default_factory=PrepareSpec)]
     estimators: Annotated[
         list[Estimator], Field(min_length=1, default_factory=lambda: ["least_squares", "output_error"])
@@ -120,8 +122,13 @@ def validate_sysid(source: Source) -> SysidPlan:
     except ValidationError as error:
         raise SpecError([fault_at(source, SysidSpec, item) for item in error.errors(include_url=False)]) from None
     faults: list[Fault] = []
-    if spec.recordings is None and spec.virtual is None:
-        faults.append(source.fault(("kind",), "needs recordings, or virtual to make some"))
+    study = None
+    if spec.study is not None:
+        study, faults = plan_study(source, spec.study)
+        for key in sorted(spec.model_fields_set - {"kind", "name", "study"}):
+            faults.append(source.fault((key,), "must be absent where a study is asked for", at_key=True))
+    elif spec.recordings is None and spec.virtual is None:
+        faults.append(source.fault(("kind",), "needs recordings, or virtual to make some, or a study"))
     if spec.recordings is not None and spec.virtual is not None:
         faults.append(source.fault(("virtual",), "must be absent where recordings are given", at_key=True))
     if faults:
@@ -141,6 +148,7 @@ def validate_sysid(source: Source) -> SysidPlan:
         apparatus=_by_experiment(spec.subtract_apparatus),
         radius=_by_experiment(spec.knob_radius),
         values=source.value,
+        study=study,
     )
 
 

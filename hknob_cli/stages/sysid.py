@@ -1,17 +1,15 @@
 """The identification: recordings read or made, prepared, fitted by every estimator, and combined."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from math import nan
 from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.apparatus.bench_rigs import record_apparatus, record_grip_cell, record_motor_calibration
+from hknob_cli.apparatus.bench_rigs import record_apparatus
 from hknob_cli.apparatus.experiment import record_experiments
-from hknob_cli.apparatus.rig import Rig
 from hknob_cli.errors import ComputationError
-from hknob_cli.identify import calibration
 from hknob_cli.identify.combine import over_blocks, over_subjects
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
@@ -20,7 +18,6 @@ from hknob_cli.identify.models import at_the_skin, damping_ratio, without_appara
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
-from hknob_cli.recordings.calibration import GRIP_CELL, MOTOR, read_columns
 from hknob_cli.recordings.health import WRONG_SIGN
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
@@ -28,8 +25,10 @@ from hknob_cli.recordings.write import table as recordings_table
 from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.spec.identification import SysidPlan
+from hknob_cli.stages.sysid_rig import virtual_rig
 
 DERIVATIVES = ("least_squares", "least_squares_friction")
+MOST_SAID = 12
 Progress = Callable[[int, int], None]
 Row = dict[str, Any]
 
@@ -77,7 +76,7 @@ class SysidStage:
         if plan.virtual is None:
             return read(plan.recordings)
         virtual = plan.virtual
-        rig = self.rig()
+        rig = virtual_rig(plan)
         if plan.what == "apparatus":
             return record_apparatus(rig, trials=virtual.trials, seed=virtual.seed)
         return record_experiments(
@@ -91,28 +90,20 @@ class SysidStage:
             model="fourth" if virtual.model == "fourth" else "second",
         )
 
-    def rig(self) -> Rig:
-        """The virtual apparatus. Raises `UsageError`."""
-        from dataclasses import replace
-
-        assert self.plan.virtual is not None
-        rig = Rig.ideal() if self.plan.virtual.ideal else Rig()
-        given: dict[str, Any] = dict(self.plan.virtual.rig)
-        return replace(rig, **given)
-
     @property
     def counts(self) -> int | None:
         """Counts per revolution of the encoder that recorded; None if unknown."""
         if self.plan.virtual is not None:
-            return self.rig().counts_per_rev or None
+            return virtual_rig(self.plan).counts_per_rev or None
         return self.plan.counts_per_rev
 
     def run(self, trials: list[Trial], progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """Fits of every motion, and of every condition. Raises `ComputationError` where no trial can be used."""
         fitted = list(self._fitted(trials, progress))
-        if not any(one.fit.parameters for one in fitted):
-            said = "; ".join(dict.fromkeys(flag for one in fitted for flag in one.flags))
-            raise ComputationError(f"no trial can be used: {said}")
+        if not any(value.identifiable for one in fitted for value in one.fit.parameters.values()):
+            said = list(dict.fromkeys(flag for one in fitted for flag in one.flags))
+            more = f"; and {len(said) - MOST_SAID} more" if len(said) > MOST_SAID else ""
+            raise ComputationError(f"no trial can be used: {'; '.join(said[:MOST_SAID])}{more}")
         return self._trials_table(fitted), self._conditions_table(fitted)
 
     def _fitted(self, trials: list[Trial], progress: Progress) -> Iterator[Fitted]:
@@ -161,6 +152,7 @@ class SysidStage:
             columns.APPARATUS,
             *columns.QUALITY,
             columns.AVERAGED,
+            columns.DIFFER,
             columns.FLAGS,
         ]
         rows = [
@@ -173,6 +165,7 @@ class SysidStage:
                 "vaf": one.fit.vaf,
                 "white": one.fit.white,
                 "trials": len(one.of.trials),
+                columns.DIFFER.name: one.of.motion.trials_differ if one.of.motion else None,
                 "flags": "; ".join(one.flags),
             }
             for one in fitted
@@ -252,20 +245,6 @@ class SysidStage:
         doubtful = sum(bool(one["flags"]) for one in group)
         row["flags"] = f"{doubtful} of {len(group)} persons have flags" if doubtful else ""
         return row
-
-
-def calibrate(plan: SysidPlan) -> pa.Table:
-    """The calibration of the motor or the grip cell, as a table. Raises `UsageError`."""
-    motor = plan.what == "motor"
-    readings: Mapping[str, Any]
-    if plan.virtual is None:
-        readings = read_columns(plan.recordings, MOTOR if motor else GRIP_CELL)
-    elif motor:
-        readings = record_motor_calibration(SysidStage(plan).rig(), seed=plan.virtual.seed)._asdict()
-    else:
-        readings = record_grip_cell(seed=plan.virtual.seed)._asdict()
-    found = calibration.motor(readings) if motor else calibration.grip_cell(readings)
-    return build_table(columns.CALIBRATION, [{**one._asdict(), "flags": "; ".join(one.flags)} for one in found])
 
 
 def kept_recordings(trials: list[Trial]) -> pa.Table:

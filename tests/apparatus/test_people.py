@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.people import (
-    DAMPING_WITH_STIFFNESS,
     EXPERIMENTS,
     Place,
     Variation,
+    damping_with_stiffness,
     grips,
     mean_hand,
     spread,
@@ -43,22 +43,31 @@ def test_means_and_spread_are_the_tables(number: int, grip: float) -> None:
         assert column.min() > 0.0
 
 
-def test_who_is_stiff_is_stiff_at_every_grip_and_damped_with_it() -> None:
+def test_who_is_stiff_is_stiff_at_every_grip_and_damped_as_the_row_has_it() -> None:
     soft, firm = np.log(crowd(1, 0.71)), np.log(crowd(1, 14.2))
-    for parameter in range(3):
+    for parameter in (0, 2):
         assert np.corrcoef(soft[:, parameter], firm[:, parameter])[0, 1] == pytest.approx(1.0, abs=1e-12)
-    found = np.corrcoef(soft[:, 1], soft[:, 2])[0, 1]
-    assert found == pytest.approx(DAMPING_WITH_STIFFNESS, abs=5 * (1 - DAMPING_WITH_STIFFNESS**2) / sqrt(PEOPLE))
+    for values, grip in ((soft, 0.71), (firm, 14.2)):
+        rho = damping_with_stiffness(1, grip)
+        found = np.corrcoef(values[:, 1], values[:, 2])[0, 1]
+        assert found == pytest.approx(rho, abs=5 * (1 - rho**2) / sqrt(PEOPLE))
 
 
-def test_the_correlation_is_what_the_printed_damping_ratios_imply() -> None:
-    implied = []
-    for number in EXPERIMENTS:
-        for row in table(number):
-            names = ("inertia", "damping", "stiffness", "damping_ratio")
-            j, b, k, ratio = (np.log1p((float(row[f"{name}_cv_percent"]) / 100) ** 2) for name in names)
-            implied.append((b + (j + k) / 4 - ratio) / sqrt(b * k))
-    assert np.median(implied) == pytest.approx(DAMPING_WITH_STIFFNESS, abs=0.005)
+@pytest.mark.parametrize(("number", "grip"), [(1, 1.3), (1, 14.2), (2, 0.71), (3, 7.8), (5, 1.3)])
+def test_the_damping_ratio_spreads_as_printed(number: int, grip: float) -> None:
+    """What the correlation is derived from: the printed coefficient of variation of ζ, which is lognormal, too."""
+    (row,) = (row for row in table(number) if row["grip_n"] == grip)
+    inertia, damping, stiffness = crowd(number, grip).T
+    ratio = np.log(damping / (2.0 * np.sqrt(inertia * stiffness)))
+    printed = float(row["damping_ratio_cv_percent"]) / 100
+    # Standard error of a normal's standard deviation: s / sqrt(2 n).
+    assert np.sqrt(np.expm1(ratio.var(ddof=1))) == pytest.approx(printed, rel=5 / sqrt(2 * PEOPLE))
+
+
+def test_a_correlation_that_cannot_be_is_the_next_that_can() -> None:
+    """Table 4's lightest grips: ζ spreads more than any two correlated lognormals make it, Table 5's never."""
+    assert [damping_with_stiffness(4, grip) for grip in (0.71, 1.3, 2.4)] == [-1.0] * 3
+    assert all(0.0 < damping_with_stiffness(5, grip) < 1.0 for grip in grips(5))
 
 
 def test_mean_hands_where_nobody_differs() -> None:

@@ -31,8 +31,9 @@ def rows(path: Path, **having: object) -> list[dict]:
 
 
 def test_virtual_hands_come_back(hknob, spec_file, tmp_path: Path) -> None:
-    done = hknob("sysid", spec_file(VIRTUAL), "-o", "out")
+    done = hknob("sysid", spec_file(VIRTUAL), "-o", "out", "--plot")
     assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "sysid.png").stat().st_size > 20_000
     assert "experiment 1, output_error: mean ± standard deviation over persons" in done.stdout
     known = truths(experiments=(1,), subjects=3, grips=(0.71, 1.3))
     for row in rows(tmp_path / "out" / "conditions.parquet", level="subject", estimator="output_error"):
@@ -76,18 +77,23 @@ def test_identified_hands_feed_a_sweep(hknob, spec_file, tmp_path: Path) -> None
     spec_file(text, "sweep.yaml")
     pipeline = spec_file(
         "kind: pipeline\nname: p\nstages:\n  hands: {spec: sysid.yaml}\n"
-        "  grid: {spec: sweep.yaml, set: {scene.hand.from: {from: hands}}}\n",
+        "  grid: {spec: sweep.yaml, set: {scene.hand.from: {from: hands}}}\n"
+        "  people:\n    spec: people.yaml\n    set:\n"
+        "      population: {from: hands, experiment: '1', grip_n: 0.71, people: 5, seed: 1}\n"
+        "      population.from: {from: hands}\n",
         "p.yaml",
     )
+    spec_file(SPEC.replace("  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}\n", ""), "people.yaml")
     done = hknob("run", pipeline, "--json")
     assert done.returncode == 0, done.stderr
-    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed", "computed"]
+    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed"] * 3
     assert rows(tmp_path / "results/p/grid/cells.parquet")[0]["p2p_rad"] > 1e-3
+    assert len(rows(tmp_path / "results/p/people/cells.parquet")) == 5
     again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
-    assert [stage["status"] for stage in again] == ["up to date", "up to date"]
+    assert [stage["status"] for stage in again] == ["up to date"] * 3
     spec_file(VIRTUAL.replace("subjects: 3", "subjects: 2"), "sysid.yaml")
     again = json.loads(hknob("run", pipeline, "--json").stdout)["stages"]
-    assert [stage["status"] for stage in again] == ["computed", "computed"]
+    assert [stage["status"] for stage in again] == ["computed"] * 3
 
 
 def recorded(folder: Path, change=None) -> None:
@@ -96,18 +102,18 @@ def recorded(folder: Path, change=None) -> None:
 
 
 SPOILT = {
-    "pulse that never fires": (spoil.silence, 1, "no pulse"),
-    "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: "),
-    "time backwards": (spoil.reverse_time, 2, "mine.csv: row "),
+    "pulse that never fires": (spoil.silence, 1, "no pulse: the commanded torque is zero throughout"),
+    "not a number": (spoil.not_a_number, 2, "mine.csv: row 101: angle_rad: must be a finite number, got 'nan'"),
+    "time backwards": (spoil.reverse_time, 2, "mine.csv: row 101: time_s: runs backwards"),
     "angle in degrees": (spoil.angle_in_degrees, 0, "is it in degrees?"),
-    "torque in thousandths": (spoil.torque_in_millis, None, ""),
-    "time in thousandths": (spoil.time_in_millis, None, ""),
-    "columns swapped": (spoil.swap_columns, None, ""),
-    "no motion": (spoil.lose_motion, None, ""),
+    "torque in thousandths": (spoil.torque_in_millis, 0, "is it in mN*m?"),
+    "time in thousandths": (spoil.time_in_millis, 1, "is time in ms?"),
+    "columns swapped": (spoil.swap_columns, 1, "no trial can be used: trial 1: 0 samples before the pulse"),
+    "no motion": (spoil.lose_motion, 1, "the angle does not move in the pulse"),
     "wrong sign": (spoil.reverse_torque, 1, "against the torque"),
-    "saturated": (spoil.saturate_angle, 0, "saturated"),
-    "dropout": (spoil.drop_samples, 1, "gap"),
-    "frozen": (spoil.freeze_angle, 0, "repeat"),
+    "saturated": (spoil.saturate_angle, 0, "angle at the end of its range"),
+    "dropout": (spoil.drop_samples, 1, "1 gap in time, the longest 0.0021 s"),
+    "frozen": (spoil.freeze_angle, 0, "then jumps: samples were lost"),
 }
 
 
@@ -117,13 +123,59 @@ def test_bad_recordings_are_faults_or_flags_and_never_silent(hknob, spec_file, t
     recorded(tmp_path, change)
     done = hknob("sysid", spec_file(RECORDED), "-o", "out")
     assert "Traceback" not in done.stderr
-    if code is not None:
-        assert done.returncode == code, (done.stderr, done.stdout)
-    if done.returncode:
-        assert said in done.stderr or code is None
+    assert done.returncode == code, (done.stderr, done.stdout)
+    if code:
+        assert said in done.stderr
         assert not (tmp_path / "out" / "conditions.parquet").exists()
+        assert not (tmp_path / "out" / "trials.parquet").exists()
     else:
-        assert all(row["flags"] for row in rows(tmp_path / "out" / "trials.parquet"))
+        for name in ("trials", "conditions"):
+            found = rows(tmp_path / "out" / f"{name}.parquet")
+            assert all(said in row["flags"] for row in found if row.get("level") != "all")
+            assert all(row["flags"] for row in found)
+
+
+def test_a_bad_trial_among_good_ones_is_left_out_and_said(hknob, spec_file, tmp_path: Path) -> None:
+    """The rest is what it would be without it; what one trial in three does to an average, its flag says."""
+    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    write_csv(tmp_path / "mine.csv", trials[:2])
+    assert hknob("sysid", spec_file(RECORDED), "-o", "two").returncode == 0
+    (wanted,) = rows(tmp_path / "two" / "trials.parquet")
+    for change in (spoil.silence, spoil.drop_samples):
+        write_csv(tmp_path / "mine.csv", [*trials[:2], change(trials[2])])
+        assert hknob("sysid", spec_file(RECORDED), "-o", "three").returncode == 0
+        (row,) = rows(tmp_path / "three" / "trials.parquet")
+        assert "trial 3 left out: " in row["flags"]
+        assert {**row, "flags": ""} == wanted
+    write_csv(tmp_path / "mine.csv", [*trials[:2], spoil.reverse_torque(trials[2])])
+    done = hknob("sysid", spec_file(RECORDED), "-o", "three")
+    assert (done.returncode, "trial 3: pulse of the wrong sign" in done.stderr) == (1, True)
+
+
+def test_recordings_with_nothing_in_them(hknob, spec_file, tmp_path: Path) -> None:
+    recorded(tmp_path)
+    head = (tmp_path / "mine.csv").read_text().splitlines()[0]
+    for text in ("", head, head + "\n", "\n\n"):
+        (tmp_path / "mine.csv").write_text(text)
+        done = hknob("sysid", spec_file(RECORDED), "-o", "out")
+        assert done.returncode == 2, done.stderr
+        assert "mine.csv: " in done.stderr
+        assert "Traceback" not in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_what_averaging_does_is_said_once_and_is_no_doubt(hknob, spec_file, tmp_path: Path) -> None:
+    """Trials that differ by some per cent leave residuals of less than a per cent that are not white."""
+    done = hknob("sysid", spec_file(VIRTUAL.replace("least_squares, ", "")), "-o", "out")
+    assert done.stdout.count("trials of a condition differ by") == 1
+    found = rows(tmp_path / "out" / "trials.parquet")
+    assert any(row["white"] < 0.01 for row in found)
+    assert not any("not white" in row["flags"] for row in found)
+    assert all(0.0 < row["trials_differ"] < 0.2 for row in found)
+    alone = VIRTUAL.replace("least_squares, ", "") + "prepare: {average: false}\n"
+    done = hknob("sysid", spec_file(alone), "-o", "alone")
+    assert "trials of a condition differ" not in done.stdout
+    assert all(row["trials_differ"] is None for row in rows(tmp_path / "alone" / "trials.parquet"))
 
 
 def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None:
@@ -154,7 +206,13 @@ def test_bad_specs(hknob, spec_file) -> None:
 def test_calibrations_of_the_apparatus(hknob, spec_file, tmp_path: Path) -> None:
     """What the virtual rig is made of comes back: 26.4 and 28.4 mN*m/A, 0.56 mN*m, nearly a factor of two."""
     motor = spec_file("kind: sysid\nname: motor\nwhat: motor\nvirtual: {}\n", "motor.yaml")
-    assert hknob("sysid", motor, "-o", "motor").returncode == 0
+    assert hknob("sysid", motor, "-o", "motor", "--plot").returncode == 0
+    assert (tmp_path / "motor" / "calibration.png").stat().st_size > 20_000
+    for row in rows(tmp_path / "motor" / "calibration_points.parquet"):
+        # 20 uN*m of noise, in either direction over some thirty readings: six standard errors of their mean.
+        assert abs(row["y"] - row["fitted"]) < 6.0 * 2e-5 / 60.0**0.5
+        expected = row["x"] * {"range 0": 0.0264, "range 1": 0.0284}[row["condition"]]
+        assert row["fitted"] == pytest.approx(0.56e-3 if "friction" in row["quantity"] else expected, abs=2e-5)
     found = rows(tmp_path / "motor" / "calibration.parquet")
     for row, value in zip(found, (0.0264, 0.56e-3, 0.0284, 0.56e-3), strict=True):
         assert abs(row["value"] - value) < 4.0 * row["std"], row
@@ -167,12 +225,20 @@ def test_calibrations_of_the_apparatus(hknob, spec_file, tmp_path: Path) -> None
     done = hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine")
     assert (done.returncode, "readings.csv: row 3: voltage_v: must be a finite number" in done.stderr) == (2, True)
     (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n0.003,2,0.2\n")
-    assert hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine").returncode == 0
+    assert hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine", "--plot").returncode == 0
+    assert (tmp_path / "mine" / "calibration.png").exists()
+    (tmp_path / "readings.csv").write_text("position_m,force_n,voltage_v\n0.003,0,0\n0.003,1,0.1\n")
+    done = hknob("sysid", spec_file(mine, "mine.yaml"), "-o", "mine", "--plot")
+    assert "fewer than three different readings" in done.stdout
+    assert "no picture" in done.stderr
+    assert not (tmp_path / "mine" / "calibration.png").exists()
 
 
 def test_the_apparatus_alone(hknob, spec_file, tmp_path: Path) -> None:
     text = "kind: sysid\nname: bare\nwhat: apparatus\nvirtual: {rig: {coulomb_nm: 0.0, amplifier_s: 0.0}}\n"
-    assert hknob("sysid", spec_file(text + "estimators: [output_error]\n"), "-o", "out").returncode == 0
+    done = hknob("sysid", spec_file(text + "estimators: [output_error]\n"), "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "sysid.png").stat().st_size > 20_000
     found = {row["subject"]: row for row in rows(tmp_path / "out" / "conditions.parquet", level="subject")}
     for setup, inertia in (("shaft", 12.0e-7), ("small_experimental", 19.8e-7), ("medium_experimental", 32.7e-7)):
         assert found[setup]["inertia_kg_m2"] == pytest.approx(inertia, rel=2e-3)

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.least_squares import least_squares, least_squares_friction
+from hknob_cli.identify.bias_study import differentiated, pulsed
+from hknob_cli.identify.least_squares import FOLLOWS, inflation, least_squares, least_squares_friction
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.second_order import Plant, respond
 from tests.identify.pulses import FIRM, LIGHT, motion, pulse
@@ -74,3 +76,18 @@ def test_what_tells_nothing_is_flagged() -> None:
     assert "no torque" in least_squares(true._replace(torque_nm=0.0 * true.torque_nm)).flags[0]
     still = true._replace(velocity_rad_s=0.0 * true.velocity_rad_s)
     assert "too few samples move" in least_squares_friction(still).flags[0]
+
+
+def test_friction_that_follows_the_torque_is_not_told() -> None:
+    """A firm hand turns back as the pulse ends: a mN*m of friction where there is none, and it is not given out."""
+    light, firm = (
+        least_squares_friction(differentiated(pulsed(Plant(*mean_hand(1, grip)), 0.0, np.random.default_rng(1)), 10))
+        for grip in (0.71, 14.2)
+    )
+    assert firm.parameters["coulomb"].value > 1e-3
+    assert firm.parameters["coulomb"].value > firm.parameters["coulomb"].std
+    assert not firm.parameters["coulomb"].identifiable
+    assert FOLLOWS in firm.flags
+    assert FOLLOWS not in light.flags
+    for values, wanted in (((1, 1, -1, -1), 1 / np.finfo(float).eps), ((1, -1, 1, -1), 1.0), ((1, 1, 1, 1), 1.0)):
+        assert inflation(np.array(values, float), np.array([1.0, 1.0, 0.0, 0.0])) == pytest.approx(wanted)

@@ -49,6 +49,21 @@ def test_averaging_reduces_noise_by_the_root_of_the_number() -> None:
     assert motion.noise_rad == pytest.approx(noise / math.sqrt(count), rel=0.05)
 
 
+def test_how_trials_differ_is_told_from_their_noise() -> None:
+    """Angles of 90 and 110 % differ by a standard deviation of 14.1 %, noise and pulses of another size by none."""
+    less, more = trial(number=1), trial(number=2)
+    scaled = [part._replace(angle_rad=share * part.angle_rad) for part, share in ((less, 0.9), (more, 1.1))]
+    motion = one(*scaled).motion
+    after = motion.angle_rad[20:]
+    assert motion.scatter_rad == pytest.approx(math.sqrt(0.02 * np.mean(after**2)), rel=1e-6)
+    assert motion.trials_differ == pytest.approx(motion.scatter_rad / after.max())
+    assert one(less).motion.scatter_rad is None
+    assert one(trial(number=1, torque_nm=0.008), trial(number=2, torque_nm=0.012)).motion.trials_differ < 1e-6
+    noisy = one(*(trial(number=n, noise_rad=1e-4) for n in range(64))).motion
+    # Variances of m values are known to a share sqrt(2 / m), in motion and at rest: what is left is within 5 of both.
+    assert noisy.scatter_rad < 1e-4 * math.sqrt(5.0 * math.sqrt(2.0 / (300 * 64) + 2.0 / (200 * 64)))
+
+
 def test_trials_are_aligned_at_the_onset() -> None:
     trials = [trial(number=n, before_s=0.03 + 0.004 * n) for n in range(4)]
     alone = one(trials[0]).motion

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.identify.fit import Estimate
+from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.quality import doubts, misfit, vaf, whiteness
 from hknob_cli.identify.readings import encoder_step, runs
 from tests.identify.pulses import LIGHT, motion
@@ -32,11 +33,26 @@ def test_vaf() -> None:
     assert np.isnan(vaf(wave, np.full(100, np.nan)))
 
 
+def still(**known: float) -> Motion:
+    return Motion(1e-4, np.ones(10), 0.1 * np.ones(10), **known)
+
+
 def test_residuals_within_the_known_noise_are_no_misfit() -> None:
-    assert misfit(1e-9, 0.99, 1e-5, 1e-5) == ()
-    assert misfit(0.5, 0.99, 1e-3, 1e-5) == ()
-    (flag,) = misfit(1e-9, 0.99, 1e-4, 1e-5)
-    assert flag == "the model does not fit: residuals are not white (p = 1e-09), 10.0 times the noise; VAF 99.00 %"
+    noisy = still(noise_rad=1e-5)
+    assert misfit(1e-9, 0.99, 1e-5, noisy) == ()
+    assert misfit(0.5, 0.99, 1e-3, noisy) == ()
+    (flag,) = misfit(1e-9, 0.99, 1e-4, noisy)
+    assert flag == "the model does not fit: residuals are not white (p = 1e-09), 10.0 times the noise, VAF 99.00 %"
+    (flag,) = misfit(1e-9, 0.99, 1e-4, still())
+    assert flag == "the model does not fit: residuals are not white (p = 1e-09), VAF 99.00 %"
+
+
+def test_residuals_that_averaging_leaves_are_no_misfit() -> None:
+    """Trials that differ by 5 mrad of 100, one part in twenty, leave a part in four hundred of the motion."""
+    mean = still(noise_rad=1e-5, averaged=3, scatter_rad=5e-3)
+    assert mean.trials_differ == pytest.approx(0.05)
+    assert misfit(1e-9, 0.99, 2.4e-4, mean) == ()
+    assert misfit(1e-9, 0.99, 2.6e-4, mean) != ()
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from hknob_cli.identify.bias_study import bias_study
-from hknob_cli.identify.fourth_study import MOTOR_INERTIA, hidden_inertia
+from hknob_cli.identify.fourth_study import hidden_inertia
+
+MOTOR_INERTIA = 19.8e-7  # Appendix C
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +47,7 @@ def test_output_error_has_no_bias_beyond_chance(biases) -> None:
 
 def test_a_stiff_finger_hides_its_inertia() -> None:
     """A finger that moves 1/(1 + r) of the knob adds J1/(1 + r)^2 to its kinetic energy: Section 4.4.1's curve."""
-    for row in hidden_inertia(1.15e-3, 0.23, ratios=(1.0, 3.0, 10.0, 100.0, 1000.0)):
+    for row in hidden_inertia(1.15e-3, 0.23, inertia=MOTOR_INERTIA, ratios=(1.0, 3.0, 10.0, 100.0, 1000.0)):
         expected = MOTOR_INERTIA + 3e-7 / (1.0 + row.ratio) ** 2
         # Equal ratios of dampers and springs keep that share but for the finger's own inertia: of second order in it.
         assert row.inertia == pytest.approx(expected, rel=0.006 / row.ratio)

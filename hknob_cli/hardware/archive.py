@@ -1,0 +1,153 @@
+"""The folder of a campaign under way: finished trials, the journal of the one at hand, and those that were broken off.
+
+Recordings of a real device are sources: they are never deleted, and a campaign that was begun with another spec is not
+gone on with. What was computed can be computed again, and is cleared away when it is of another spec or program.
+"""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.hardware.journal import Journal, read_journal
+from hknob_cli.hardware.order import Trial
+from hknob_cli.hardware.samples import joined
+from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
+from hknob_cli.hardware.trial_file import Recorded, read_trial, sample_table, write_trial, zero_of
+from hknob_cli.recordings.trial import Key
+from hknob_cli.results.store import partial
+
+_ABORTED = "aborted"
+
+
+class Archive:
+    """Trials of one campaign on the disk."""
+
+    def __init__(self, out: Path, *, identity: str, is_source: bool, stamp: bytes) -> None:
+        """``out``: the results folder; ``identity``: a digest that is another for another campaign."""
+        self.folder = out / RECORDING
+        self._identity = identity
+        self._is_source = is_source
+        self._stamp = stamp
+
+    def enter(self) -> None:
+        """Go on with what is there, or begin. Raises `RefusedError` if it is another campaign's, of a real device."""
+        self._finish_removing()
+        about = self._about()
+        if about is not None and about.get("identity") != self._identity:
+            refuse_other(self.folder.parent, self._identity)
+            self._remove()
+            about = None
+        try:
+            self.folder.mkdir(exist_ok=True)
+            if about is None:
+                half = partial(self.folder / ABOUT)
+                half.write_text(json.dumps({"identity": self._identity, "source": self._is_source}))
+                half.replace(self.folder / ABOUT)
+        except OSError as error:
+            raise ComputationError(f"{self.folder}: cannot be written: {error.strerror or error}") from None
+
+    def _about(self) -> dict[str, Any] | None:
+        """What the folder says it is of; None where nothing is in it. Raises `RefusedError` if it is not ours."""
+        about = read_about(self.folder)
+        if about is None and self.folder.exists():
+            if self.folder.is_dir() and all(path.name.startswith(".") for path in self.folder.iterdir()):
+                return None
+            raise RefusedError(f"{self.folder}: not written by hknob; move it away, or choose another --out")
+        return about
+
+    def finished(self, trial: Trial) -> Recorded | None:
+        """A trial that is done; None if it is not."""
+        path = self._path(trial, "parquet")
+        found = read_trial(path) if path.is_file() else None
+        return found if found is not None and found.trial == trial else None
+
+    def begin(self, trial: Trial, about: dict[str, Any]) -> Journal:
+        """The journal of a trial; what there is of it from before is set aside."""
+        self.set_aside(trial)
+        return Journal(self._path(trial, "part"), {"trial": trial._asdict(), **about})
+
+    def finish(self, recorded: Recorded) -> None:
+        """Put a trial in place, whole, and end its journal. Raises `ComputationError` if it cannot be written."""
+        write_trial(self._path(recorded.trial, "parquet"), recorded, self._stamp)
+        self._path(recorded.trial, "part").unlink(missing_ok=True)
+
+    def set_aside(self, trial: Trial) -> Path | None:
+        """Keep what the journal of an unfinished trial has, under ``aborted``; where, None if there is nothing.
+
+        Raises `ComputationError` if it cannot be written; the journal then stays.
+        """
+        part = self._path(trial, "part")
+        if not part.exists():
+            return None
+        try:
+            found = read_journal(part)
+            if found is not None and not found.blocks and found.whole:
+                part.unlink()
+                return None
+            kept = self._free(trial)
+            kept.parent.mkdir(exist_ok=True)
+        except OSError as error:
+            raise ComputationError(f"{part}: cannot be set aside: {error.strerror or error}") from None
+        if found is not None and found.blocks:
+            samples, about = joined(found.blocks), found.about
+            write_trial(
+                kept.with_suffix(".parquet"),
+                Recorded(
+                    trial=trial,
+                    table=sample_table(samples, Key(*about["key"]), trial, about["native_counts"]),
+                    ended="aborted",
+                    settled_sample=None,
+                    gaps=0,
+                    overruns=samples.overruns,
+                    zero_n=zero_of(samples),
+                    device=about["device"],
+                    native_counts=about["native_counts"],
+                ),
+                self._stamp,
+            )
+        if found is None or not found.whole:
+            part.replace(kept.with_suffix(".part"))  # with bytes that nobody could read
+        else:
+            part.unlink()
+        return kept.with_suffix(".parquet" if found is not None and found.blocks else ".part")
+
+    def _free(self, trial: Trial) -> Path:
+        """A name under ``aborted`` that is not taken, without its ending."""
+        number = 1
+        while any((self.folder / _ABORTED).glob(f"{trial.label}_{number}.*")):
+            number += 1
+        return self.folder / _ABORTED / f"{trial.label}_{number}.x"
+
+    def _path(self, trial: Trial, ending: str) -> Path:
+        return self.folder / f"{trial.label}.{ending}"
+
+    def leave(self) -> None:
+        """Clear away what can be computed again, once the results are in place."""
+        if not self._is_source:
+            self._remove()
+
+    def clear(self) -> None:
+        """Remove what is there of an earlier campaign; never what holds recordings of a device."""
+        about = self._about()
+        if about is not None and not about.get("source", True):
+            self._remove()
+
+    def _remove(self) -> None:
+        """Remove the folder; one that was half removed would not say any more what it is of, so it is renamed first."""
+        self._finish_removing()
+        try:
+            if self.folder.exists():
+                self.folder.rename(partial(self.folder))
+        except OSError as error:
+            raise ComputationError(f"{self.folder}: cannot be removed: {error.strerror or error}") from None
+        self._finish_removing()
+
+    def _finish_removing(self) -> None:
+        going = partial(self.folder)
+        try:
+            if going.exists():
+                shutil.rmtree(going)
+        except OSError as error:
+            raise ComputationError(f"{going}: cannot be removed: {error.strerror or error}") from None

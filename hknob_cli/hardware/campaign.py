@@ -1,0 +1,162 @@
+"""A campaign: every trial of the grid in its order, each recorded, none done twice, none lost."""
+
+import contextlib
+from collections.abc import Callable
+from contextlib import ExitStack
+from typing import Any
+
+from hknob_cli.errors import DeviceError, HknobError, RefusedError
+from hknob_cli.hardware.archive import Archive
+from hknob_cli.hardware.journal import Journal
+from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
+from hknob_cli.hardware.order import Trial, settings_of, trials_of
+from hknob_cli.hardware.port import Block, Device
+from hknob_cli.hardware.samples import joined
+from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.trial_file import Recorded, sample_table, zero_of
+from hknob_cli.hardware.trial_run import Outcome, RepeatTrialError, Task, run_trial
+from hknob_cli.recordings.trial import Key
+from hknob_cli.spec.campaign import HwRunPlan
+
+Opened = Callable[[ExitStack], Device]
+Who = Callable[[Trial], Simulated]
+Said = Callable[[str], None]
+GO_ON = "run the same command again to go on with it"
+
+
+class Campaign:
+    """Runs what is not finished."""
+
+    def __init__(
+        self,
+        plan: HwRunPlan,
+        archive: Archive,
+        opened: Opened,
+        who: Who,
+        *,
+        operator: Operator | None = None,
+        say: Said = lambda _text: None,
+    ) -> None:
+        """``opened`` gives the device, when the first trial needs it; ``who`` holds a simulated knob in a trial."""
+        self._plan = plan
+        self._archive = archive
+        self._opened = opened
+        self._who = who
+        self._operator = operator or Nobody()
+        self._say = say
+        self.trials = trials_of(plan)
+        self.recorded = 0
+
+    def run(self) -> list[Recorded]:
+        """All trials, from the disk or from the device.
+
+        Raises `DeviceError` where the device faults, `RefusedError` where it is another than before, `ComputationError`
+        where the disk is full, `KeyboardInterrupt` as asked for; what was recorded is on the disk in any case.
+        """
+        self._archive.enter()
+        done: list[Recorded] = []
+        device: Device | None = None
+        with ExitStack() as stack:
+            for trial in self.trials:
+                found = self._archive.finished(trial)
+                if found is None:
+                    if device is None:
+                        device = self._open(stack, trial)
+                    self._check_same(device, done)
+                    found = self._run(device, trial)
+                done.append(found)
+        return done
+
+    def _open(self, stack: ExitStack, trial: Trial) -> Device:
+        try:
+            return self._opened(stack)
+        except DeviceError as error:
+            raise DeviceError(f"{self._place(trial)}: {error}") from error
+
+    def _check_same(self, device: Device, done: list[Recorded]) -> None:
+        """Raise `RefusedError` if trials that are finished were recorded with another encoder."""
+        native = device.identity.native_counts
+        for other in done:
+            if other.native_counts != native:
+                raise RefusedError(
+                    f"the device '{device.identity.name}' has {native} counts per revolution, but {other.trial} was "
+                    f"recorded on '{other.device}' with {other.native_counts}; use that, or another --out"
+                )
+
+    def _run(self, device: Device, trial: Trial) -> Recorded:
+        """Run a trial until it is finished, once more where the operator wants it."""
+        while True:
+            if self._operator.ready(View(trial, len(self.trials), HANDS_OFF)) is Wish.STOP:
+                raise KeyboardInterrupt
+            try:
+                return self._attempt(device, trial)
+            except RepeatTrialError:
+                continue
+
+    def _attempt(self, device: Device, trial: Trial) -> Recorded:
+        identity = device.identity
+        key = Key(self._plan.subject, self._plan.experiment, self._plan.course.grip_target_n, trial.block, trial.number)
+        about: dict[str, Any] = {
+            "key": list(key),
+            "device": identity.name,
+            "native_counts": identity.native_counts,
+        }
+        journal = self._archive.begin(trial, about)
+        blocks: list[Block] = []
+
+        def keep(block: Block) -> None:
+            journal.keep(block)
+            blocks.append(block)
+
+        try:
+            task = Task(
+                trial=trial,
+                trials=len(self.trials),
+                settings=settings_of(self._plan, trial),
+                simulated=self._who(trial) if identity.simulated else None,
+                course=self._plan.course,
+                live=self._plan.is_source,
+            )
+            outcome = run_trial(device, task, keep, self._operator)
+        except BaseException as error:
+            self._broken_off(journal, trial, error)
+            raise
+        journal.close()
+        return self._finish(trial, key, identity.name, identity.native_counts, blocks, outcome)
+
+    def _finish(
+        self, trial: Trial, key: Key, name: str, native_counts: int, blocks: list[Block], outcome: Outcome
+    ) -> Recorded:
+        samples = joined(blocks)
+        recorded = Recorded(
+            trial=trial,
+            table=sample_table(samples, key, trial, native_counts),
+            ended=outcome.ended.value,
+            settled_sample=outcome.settled_sample,
+            gaps=outcome.gaps,
+            overruns=samples.overruns,
+            zero_n=zero_of(samples),
+            device=name,
+            native_counts=native_counts,
+        )
+        self._archive.finish(recorded)
+        self.recorded += 1
+        return recorded
+
+    def _broken_off(self, journal: Journal, trial: Trial, error: BaseException) -> None:
+        """Keep what there is of a trial, and say where; the error of the device says it itself."""
+        with contextlib.suppress(OSError):
+            journal.close()
+        try:
+            found = self._archive.set_aside(trial)
+            kept = f"what was recorded of it is in {found}" if found else "nothing was recorded of it"
+        except HknobError:
+            kept = f"what was recorded of it is in {journal.path}"
+        place = self._place(trial)
+        if isinstance(error, DeviceError):
+            raise DeviceError(f"{place}: {error}; torque released; {kept}; {GO_ON}") from error
+        if isinstance(error, KeyboardInterrupt):
+            self._say(f"{place}: torque released; {kept}; {GO_ON}")
+
+    def _place(self, trial: Trial) -> str:
+        return f"trial {trial.number} of {len(self.trials)} ({str(trial).partition('(')[2]}"

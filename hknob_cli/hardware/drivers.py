@@ -1,0 +1,83 @@
+"""From a plan to the device that it names, opened, and to who holds a simulated knob."""
+
+import contextlib
+import os
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from hknob_cli.errors import UsageError
+from hknob_cli.hardware.nuisances import Nuisances
+from hknob_cli.hardware.order import Trial, settings_of, trials_of
+from hknob_cli.hardware.port import Device
+from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.spec.campaign import REPLAY, VIRTUAL, HwRunPlan
+
+Who = Callable[[Trial], Simulated]
+
+
+def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
+    """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` where there is none."""
+    device = plan.device
+    if device.driver == VIRTUAL:
+        from hknob_cli.hardware.virtual import VirtualDevice
+
+        return stack.enter_context(VirtualDevice(Nuisances(*plan.nuisances, seed=plan.seed)))
+    if device.driver == REPLAY:
+        from hknob_cli.hardware.replay import ReplayDevice
+
+        return stack.enter_context(ReplayDevice(device.recordings))
+    from hknob_cli.hardware.serial_device import SerialDevice
+
+    url = device.url
+    if url is None:
+        from hknob_cli.hardware.run_target import run_target
+
+        url = stack.enter_context(run_target(device.target or "host", _build_folder(stack)))
+    return stack.enter_context(SerialDevice(url, baud=device.baud))
+
+
+def _build_folder(stack: ExitStack) -> Path:
+    """Where built targets are kept between runs; a folder for this run alone where there is no such place."""
+    from hknob_cli.engine.jit import cache_directory
+
+    cache = cache_directory()
+    if cache is not None:
+        folder = cache.parent / "targets"
+        with contextlib.suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            if os.access(folder, os.W_OK):
+                return folder
+    return Path(stack.enter_context(TemporaryDirectory(prefix="hknob-")))
+
+
+def who_of(plan: HwRunPlan) -> Who:
+    """Who holds the knob in a trial, and what knob it is, where the device is simulated."""
+    from hknob_cli.hardware.person import Knob, Person, hold
+
+    knob = Knob(*plan.knob)
+    person = Person(
+        push_nm=plan.person.push_nm,
+        grip_target_n=plan.course.grip_target_n,
+        wandering_push=plan.person.wandering_push,
+        grip_wander=plan.person.grip_wander,
+    )
+
+    def who(trial: Trial) -> Simulated:
+        place = settings_of(plan, trial).period_ns, trial.counts_per_rev, trial.block
+        return hold(person, knob, seed=plan.seed, place=place)
+
+    return who
+
+
+def check_persons(plan: HwRunPlan) -> None:
+    """Raise `UsageError` if nobody can hold a simulated knob as a plan says in one of its trials."""
+    if plan.device.driver != VIRTUAL and plan.device.target is None:
+        return
+    who = who_of(plan)
+    for trial in trials_of(plan):
+        try:
+            who(trial)
+        except UsageError as error:
+            raise UsageError(f"{trial}: {error}") from None

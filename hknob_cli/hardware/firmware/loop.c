@@ -1,0 +1,131 @@
+/* The control loop: time, angle, limits, wall, torque out, record (docs/wire.md, "What a target does"). */
+#include "loop.h"
+
+#include "board.h"
+#include "target.h"
+#include "wall.h"
+
+struct loop loop;
+
+bool loop_on(void)
+{
+    return loop.state == ARMED || loop.state == RUNNING;
+}
+
+bool loop_arm(void)
+{
+    if (!board_armed(&loop.settings)) {
+        return false;
+    }
+    record_begin(&loop.record, loop.settings.block_samples);
+    loop.overruns = 0u;
+    loop.quantum_rad = TWO_PI / loop.settings.counts_per_rev;
+    loop.native_rad = TWO_PI / board_identity.native_counts;
+    loop.interval_s = loop.settings.period_ns * 1e-9;
+    board_torque(0.0);
+    loop.state = ARMED;
+    loop.armed_ns = loop.due_ns = board_now_ns();
+    board_call_at(loop.due_ns);
+    return true;
+}
+
+void loop_halt(uint8_t state, uint8_t fault)
+{
+    board_torque(0.0);
+    board_call_at(BOARD_NEVER);
+    record_close(&loop.record);
+    loop.state = state;
+    loop.fault = fault;
+}
+
+static void trip(uint8_t fault, uint32_t index, uint64_t now)
+{
+    loop_halt(TRIPPED, fault);
+    loop.tripped_index = index;
+    loop.tripped_us = (uint32_t)((now - loop.armed_ns) / 1000u);
+}
+
+static bool unheard(uint64_t now)
+{
+    return now - loop.heard_ns >= (uint64_t)loop.settings.watchdog_us * 1000u;
+}
+
+void loop_watch(uint64_t now)
+{
+    if (loop_on() && unheard(now)) {
+        trip(FAULT_WATCHDOG, loop.record.taken, now);
+    }
+}
+
+/* Too fast from the sample before: over the time that passed, which is longer than a period after a late sample. */
+static bool too_fast(int32_t angle, uint64_t now)
+{
+    double passed_s = (double)(now - loop.before_ns) * 1e-9;
+    double moved = ((double)angle - (double)loop.angle_before) * loop.native_rad;
+    double limit = loop.settings.speed_limit_rad_s * (passed_s > loop.interval_s ? passed_s : loop.interval_s);
+    return moved > limit || moved < -limit;
+}
+
+static uint8_t fault_of(int32_t angle, double torque, uint64_t now)
+{
+    if (board_emergency()) {
+        return FAULT_EMERGENCY;
+    }
+    if (too_fast(angle, now)) {
+        return FAULT_SPEED;
+    }
+    if (unheard(now)) {
+        return FAULT_WATCHDOG;
+    }
+    return torque - torque != 0.0 ? FAULT_NOT_A_NUMBER : NO_FAULT;
+}
+
+void target_sample(void)
+{
+    const struct settings *s = &loop.settings;
+    if (!loop_on()) {
+        return;
+    }
+    uint64_t now = board_now_ns();
+    uint32_t index = loop.record.taken;
+    if (now > loop.due_ns + s->period_ns / 2u) {
+        loop.overruns++;
+    }
+    if (!record_has_room(&loop.record)) {
+        trip(FAULT_NO_ROOM, index, now);
+        return;
+    }
+    int32_t angle = board_angle();
+    int64_t count = wall_decimate(angle, s->counts_per_rev, board_identity.native_counts);
+    if (index == 0u) {
+        loop.angle_before = angle;
+        loop.count_before = count;
+        loop.before_ns = now;
+    }
+    double torque = 0.0;
+    if (loop.state == RUNNING) {
+        torque = wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
+        torque = wall_limit(torque, s->torque_limit_nm);
+    }
+    uint8_t fault = fault_of(angle, torque, now);
+    if (fault != NO_FAULT) {
+        torque = 0.0;
+    }
+    board_torque(torque);
+    struct sample sample = {(uint32_t)((now - loop.armed_ns) / 1000u), angle, (float)torque, (float)board_grip_n(),
+                            loop.state == RUNNING && fault == NO_FAULT ? WALL_ON : 0u};
+    record_add(&loop.record, &sample, loop.overruns);
+    if (fault != NO_FAULT) {
+        trip(fault, index, now);
+        return;
+    }
+    loop.angle_before = angle;
+    loop.count_before = count;
+    loop.before_ns = now;
+    /* Samples whose time has gone by are left out. */
+    loop.due_ns += s->period_ns;
+    if (loop.due_ns <= now) {
+        loop.due_ns += ((now - loop.due_ns) / s->period_ns + 1u) * s->period_ns;
+    }
+    board_call_at(loop.due_ns);
+}

@@ -1,0 +1,38 @@
+/* The control loop: what the sample clock runs, from arming to its end. */
+#ifndef LOOP_H
+#define LOOP_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "record.h"
+
+/* Of the loop the main loop touches, between board_lock() and board_unlock(), only what is said here. */
+struct loop {
+    uint8_t state, fault;
+    struct settings settings;
+    uint64_t heard_ns; /* when a valid frame last came */
+    uint32_t overruns, tripped_index, tripped_us;
+    struct record record;
+    /* The sample's own. */
+    double quantum_rad, native_rad, interval_s;
+    uint64_t armed_ns, due_ns, before_ns;
+    int64_t count_before;
+    int32_t angle_before;
+};
+
+extern struct loop loop;
+
+/* Whether samples are being taken: armed or running. */
+bool loop_on(void);
+
+/* Begin with index 0, time 0, block 0, torque off. False if the board cannot keep to these settings. */
+bool loop_arm(void);
+
+/* Torque off, clock off, last block closed. */
+void loop_halt(uint8_t state, uint8_t fault);
+
+/* Trip if the host has been silent for too long, samples or none. */
+void loop_watch(uint64_t now);
+
+#endif

@@ -1,0 +1,94 @@
+/* Messages: the bodies of frames, byte by byte as in docs/wire.md. */
+#ifndef MESSAGES_H
+#define MESSAGES_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define WIRE_VERSION 1u
+#define BLOCK_SAMPLES_MOST 48u
+#define SINES_MOST 4u
+#define NAME_BYTES 16u
+
+enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
+       AGAIN = 0x08, SIMULATE = 0x10, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
+enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
+enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
+enum { WALL_ON = 1 };
+
+struct settings {
+    uint32_t period_ns, counts_per_rev;
+    double wall_stiffness, wall_damping; /* N·m/rad, N·m·s/rad */
+    double torque_limit_nm, speed_limit_rad_s;
+    uint32_t watchdog_us;
+    uint16_t block_samples;
+};
+
+struct sine {
+    double amplitude, frequency_hz, phase;
+};
+
+/* Knob, hand and person, SI units; see hknob_cli/hardware/simulated.py. */
+struct simulated {
+    double inertia, damping, stiffness, coulomb_nm, angle_rad, push_nm, grip_n, grip_rise_s, grip_offset_n;
+    uint8_t push_count, grip_count;
+    struct sine sines[2u * SINES_MOST]; /* of the push first, then of the grip */
+};
+
+struct command {
+    uint8_t type;
+    uint32_t nonce;
+    uint32_t first; /* of ALIVE: the block expected; of AGAIN: the first */
+    uint16_t count; /* of AGAIN */
+    struct settings settings;
+    struct simulated simulated;
+};
+
+struct identity {
+    uint32_t native_counts, shortest_period_ns;
+    bool simulated;
+    char name[NAME_BYTES];
+};
+
+struct answer {
+    uint32_t nonce, boot, blocks;
+    uint8_t of, status, state, fault;
+};
+
+struct sample {
+    uint32_t time_us;
+    int32_t angle;
+    float torque_nm, grip_n;
+    uint8_t flags;
+};
+
+struct block {
+    uint32_t boot, run, block, first, overruns;
+    uint8_t count;
+};
+
+struct event {
+    uint32_t boot, run, index, time_us, blocks;
+    uint8_t fault;
+};
+
+/* What a body from the host says. False if its version, type or length is not one of the host's. */
+bool command_read(struct command *command, const uint8_t *body, size_t count);
+
+/* Bodies from the target, written to room for FRAME_BODY_MOST; each returns its length. */
+size_t answer_write(uint8_t *body, const struct answer *answer);
+size_t event_write(uint8_t *body, const struct event *event);
+size_t block_write(uint8_t *body, const struct block *block);
+
+/* What follows in the body: after an answer with its length so far, after a block once per sample. The new length. */
+size_t identity_write(uint8_t *body, size_t at, const struct identity *identity);
+size_t settings_write(uint8_t *body, size_t at, const struct settings *settings);
+size_t simulated_write(uint8_t *body, size_t at, const struct simulated *simulated);
+size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
+
+bool settings_in_range(const struct settings *settings, const struct identity *identity);
+bool simulated_in_range(const struct simulated *simulated);
+
+#endif

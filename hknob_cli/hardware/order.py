@@ -1,0 +1,62 @@
+"""The order of a campaign: every sample rate with every resolution, shuffled by a seed within each repeat."""
+
+import random
+from itertools import product
+from typing import NamedTuple
+
+from hknob_cli.hardware.port import Settings
+from hknob_cli.spec.campaign import HwRunPlan
+from hknob_cli.spec.plan import COUNTS, RATE
+
+BLOCK_S = 0.01  # of samples that travel together
+MOST_BLOCK = 48
+
+
+class Trial(NamedTuple):
+    """One trial: its ``number`` from 1 in the order they are run, the repeat (``block``) that it is of, its cell."""
+
+    number: int
+    block: int
+    sample_rate_hz: float
+    counts_per_rev: int
+
+    @property
+    def label(self) -> str:
+        """Name of its files."""
+        return f"{self.number:02}_{self.sample_rate_hz:g}_{self.counts_per_rev}"
+
+    def __str__(self) -> str:
+        return f"trial {self.number} ({self.sample_rate_hz:g} Hz, {self.counts_per_rev} counts)"
+
+
+def trials_of(plan: HwRunPlan) -> tuple[Trial, ...]:
+    """Trials of a campaign in the order they are run."""
+    chance = random.Random(plan.seed)  # whose random() is the same in every version of Python
+    found: list[Trial] = []
+    for repeat in range(1, plan.repeats + 1):
+        cells = list(product(plan.axes[RATE], plan.axes[COUNTS]))
+        if plan.shuffled:
+            keys = [chance.random() for _ in cells]
+            cells = [cells[i] for i in sorted(range(len(cells)), key=keys.__getitem__)]
+        found += [Trial(len(found) + i, repeat, float(rate), int(counts)) for i, (rate, counts) in enumerate(cells, 1)]
+    return tuple(found)
+
+
+def period_ns(sample_rate_hz: float) -> int:
+    """Interval of the sample clock that a device is told."""
+    return round(1e9 / sample_rate_hz)
+
+
+def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
+    """What the device is told for a trial."""
+    block = round(trial.sample_rate_hz * BLOCK_S)
+    return Settings(
+        period_ns=period_ns(trial.sample_rate_hz),
+        counts_per_rev=trial.counts_per_rev,
+        wall_stiffness=plan.wall_stiffness,
+        wall_damping=plan.wall_damping,
+        torque_limit_nm=plan.limits.torque_nm,
+        speed_limit_rad_s=plan.limits.speed_rad_s,
+        watchdog_us=round(plan.limits.watchdog_s * 1e6),
+        block_samples=min(max(block, 1), MOST_BLOCK),
+    )

@@ -1,0 +1,46 @@
+"""What a target takes: the ranges of a trial's settings, and of a simulated knob and person."""
+
+from math import inf, isfinite
+
+from hknob_cli.hardware.port import Identity, Settings
+from hknob_cli.hardware.simulated import MOST_SINES, Simulated
+
+
+def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
+    """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/wire.md`."""
+    ranges = {
+        "period_ns": (identity.shortest_period_ns, 1_000_000_000),
+        "counts_per_rev": (1, identity.native_counts),
+        "wall_stiffness": (0.0, 1e3),
+        "wall_damping": (0.0, 1e3),
+        "torque_limit_nm": (0.0, 10.0),
+        "speed_limit_rad_s": (0.0, 1e4),
+        "watchdog_us": (1000, 50_000),
+        "block_samples": (1, 48),
+    }
+    above = ("torque_limit_nm", "speed_limit_rad_s")
+    faults = []
+    for name, (least, most) in ranges.items():
+        value = getattr(settings, name)
+        if not least <= value <= most or (name in above and value == 0.0):
+            allowed = f"above {least:g}, at most {most:g}" if name in above else f"from {least:g} to {most:g}"
+            faults.append(f"{name} must be {allowed}, got {value:g}")
+    return faults
+
+
+def faults_of_simulated(simulated: Simulated) -> list[str]:
+    """What is wrong with a simulated knob and person, one text a value; empty if nothing is."""
+    faults = []
+    sines = (*simulated.push_sines, *simulated.grip_sines)
+    plain = simulated._replace(push_sines=(), grip_sines=())._asdict()
+    numbers = {name: value for name, value in plain.items() if not isinstance(value, tuple)}
+    for name, value in numbers.items():
+        least = -inf if name in ("angle_rad", "push_nm", "grip_offset_n") else 0.0
+        if not isfinite(value) or value < least or (name == "inertia" and value == 0.0):
+            allowed = "> 0" if name == "inertia" else ">= 0" if least == 0.0 else "finite"
+            faults.append(f"{name} must be {allowed}, got {value:g}")
+    if not all(isfinite(value) for sine in sines for value in sine):
+        faults.append("sines must be finite")
+    if max(len(simulated.push_sines), len(simulated.grip_sines)) > MOST_SINES:
+        faults.append(f"at most {MOST_SINES} sines of push and of grip each")
+    return faults

@@ -1,0 +1,89 @@
+"""Recordings of a real device in a results folder: what they are of, and where they go when all begins anew."""
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.provenance import KEY
+from hknob_cli.spec.campaign import SERIAL
+
+EARLIER = "earlier"
+RECORDING = "recording"
+ABOUT = "campaign.json"
+RESULTS = ("samples.parquet", "trials.parquet", "timing.parquet")
+ALL = (RECORDING, *RESULTS, "hw_run.png", "timing.png")
+
+
+def spec_digest(values: dict[str, Any]) -> str:
+    """Digest of a spec as run: recordings are of a spec, whatever version of the program made them."""
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+
+
+def source_digests(out: Path) -> dict[str, str]:
+    """By what holds recordings of a device in a results folder, the digest of the spec that they are of."""
+    found = {}
+    about = read_about(out / RECORDING)
+    if about is not None and about.get("source"):
+        found[RECORDING] = str(about.get("identity"))
+    for name in RESULTS[:1]:
+        values = _spec_of(out / name)
+        if (values.get("device") or {}).get("driver") == SERIAL:
+            found[name] = spec_digest(values)
+    return found
+
+
+def read_about(folder: Path) -> dict[str, Any] | None:
+    """What a folder of trials says it is of; None where it says nothing."""
+    try:
+        found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
+        return found
+    except (OSError, ValueError, TypeError):
+        return None
+
+
+def refuse_other(out: Path, digest: str) -> None:
+    """Raise `RefusedError` if there are recordings of a device that are of another spec, or whose trials are gone."""
+    found = source_digests(out)
+    for name, other in found.items():
+        if other != digest:
+            raise RefusedError(
+                f"{out / name}: holds recordings of a device, made with another spec; they are kept. Go back to that "
+                f"spec, choose another --out, or begin anew with --force, which moves them to {out / EARLIER}"
+            )
+    if found and RECORDING not in found:
+        raise RefusedError(
+            f"{out / RECORDING}: is gone, and {', '.join(found)} are all that is left of these recordings; "
+            f"choose another --out, or begin anew with --force, which moves them to {out / EARLIER}"
+        )
+
+
+def move_to_earlier(out: Path) -> Path | None:
+    """Move recordings of a device, and what was made of them, into a new folder; which, None if there are none."""
+    if not source_digests(out):
+        return None
+    number = 1
+    while (out / EARLIER / str(number)).exists():
+        number += 1
+    place = out / EARLIER / str(number)
+    try:
+        place.mkdir(parents=True)
+        for name in ALL:
+            if (out / name).exists():
+                (out / name).rename(place / name)
+    except OSError as error:
+        raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
+    return place
+
+
+def _spec_of(path: Path) -> dict[str, Any]:
+    """The spec that a result is of; empty where there is none."""
+    try:
+        record = json.loads((pq.read_schema(path).metadata or {})[KEY])
+        return dict(record["spec"])
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+        return {}

@@ -1,0 +1,101 @@
+"""The tables of a campaign: every sample, every trial measured as Chapter 8 does, and its sample clock."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from hknob_cli.hardware.course import Ended
+from hknob_cli.hardware.order import period_ns
+from hknob_cli.hardware.timing import audit
+from hknob_cli.hardware.trial_file import Recorded
+from hknob_cli.measure.recorded import measure_trial
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.hw_run_columns import TIMING, TRIALS
+from hknob_cli.spec.campaign import CoursePlan
+
+
+def campaign_tables(done: list[Recorded], course: CoursePlan) -> tuple[pa.Table, pa.Table, pa.Table]:
+    """Samples, trials and timing of finished trials, in the order they were run."""
+    samples = pa.concat_tables([one.table for one in done]).combine_chunks()
+    trials = build_table(TRIALS, [trial_row(one, course) for one in done])
+    return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
+
+
+def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
+    """One trial, measured."""
+    column = {name: one.table[name].to_numpy(zero_copy_only=False) for name in one.table.column_names}
+    measured = measure_trial(
+        column["time_s"],
+        column["angle_rad"],
+        column["torque_nm"],
+        column["grip_n"],
+        column["running"],
+        step_rad=2.0 * math.pi / one.native_counts,
+        least_s=course.buzz_s[0],
+        settle_s=course.settle_s,
+    )
+    return {
+        "order": one.trial.number,
+        "block": one.trial.block,
+        "sample_rate_hz": one.trial.sample_rate_hz,
+        "counts_per_rev": one.trial.counts_per_rev,
+        "sustained": measured.sustained,
+        "p2p_rad": measured.p2p_rad,
+        "rms_rad": measured.rms_rad,
+        "frequency_hz": measured.frequency_hz,
+        "grip_mean_n": measured.grip_mean_n,
+        "grip_std_n": measured.grip_std_n,
+        "grip_zero_n": one.zero_n,
+        "wall_torque_nm": measured.wall_torque_nm,
+        "ended": one.ended,
+        "settled_s": _settled_s(one),
+        "steady_s": measured.steady_s,
+        "steady_first": measured.steady[0],
+        "steady_last": measured.steady[1],
+        "samples": one.table.num_rows,
+        "gaps": one.gaps,
+        "overruns": one.overruns,
+        "fault": "; ".join(_doubts(one)),
+        "device": one.device,
+        "native_counts": one.native_counts,
+    }
+
+
+def _settled_s(one: Recorded) -> float | None:
+    """Time from the start until the grip counted as held."""
+    if one.settled_sample is None:
+        return None
+    running = one.table["running"].to_numpy(zero_copy_only=False)
+    start = int(one.table["sample"].to_numpy()[int(np.argmax(running))])
+    return (one.settled_sample - start) / one.trial.sample_rate_hz
+
+
+def _doubts(one: Recorded) -> list[str]:
+    """What is doubtful about a trial, in words."""
+    found = []
+    if one.settled_sample is None:
+        found.append("the grip was never held in its band")
+    elif one.ended == Ended.LONGEST:
+        found.append("neither buzz nor rest lasted until it was too long")
+    if one.ended == Ended.OVER:
+        found.append("the recording that was replayed was over before it had ended")
+    if one.gaps:
+        found.append(f"{one.gaps} samples are missing")
+    if one.overruns:
+        found.append(f"the loop was late {one.overruns} times")
+    return found
+
+
+def timing_row(one: Recorded) -> dict[str, Any]:
+    """One trial's sample clock, audited."""
+    number, time_us = (one.table[name].to_numpy() for name in ("sample", "device_time_us"))
+    trial = one.trial
+    return {
+        "order": trial.number,
+        "block": trial.block,
+        "sample_rate_hz": trial.sample_rate_hz,
+        "counts_per_rev": trial.counts_per_rev,
+        **audit(number, time_us, period_ns=period_ns(trial.sample_rate_hz), overruns=one.overruns)._asdict(),
+    }

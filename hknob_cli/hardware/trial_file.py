@@ -1,0 +1,99 @@
+"""A finished trial as a file: its samples as rows of a recording, and how it went in the file's metadata."""
+
+import json
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.hardware.order import Trial
+from hknob_cli.hardware.samples import Samples
+from hknob_cli.recordings.trial import Key
+from hknob_cli.recordings.trial import Trial as RecordedTrial
+from hknob_cli.recordings.write import table as recording_table
+from hknob_cli.results.arrays import build_array
+from hknob_cli.results.hw_run_columns import MORE_SAMPLES
+from hknob_cli.results.provenance import KEY
+from hknob_cli.results.store import partial
+
+ABOUT = b"hknob.trial"
+
+
+class Recorded(NamedTuple):
+    """A trial that is on the disk: its samples as a table, and what is known of it beside.
+
+    ``ended`` and ``settled_sample`` as in an `Outcome`; ``device``: what it calls itself.
+    """
+
+    trial: Trial
+    table: pa.Table
+    ended: str
+    settled_sample: int | None
+    gaps: int
+    overruns: int
+    zero_n: float
+    device: str
+    native_counts: int
+
+
+def zero_of(samples: Samples) -> float:
+    """What the grip cell showed before the start, N."""
+    before = samples.grip_n[: int(np.argmax(samples.running)) if samples.running.any() else None]
+    return float(before.mean()) if before.size else 0.0
+
+
+def sample_table(samples: Samples, key: Key, trial: Trial, native_counts: int) -> pa.Table:
+    """Samples as rows: the columns of a recording, then `MORE_SAMPLES`; the zero is subtracted from the grip force."""
+    recorded = RecordedTrial(
+        key=key,
+        time_s=np.asarray(samples.time_us * 1e-6, dtype=np.float64),
+        torque_nm=samples.torque_nm,
+        angle_rad=samples.angle_rad(native_counts),
+        grip_n=samples.grip_n - zero_of(samples),
+    )
+    found = recording_table([recorded])
+    count = samples.number.size
+    values: dict[str, Any] = {
+        "sample_rate_hz": np.full(count, trial.sample_rate_hz),
+        "counts_per_rev": np.full(count, trial.counts_per_rev),
+        "sample": samples.number,
+        "device_time_us": samples.time_us,
+        "angle_counts": samples.angle_counts,
+        "running": samples.running,
+    }
+    for column in MORE_SAMPLES:
+        found = found.append_column(column.field(), build_array(column.type, values[column.name].tolist()))
+    return found
+
+
+def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
+    """Write a trial, whole or not at all. Raises `ComputationError` if it cannot be written."""
+    about = {
+        "trial": recorded.trial._asdict(),
+        **{name: getattr(recorded, name) for name in Recorded._fields if name not in ("trial", "table")},
+    }
+    stamped = recorded.table.replace_schema_metadata(
+        {KEY: provenance, ABOUT: json.dumps(about, sort_keys=True).encode()}
+    )
+    half = partial(path)
+    try:
+        with half.open("wb") as stream:
+            pq.write_table(stamped, stream, compression="zstd")
+        half.replace(path)
+    except OSError as error:
+        half.unlink(missing_ok=True)
+        raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
+
+
+def read_trial(path: Path) -> Recorded | None:
+    """The trial in a file; None where it cannot be read, or is another kind of file."""
+    try:
+        with pq.ParquetFile(path) as file:
+            table = file.read()
+        about = json.loads((table.schema.metadata or {})[ABOUT])
+        return Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+        return None

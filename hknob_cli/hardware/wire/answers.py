@@ -1,0 +1,157 @@
+"""What a target sends: answers, blocks of samples, events, and how these lie in a body."""
+
+import struct
+from typing import NamedTuple
+
+import numpy as np
+
+from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.commands import (
+    pack_settings,
+    pack_simulated,
+    unpack_settings,
+    unpack_simulated,
+)
+
+ACK = struct.Struct("<IBBBBII")
+HELLO = struct.Struct("<IIB16s")
+BLOCK = struct.Struct("<IIIIIB")
+SAMPLE = np.dtype([("time_us", "<u4"), ("angle", "<i4"), ("torque_nm", "<f4"), ("grip_n", "<f4"), ("flags", "u1")])
+EVENT = struct.Struct("<IIBIII")
+
+MOST_SAMPLES = 48
+SIMULATED_FLAG = RUNNING_FLAG = 1
+
+
+class About(NamedTuple):
+    """What the answer to HELLO says of the target."""
+
+    native_counts: int
+    shortest_period_ns: int
+    simulated: bool
+    name: str
+
+
+class Ack(NamedTuple):
+    """The answer to the command ``nonce`` of type ``of``; ``said``: what HELLO, CONFIGURE and SIMULATE are told."""
+
+    nonce: int
+    of: int
+    status: Status
+    state: State
+    fault: Trip
+    boot: int
+    blocks: int
+    said: About | Settings | Simulated | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.ACK
+
+
+class Samples(NamedTuple):
+    """Block number ``block`` of a run."""
+
+    boot: int
+    run: int
+    block: int
+    samples: Block
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.BLOCK
+
+
+class Event(NamedTuple):
+    """The target has tripped, at sample ``index``; ``blocks`` were made, the last one included."""
+
+    boot: int
+    run: int
+    fault: Trip
+    index: int  # type: ignore[assignment]  # the protocol's name; hides tuple.index, which nothing uses
+    time_us: int
+    blocks: int
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.EVENT
+
+
+Answer = Ack | Samples | Event
+
+
+def pack_answer(answer: Answer) -> bytes:
+    """What follows version and type; raises struct.error or ValueError for what has no place in it."""
+    match answer:
+        case Ack():
+            return ACK.pack(*answer[:-1]) + _pack_said(answer.said)
+        case Samples():
+            block = answer.samples
+            rows = np.zeros(len(block.time_us), SAMPLE)
+            rows["time_us"], rows["angle"], rows["flags"] = block.time_us, block.angle_counts, block.running
+            rows["torque_nm"], rows["grip_n"] = block.torque_nm, block.grip_n
+            head = BLOCK.pack(answer.boot, answer.run, answer.block, block.first, block.overruns, len(rows))
+            return head + rows.tobytes()
+        case Event():
+            return EVENT.pack(*answer)
+
+
+def unpack_answer(kind: Kind, data: bytes) -> Answer:
+    """The answer of what follows version and type; raises struct.error or ValueError for what cannot be one."""
+    if kind is Kind.ACK:
+        nonce, of, status, state, fault, boot, blocks = ACK.unpack_from(data)
+        said = _unpack_said(of, Status(status), data[ACK.size :])
+        return Ack(nonce, of, Status(status), State(state), Trip(fault), boot, blocks, said)
+    if kind is Kind.EVENT:
+        boot, run, fault, index, time_us, blocks = EVENT.unpack(data)
+        return Event(boot, run, Trip(fault), index, time_us, blocks)
+    return _unpack_block(data)
+
+
+def _pack_said(said: About | Settings | Simulated | None) -> bytes:
+    match said:
+        case About():
+            return HELLO.pack(*said[:3], said.name.encode("ascii"))
+        case Settings():
+            return pack_settings(said)
+        case Simulated():
+            return pack_simulated(said)
+    return b""
+
+
+def _unpack_said(of: int, status: Status, data: bytes) -> About | Settings | Simulated | None:
+    if of == Kind.HELLO:
+        native_counts, shortest_period_ns, flags, name = HELLO.unpack(data)
+        text = name.rstrip(b"\0").decode("ascii")
+        if not text.isprintable():
+            raise ValueError("name")
+        return About(native_counts, shortest_period_ns, bool(flags & SIMULATED_FLAG), text)
+    if status is Status.DONE and of == Kind.CONFIGURE:
+        return unpack_settings(data)
+    if status is Status.DONE and of == Kind.SIMULATE:
+        return unpack_simulated(data)
+    if data:
+        raise ValueError("length")
+    return None
+
+
+def _unpack_block(data: bytes) -> Samples:
+    boot, run, block, first, overruns, count = BLOCK.unpack_from(data)
+    if not 1 <= count <= MOST_SAMPLES or len(data) != BLOCK.size + count * SAMPLE.itemsize:
+        raise ValueError("length")
+    rows = np.frombuffer(data, SAMPLE, offset=BLOCK.size)
+    samples = Block(
+        first,
+        rows["time_us"].astype(np.int64),
+        rows["angle"].astype(np.int64),
+        rows["torque_nm"].astype(np.float64),
+        rows["grip_n"].astype(np.float64),
+        (rows["flags"] & RUNNING_FLAG).astype(np.bool_),
+        overruns,
+    )
+    return Samples(boot, run, block, samples)

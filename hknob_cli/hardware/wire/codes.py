@@ -1,0 +1,67 @@
+"""Numbers of the protocol: message types, answers, states of a target, and why it tripped (docs/wire.md)."""
+
+from enum import IntEnum
+
+VERSION = 1
+
+
+class Kind(IntEnum):
+    """Types of messages; the target's have their top bit set."""
+
+    HELLO = 0x01
+    CONFIGURE = 0x02
+    ARM = 0x03
+    START = 0x04
+    STOP = 0x05
+    RELEASE = 0x06
+    ALIVE = 0x07
+    AGAIN = 0x08
+    SIMULATE = 0x10
+    ACK = 0x81
+    BLOCK = 0x82
+    EVENT = 0x83
+
+
+class Status(IntEnum):
+    """What became of a command."""
+
+    DONE = 0
+    NOT_NOW = 1
+    OUT_OF_RANGE = 2
+    NOT_KNOWN = 3
+
+
+class State(IntEnum):
+    """What a target is doing."""
+
+    IDLE = 0
+    ARMED = 1
+    RUNNING = 2
+    TRIPPED = 3
+
+
+class Trip(IntEnum):
+    """Why a target took its torque off by itself."""
+
+    NONE = 0
+    WATCHDOG = 1
+    SPEED = 2
+    NOT_A_NUMBER = 3
+    EMERGENCY_STOP = 4
+    NO_ROOM = 5
+
+
+STATUS_TEXT = {
+    Status.DONE: "done",
+    Status.NOT_NOW: "not in this state",
+    Status.OUT_OF_RANGE: "a value is out of its range",
+    Status.NOT_KNOWN: "it does not know this command",
+}
+TRIP_TEXT = {
+    Trip.NONE: "it did not say why",
+    Trip.WATCHDOG: "it did not hear from this computer for the watchdog's time (program stopped, or cable out?)",
+    Trip.SPEED: "the knob turned faster than the speed limit",
+    Trip.NOT_A_NUMBER: "a torque was not a number",
+    Trip.EMERGENCY_STOP: "the emergency stop was pressed",
+    Trip.NO_ROOM: "this computer took no samples for so long that the target has no room for more",
+}

@@ -1,0 +1,52 @@
+"""Messages to bodies and back: version, type, strict lengths, and floats that are numbers."""
+
+import math
+import struct
+
+import numpy as np
+
+from hknob_cli.hardware.port import Settings
+from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
+from hknob_cli.hardware.wire.codes import VERSION, Kind
+from hknob_cli.hardware.wire.commands import Command, Configure, Simulate, pack_command, unpack_command
+
+Message = Command | Answer
+
+
+def encode(message: Message) -> bytes:
+    """The body of a message. Raises ValueError for a value that has no place in it."""
+    if not is_finite(message):
+        raise ValueError("a value is not a finite number")
+    try:
+        is_answer = isinstance(message, (Ack, Samples, Event))
+        rest = pack_answer(message) if is_answer else pack_command(message)  # type: ignore[arg-type]
+    except (struct.error, OverflowError) as error:
+        raise ValueError(f"a value does not fit its field: {error}") from error
+    return bytes((VERSION, message.kind)) + rest
+
+
+def decode(body: bytes) -> Message | None:
+    """The message in a body; None if version, type, length or a value is none of the protocol's."""
+    if len(body) < 2 or body[0] != VERSION:
+        return None
+    try:
+        kind = Kind(body[1])
+        message = unpack_answer(kind, body[2:]) if kind & 0x80 else unpack_command(kind, body[2:])
+    except (struct.error, ValueError):
+        return None
+    return message if is_finite(message) else None
+
+
+def is_finite(message: Message) -> bool:
+    """Whether every float of a message is a finite number."""
+    match message:
+        case Configure(settings=Settings() as values) | Ack(said=Settings() as values):
+            return all(map(math.isfinite, values))
+        case Simulate(simulated=Simulated() as knob) | Ack(said=Simulated() as knob):
+            sines = (number for sine in (*knob.push_sines, *knob.grip_sines) for number in sine)
+            return all(map(math.isfinite, (*knob[:9], *sines)))
+        case Samples():
+            block = message.samples
+            return bool(np.isfinite(block.torque_nm).all() and np.isfinite(block.grip_n).all())
+    return True

@@ -1,0 +1,72 @@
+"""The hand of fourth order as a network: finger to ground, fingerpad between finger and knob (Section 4.4.1, Fig. 13).
+
+Equation 1 gives -(B1 + B2)/J1 as the last element of Equation 2, which prints -(B1 - B2).
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from hknob_cli.identify.linear_motion import hold_matrices, respond_linear
+from hknob_cli.recordings.trial import Array
+
+ORDER = ("inertia", "finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness")
+FINGER_INERTIA = 3.0e-7  # Section 4.4.1: "a generous estimate"
+SPLIT = 10.0  # Section 4.4.1: K1 = 10 K2, B1 = 10 B2
+
+
+def network(parameters: Mapping[str, float]) -> tuple[Array, Array]:
+    """Matrix (4, 4) and input (4,) of knob angle, knob velocity, finger angle, finger velocity.
+
+    Source: Equation 1.
+    """
+    knob, tip, b1, k1, b2, k2 = (parameters[name] for name in ORDER)
+    matrix = np.array(
+        [
+            [0.0, 1.0, 0.0, 0.0],
+            [-k2 / knob, -b2 / knob, k2 / knob, b2 / knob],
+            [0.0, 0.0, 0.0, 1.0],
+            [k2 / tip, b2 / tip, -(k1 + k2) / tip, -(b1 + b2) / tip],
+        ]
+    )
+    return matrix, np.array([0.0, 1.0 / knob, 0.0, 0.0])
+
+
+def network_slopes(parameters: Mapping[str, float]) -> tuple[Array, Array]:
+    """Derivatives (6, 4, 4) and (6, 4) of matrix and input by the parameters' logarithms, in their `ORDER`."""
+    knob, tip, b1, k1, b2, k2 = (parameters[name] for name in ORDER)
+    matrix, push = network(parameters)
+    matrices, pushes = np.zeros((6, 4, 4)), np.zeros((6, 4))
+    matrices[0, 1], pushes[0] = -matrix[1], -push
+    matrices[1, 3] = -matrix[3]
+    matrices[2, 3, 3], matrices[3, 3, 2] = -b1 / tip, -k1 / tip
+    for which, here, there, value in ((4, 1, 3, b2), (5, 0, 2, k2)):
+        matrices[which, 1, [here, there]] = -value / knob, value / knob
+        matrices[which, 3, [here, there]] = value / tip, -value / tip
+    return matrices, pushes
+
+
+def split(damping: float, stiffness: float, ratio: float = SPLIT) -> dict[str, float]:
+    """Finger and fingerpad in series that have ``damping`` and ``stiffness`` between knob and ground, in this ratio."""
+    pad = (1.0 + ratio) / ratio
+    return {
+        "finger_damping": ratio * pad * damping,
+        "finger_stiffness": ratio * pad * stiffness,
+        "pad_damping": pad * damping,
+        "pad_stiffness": pad * stiffness,
+    }
+
+
+def respond_fourth(parameters: Mapping[str, float], torque_nm: Array, dt_s: float) -> Array:
+    """Angle (n,) rad of the knob, from rest at 0, under a torque held from sample i to i + 1."""
+    move, push = hold_matrices(*network(parameters), dt_s)
+    return respond_linear(move, push, torque_nm)[0]
+
+
+def respond_with_slopes(
+    parameters: Mapping[str, float], torque_nm: Array, dt_s: float, by: Array
+) -> tuple[Array, Array]:
+    """`respond_fourth`, and its derivatives (n, p) by what moves the logarithms of the parameters as ``by`` (6, p)."""
+    matrices, pushes = network_slopes(parameters)
+    moves = np.tensordot(by.T, matrices, axes=1), by.T @ pushes
+    return respond_linear(*hold_matrices(*network(parameters), dt_s, *moves), torque_nm)

@@ -1,0 +1,120 @@
+"""A campaign in words and numbers: the grip as Table 8 prints it, size and pitch of the buzz over the grid."""
+
+from collections.abc import Callable
+from statistics import fmean, stdev
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
+from hknob_cli.spec.plan import COUNTS, RATE
+
+Row = dict[str, Any]
+AXES = [COUNTS, RATE]
+
+
+def describe_hw_run(trials: pa.Table, *, target_n: float) -> dict[str, Any]:
+    """Summary as plain data: every trial, cells as means over repeats, the grip over all."""
+    rows = trials.to_pylist()
+    grips = [row["grip_mean_n"] for row in rows if row["grip_mean_n"] is not None]
+    return {
+        "trials": rows,
+        "cells": cells_of(rows),
+        "sustained": sum(row["sustained"] for row in rows),
+        "grip": {"target_n": target_n, "mean_n": fmean(grips) if grips else None, "std_n": _std(grips)},
+        "samples": sum(row["samples"] for row in rows),
+        "gaps": sum(row["gaps"] for row in rows),
+        "overruns": sum(row["overruns"] for row in rows),
+    }
+
+
+def cells_of(rows: list[Row]) -> list[Row]:
+    """One row for each cell of the grid, in its order: means over the repeats, and how many of them buzzed."""
+    cells: dict[tuple[int, float], list[Row]] = {}
+    for row in sorted(rows, key=lambda row: (row[COUNTS], row[RATE])):
+        cells.setdefault((row[COUNTS], row[RATE]), []).append(row)
+    found = []
+    for (counts, rate), same in cells.items():
+        buzzing = [row for row in same if row["sustained"]]
+        cell = {RATE: rate, COUNTS: counts, "trials": len(same), "sustained": len(buzzing)}
+        for name in ("p2p_rad", "rms_rad", "frequency_hz"):
+            cell[name] = fmean(row[name] for row in buzzing) if buzzing else 0.0
+        grips = [row["grip_mean_n"] for row in same if row["grip_mean_n"] is not None]
+        found.append({**cell, "grip_mean_n": fmean(grips) if grips else None})
+    return found
+
+
+def hw_run_text(summary: dict[str, Any]) -> str:
+    """Tables over resolution and sample rate; a list where there is no grid of them."""
+    rows, cells, grip = summary["trials"], summary["cells"], summary["grip"]
+    stale = " (up to date)" if summary["status"] == "up to date" else ""
+    lines = [
+        f"{summary['name']}: {len(rows)} trial{'s' if len(rows) != 1 else ''}, "
+        f"{summary['sustained']} with sustained buzz; "
+        f"grip {_spread(grip['mean_n'], grip['std_n'])} N, target {short(grip['target_n'])}{stale}"
+    ]
+    across = len({cell[RATE] for cell in cells})
+    if len(cells) <= MAX_ROWS and across <= 24:
+        for column, scale, title in (
+            ("p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
+            ("rms_rad", 1e3, "root mean square, mrad"),
+            ("frequency_hz", 1.0, "principal frequency, Hz"),
+        ):
+            lines += ["", *matrix(cells, AXES, column, scale=scale, title=title, mark=_mark)]
+        lines += ["", *grip_table(cells)]
+    lines += ["", *_clock(summary), *_doubts(rows)]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def grip_table(cells: list[Row]) -> list[str]:
+    """Grip force over the grid with means and sample standard deviations, laid out as Table 8."""
+    rates = sorted({cell[RATE] for cell in cells})
+    counts = sorted({cell[COUNTS] for cell in cells})
+    force = {(cell[COUNTS], cell[RATE]): cell["grip_mean_n"] for cell in cells}
+    down = [[force[count, rate] for rate in rates] for count in counts]
+    names = labels(list(counts))
+    width = max(9, *(len(name) + 2 for name in labels(list(rates))))
+    left = max(len(COUNTS), *(len(name) for name in names))
+
+    def line(head: str, values: list[float | None], *more: float | None) -> str:
+        cells = [f"{'-' if value is None else f'{value:.2f}':>{width}}" for value in (*values, *more)]
+        return f"{head:>{left}}" + "".join(cells)
+
+    def over(statistic: Callable[[list[float]], float | None], line: list[float | None]) -> float | None:
+        found = [value for value in line if value is not None]
+        return statistic(found) if found else None
+
+    heads = "".join(f"{text:>{width}}" for text in (*labels(list(rates)), "mean", "std dev"))
+    lines = ["grip force, N", f"{COUNTS:<{left}}  {RATE}", " " * left + heads]
+    for name, values in zip(names, down, strict=True):
+        lines.append(line(name, values, over(fmean, values), over(_std, values)))
+    columns = [list(column) for column in zip(*down, strict=True)]
+    every = [value for values in down for value in values]
+    lines.append(line("mean", [over(fmean, column) for column in columns], over(fmean, every)))
+    lines.append(line("std dev", [over(_std, column) for column in columns], None, over(_std, every)))
+    return lines
+
+
+def _std(values: list[float]) -> float | None:
+    return stdev(values) if len(values) > 1 else None
+
+
+def _mark(row: Row) -> str:
+    """Mark of a cell in which not every trial buzzed."""
+    return "" if row["sustained"] == row["trials"] else "r"
+
+
+def _spread(value: float | None, std: float | None) -> str:
+    return "-" if value is None else f"{value:.2f}" + (f" ± {std:.2f}" if std is not None else "")
+
+
+def _clock(summary: dict[str, Any]) -> list[str]:
+    quench = [] if summary["sustained"] == len(summary["trials"]) else ["r the buzz was not sustained"]
+    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {summary['overruns']} late in the loop"]
+
+
+def _doubts(rows: list[Row]) -> list[str]:
+    """A line for each trial in which something is doubtful."""
+    return [
+        f"trial {row['order']} ({row[RATE]:g} Hz, {row[COUNTS]} counts): {row['fault']}" for row in rows if row["fault"]
+    ]

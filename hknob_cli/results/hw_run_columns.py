@@ -1,0 +1,70 @@
+"""The columns of a campaign's files."""
+
+import pyarrow as pa
+
+from hknob_cli.results.columns import Column
+from hknob_cli.spec.plan import COUNTS, RATE
+
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
+
+CELL = (
+    Column(RATE, _REAL, "Hz", "sample rate of the trial"),
+    Column(COUNTS, _WHOLE, "1/rev", "encoder counts per revolution that the wall sees"),
+)
+# Beside those of a recording.
+MORE_SAMPLES = (
+    *CELL,
+    Column("sample", _WHOLE, "1", "index of the sample since arming, by the device"),
+    Column("device_time_us", _WHOLE, "us", "time since arming, by the device's clock"),
+    Column("angle_counts", _WHOLE, "count", "angle in counts of the device's own encoder"),
+    Column("running", _FLAG, "", "whether the wall was on"),
+)
+TRIAL_KEYS = (
+    Column("order", _WHOLE, "1", "number of the trial, in the order they were run"),
+    Column("block", _WHOLE, "1", "how often the grid was gone through, from 1"),
+    *CELL,
+)
+TRIALS = (
+    *TRIAL_KEYS,
+    Column("sustained", _FLAG, "", "whether it still buzzed at the end"),
+    Column("p2p_rad", _REAL, "rad", "mean local maximum minus mean local minimum of the steady part; 0 at rest"),
+    Column("rms_rad", _REAL, "rad", "root mean square about the mean of the steady part; 0 at rest"),
+    Column("frequency_hz", _REAL, "Hz", "principal frequency of the steady part; 0 at rest"),
+    Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
+    Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),
+    Column("grip_zero_n", _REAL, "N", "what the grip cell showed before the start, subtracted"),
+    Column("wall_torque_nm", _REAL, "N*m", "mean torque of the wall in the steady part: what hand and push hold it by"),
+    Column("ended", _TEXT, "", "why it ended: buzz, rest, longest, operator, over"),
+    Column("settled_s", _REAL, "s", "from the start until the grip counted as held; null if it never did"),
+    Column("steady_s", _REAL, "s", "length of the steady part"),
+    Column("steady_first", _WHOLE, "1", "row of the trial at which the steady part begins, from 0"),
+    Column("steady_last", _WHOLE, "1", "row of the trial at which it ends"),
+    Column("samples", _WHOLE, "1", "samples received"),
+    Column("gaps", _WHOLE, "1", "samples whose index is missing"),
+    Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
+    Column("fault", _TEXT, "", "what is doubtful about it, in words; empty where nothing is"),
+    Column("device", _TEXT, "", "what the device calls itself"),
+    Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
+)
+# How evenly a trial was sampled, by the device's own clock; intervals are those between samples of consecutive index.
+TIMING = (
+    *TRIAL_KEYS,
+    Column("samples", _WHOLE, "1", "samples received"),
+    Column("period_s", _REAL, "s", "interval that was asked for"),
+    Column("interval_mean_s", _REAL, "s", "mean interval"),
+    Column("interval_std_s", _REAL, "s", "standard deviation of the intervals"),
+    Column("interval_min_s", _REAL, "s", "shortest interval"),
+    Column("interval_max_s", _REAL, "s", "longest interval"),
+    Column("jitter_p50_s", _REAL, "s", "median distance of an interval from the one asked for"),
+    Column("jitter_p95_s", _REAL, "s", "95th percentile of it"),
+    Column("jitter_p99_s", _REAL, "s", "99th percentile of it"),
+    Column("jitter_p999_s", _REAL, "s", "99.9th percentile of it"),
+    Column("jitter_max_s", _REAL, "s", "greatest distance of an interval from the one asked for"),
+    Column("drift", _REAL, "1", "share by which a tick takes longer than asked for, first sample to last"),
+    Column("gaps", _WHOLE, "1", "samples whose index is missing"),
+    Column("gap_count", _WHOLE, "1", "places at which some are missing"),
+    Column("repeated", _WHOLE, "1", "indices that do not rise"),
+    Column("missed_ticks", _WHOLE, "1", "ticks of the clock at which no sample was taken"),
+    Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
+    Column("backwards", _WHOLE, "1", "times that do not rise"),
+)

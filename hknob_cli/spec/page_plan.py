@@ -1,0 +1,53 @@
+"""A page as plain values: its chapters, figures and sentences."""
+
+from typing import Any, NamedTuple
+
+
+class Sentence(NamedTuple):
+    """Text, and for each ``{name}`` in it the check, its arguments, a factor and a format; without values as it is.
+
+    ``where`` it is in its file.
+    """
+
+    text: str
+    values: dict[str, tuple[str, dict[str, Any], float, str]] = {}  # noqa: RUF012 - never written to
+    where: str = ""
+
+
+class FigurePlan(NamedTuple):
+    """A figure of a page: which drawing, ``of`` which results, with which options."""
+
+    id: str
+    draw: str
+    of: tuple[str, ...]
+    options: dict[str, Any]
+    title: str
+    caption: Sentence
+    alt: str
+    where: str = ""
+
+
+class ChapterPlan(NamedTuple):
+    """A part of a page."""
+
+    title: str
+    text: str
+    figures: tuple[FigurePlan, ...]
+
+
+class ReportPlan(NamedTuple):
+    """A page.
+
+    ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary; ``rerun``: command
+    lines that make the page again.
+    """
+
+    name: str
+    title: str
+    results: dict[str, str]
+    claims: str | None
+    summary: tuple[Sentence, ...]
+    lead: tuple[str, ...]
+    chapters: tuple[ChapterPlan, ...]
+    rerun: tuple[str, ...]
+    values: dict[str, Any]

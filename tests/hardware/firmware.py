@@ -1,0 +1,203 @@
+"""The target's C sources as a library that Python loads, on a board that does what a test says."""
+
+import atexit
+import ctypes as c
+import functools
+import os
+import shutil
+import subprocess
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.build_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
+from hknob_cli.hardware.port import Settings
+from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.wire.answers import Ack, Event, Samples
+from hknob_cli.hardware.wire.codes import Kind
+from hknob_cli.hardware.wire.commands import Plain
+from hknob_cli.hardware.wire.frame import Decoder, frame
+from hknob_cli.hardware.wire.messages import Message, decode, encode
+
+HERE = Path(__file__).parent
+PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c")), str(HERE / "scripted_board.c")]
+MS = 1_000_000  # ns
+
+
+class CSettings(c.Structure):
+    _fields_ = (
+        *((name, c.c_uint32) for name in ("period_ns", "counts_per_rev")),
+        *((name, c.c_double) for name in Settings._fields[2:6]),
+        ("watchdog_us", c.c_uint32),
+        ("block_samples", c.c_uint16),
+    )
+
+
+class CSine(c.Structure):
+    _fields_ = tuple((name, c.c_double) for name in ("amplitude", "frequency_hz", "phase"))
+
+
+class CSimulated(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in Simulated._fields[:9]),
+        ("push_count", c.c_uint8),
+        ("grip_count", c.c_uint8),
+        ("sines", CSine * 8),
+    )
+
+    @classmethod
+    def of(cls, simulated: Simulated) -> "CSimulated":
+        sines = (*simulated.push_sines, *simulated.grip_sines)
+        counts = len(simulated.push_sines), len(simulated.grip_sines)
+        return cls(*simulated[:9], *counts, (CSine * 8)(*(CSine(*sine) for sine in sines)))
+
+
+class CCommand(c.Structure):
+    _fields_ = (
+        ("type", c.c_uint8),
+        ("nonce", c.c_uint32),
+        ("first", c.c_uint32),
+        ("count", c.c_uint16),
+        ("settings", CSettings),
+        ("simulated", CSimulated),
+    )
+
+
+def need_compiler() -> list[str]:
+    """A C compiler; skips the test where there is none."""
+    try:
+        return compiler("host")
+    except DeviceError as error:
+        pytest.skip(str(error))
+
+
+def compiled(output: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Compile strictly; the compiler's result."""
+    command = [*need_compiler(), *STRICT, "-Werror", *ARITHMETIC, f"-I{SOURCES}", *arguments, "-o", str(output), "-lm"]
+    return subprocess.run(command, capture_output=True, text=True)
+
+
+@functools.cache
+def library() -> c.CDLL:
+    """The library, built once in a process."""
+    folder = Path(tempfile.mkdtemp(prefix="hknob-firmware-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    done = compiled(folder / "firmware.so", "-shared", "-fPIC", *PARTS)
+    assert done.returncode == 0, done.stderr
+    built = c.CDLL(os.fspath(folder / "firmware.so"))
+    built.frame_crc.restype = c.c_uint32
+    for name in ("frame_encode", "frame_decode", "frame_take"):
+        getattr(built, name).restype = c.c_size_t
+    built.wall_decimate.restype = c.c_int64
+    built.wall_decimate.argtypes = (c.c_int32, c.c_uint32, c.c_uint32)
+    built.wall_torque.restype = built.wall_limit.restype = c.c_double
+    built.wall_torque.argtypes = (c.c_int64, c.c_int64, *4 * (c.c_double,))
+    built.wall_limit.argtypes = (c.c_double, c.c_double)
+    built.command_read.restype = built.target_serve.restype = built.target_busy.restype = c.c_bool
+    built.scripted_follow.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *3 * (c.c_void_p,))
+    built.scripted_person.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *2 * (c.c_void_p,))
+    return built
+
+
+class Variable:
+    """One of the scripted board's variables, as an attribute."""
+
+    def __init__(self, kind: type) -> None:
+        self.kind = kind
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = f"scripted_{name}"
+
+    def __get__(self, instance: object, owner: type) -> int:
+        return self.kind.in_dll(library(), self.name).value
+
+    def __set__(self, instance: object, value: float) -> None:
+        self.kind.in_dll(library(), self.name).value = value
+
+
+class ScriptedTarget:
+    """The target on the scripted board, just started; time passes only by `run`."""
+
+    now = Variable(c.c_uint64)
+    call_at = Variable(c.c_uint64)
+    angle = Variable(c.c_int32)
+    torque = Variable(c.c_double)
+    grip = Variable(c.c_double)
+    boot = Variable(c.c_uint32)
+    trials = Variable(c.c_uint32)
+    starts = Variable(c.c_uint32)
+    locks = Variable(c.c_uint32)
+    emergency = Variable(c.c_uint8)
+    unable = Variable(c.c_uint8)
+    in_count = Variable(c.c_size_t)
+    in_at = Variable(c.c_size_t)
+    out_count = Variable(c.c_size_t)
+    out_room = Variable(c.c_size_t)
+
+    def __init__(self) -> None:
+        self.c = library()
+        self.now, self.angle, self.torque, self.grip, self.emergency = 10**12, 0, 0.0, 0.0, 0
+        self.unable = self.trials = self.starts = self.locks = self.in_count = self.in_at = self.out_count = 0
+        self.out_room, self.boot, self.call_at = 1 << 18, 7, 2**64 - 1
+        self.nonce = 100
+        self.decoder = Decoder()
+        self.c.target_begin()
+
+    def said(self) -> list[Message | None]:
+        """What the target has sent since last asked."""
+        out = (c.c_uint8 * (1 << 18)).in_dll(self.c, "scripted_out")
+        sent = bytes(out[: self.out_count])
+        self.out_count = 0
+        return [decode(body) for body in self.decoder.feed(sent)]
+
+    def put(self, message: Message) -> None:
+        """Lay a message on the line."""
+        data = frame(encode(message))
+        c.memmove((c.c_uint8 * 65536).in_dll(self.c, "scripted_in"), data, len(data))
+        self.in_at, self.in_count = 0, len(data)
+
+    def tell(self, message: Message) -> list[Message | None]:
+        """Send a message, and what the target says at once."""
+        self.put(message)
+        self.c.target_serve()
+        return self.said()
+
+    def command(self, message: Message) -> Ack:
+        """The answer to a command, which comes after all else."""
+        *_, answer = self.tell(message)
+        assert isinstance(answer, Ack)
+        return answer
+
+    def plain(self, kind: Kind) -> Ack:
+        """The answer to a command of its own nonce."""
+        self.nonce += 1
+        return self.command(Plain(kind, self.nonce))
+
+    def sample(self, late_ns: int = 0) -> None:
+        """Let time pass to the next sample, and take it."""
+        assert self.call_at < 2**64 - 1
+        self.now = max(self.now, self.call_at) + late_ns
+        self.c.target_sample()
+
+    def run(self, duration_ns: int) -> None:
+        """Let time pass, the main loop every ms."""
+        end = self.now + duration_ns
+        while True:
+            serve = self.now // MS * MS + MS
+            if self.call_at <= min(serve, end):
+                self.sample()
+            else:
+                self.now = min(serve, end)
+                self.c.target_serve()
+                if self.now == end:
+                    return
+
+
+def samples_of(said: list[Message | None]) -> list[Samples]:
+    return [each for each in said if isinstance(each, Samples)]
+
+
+def events_of(said: list[Message | None]) -> list[Event]:
+    return [each for each in said if isinstance(each, Event)]

@@ -1,0 +1,124 @@
+"""Golden frames: for every message type what is said, and how it is written in data/wire/golden_frames.txt.
+
+``python -m tests.hardware.golden`` prints that file; it changes only with the protocol's version.
+"""
+
+from typing import Any
+
+import numpy as np
+
+from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.simulated import Simulated, Sine
+from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
+from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.frame import frame
+from hknob_cli.hardware.wire.messages import Message, encode
+
+HEAD = """\
+# Golden frames of the wire's version 1 (docs/wire.md), one a line: name | fields | the frame in hex with its zero.
+# An encoder given the fields makes these bytes; a decoder given these bytes finds the fields. Both sides test them.
+# sampleN=(time_us,angle,torque_nm,grip_n,flags); in block_of_48, torque of sample i is the f32 nearest to i times the
+# f32 nearest to 0.001.
+"""
+BOOT = 0x1A2B3C4D
+SETTINGS = Settings(
+    period_ns=250_000,
+    counts_per_rev=1024,
+    wall_stiffness=0.27,
+    wall_damping=1.5e-5,
+    torque_limit_nm=0.05,
+    speed_limit_rad_s=100.0,
+    watchdog_us=20_000,
+    block_samples=40,
+)
+SIMULATED = Simulated(
+    inertia=2.2e-6,
+    damping=3.45e-4,
+    stiffness=0.04,
+    coulomb_nm=5.6e-4,
+    angle_rad=0.02,
+    push_nm=1e-3,
+    grip_n=0.71,
+    grip_rise_s=0.2,
+    grip_offset_n=0.125,
+)
+WITH_SINES = SIMULATED._replace(
+    push_sines=(Sine(1e-4, 0.5, 0.25), Sine(5e-5, 9.0, 1.0)), grip_sines=(Sine(0.03, 1.5, -0.5),)
+)
+
+
+def block(count: int, *, first: int = 0, overruns: int = 0, start_us: int = 0) -> Block:
+    """A block of a made-up signal that the wire's floats hold exactly."""
+    index = np.arange(count)
+    torque = (float(np.float32(0.001)) * index).astype(np.float32).astype(np.float64)
+    return Block(first, start_us + index * 250, -3 * index - 1, torque, 0.5 + index * 0.25, index > 0, overruns)
+
+
+def ack(nonce: int, of: Kind, **differing: Any) -> Ack:
+    """An answer: done, idle, no fault, no blocks, unless told otherwise."""
+    return Ack(nonce, of, Status.DONE, State.IDLE, Trip.NONE, BOOT, 0)._replace(**differing)
+
+
+GOLDEN: dict[str, Message] = {
+    "hello": Plain(Kind.HELLO, 1),
+    "configure": Configure(2, SETTINGS),
+    "simulate": Simulate(3, SIMULATED),
+    "simulate_with_sines": Simulate(4, WITH_SINES),
+    "arm": Plain(Kind.ARM, 5),
+    "start": Plain(Kind.START, 6),
+    "stop": Plain(Kind.STOP, 7),
+    "release": Plain(Kind.RELEASE, 0xFFFFFFFF),
+    "alive": Alive(9, 256),
+    "again": Again(10, 3, 2),
+    "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
+    "ack_of_configure": ack(2, Kind.CONFIGURE, said=SETTINGS),
+    "ack_of_configure_refused": ack(2, Kind.CONFIGURE, status=Status.OUT_OF_RANGE),
+    "ack_of_simulate": ack(4, Kind.SIMULATE, said=WITH_SINES),
+    "ack_of_simulate_not_known": ack(4, Kind.SIMULATE, status=Status.NOT_KNOWN),
+    "ack_of_arm": ack(5, Kind.ARM, state=State.ARMED),
+    "ack_of_start": ack(6, Kind.START, state=State.RUNNING, blocks=12),
+    "ack_of_stop": ack(7, Kind.STOP, blocks=301),
+    "ack_of_stop_tripped": ack(7, Kind.STOP, status=Status.NOT_NOW, state=State.TRIPPED, fault=Trip.SPEED, blocks=17),
+    "ack_of_release": ack(0xFFFFFFFF, Kind.RELEASE),
+    "block_of_2": Samples(BOOT, 5, 0, block(2)),
+    "block_of_48": Samples(BOOT, 5, 7, block(48, first=336, overruns=1, start_us=84_000)),
+    "event": Event(BOOT, 5, Trip.WATCHDOG, 673, 168_250, 17),
+}
+
+
+def fields(message: Any) -> list[str]:
+    """A message's fields as the file writes them."""
+    found = []
+    for name, value in message._asdict().items():
+        if isinstance(value, Settings | Simulated | About):
+            found += fields(value)
+        elif isinstance(value, Block):
+            found += [f"first={value.first}", f"overruns={value.overruns}", *samples(value)]
+        elif isinstance(value, tuple):
+            found.append(f"{name}=[{';'.join(str(tuple(sine)).replace(' ', '') for sine in value)}]")
+        elif isinstance(value, int):
+            found += [f"{name}={int(value)}"] if name != "kind" else []
+        elif value is not None:
+            found.append(f"{name}={value}")
+    return found
+
+
+def samples(of: Block) -> list[str]:
+    """Samples one by one, or by their rule where they are many."""
+    count = len(of.time_us)
+    if count > 2:
+        return [f"count={count}", "sample_i=(84000+250i,-1-3i,i*f32(0.001),0.5+0.25i,i>0)"]
+    rows = zip(of.time_us, of.angle_counts, of.torque_nm, of.grip_n, of.running, strict=True)
+    texts = (f"({time},{angle},{torque:.9g},{float(grip)!r},{int(on)})" for time, angle, torque, grip, on in rows)
+    return [f"count={count}", *(f"sample{index}={text}" for index, text in enumerate(texts))]
+
+
+def text() -> str:
+    """The whole file."""
+    rows = (f"{name} | {' '.join(fields(each))} | {frame(encode(each)).hex()}\n" for name, each in GOLDEN.items())
+    return HEAD + "".join(rows)
+
+
+if __name__ == "__main__":
+    print(text(), end="")

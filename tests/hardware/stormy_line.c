@@ -1,0 +1,134 @@
+/* 100,000 frames that are none: random bytes, and good frames with bits turned, bytes lost and ends cut off; then 50,000
+   good ones in any order, at a knob that jumps about. To be built with the sanitizers. Prints how many of the former were
+   taken for frames, and what the target made of all. */
+#include <stdio.h>
+#include <string.h>
+
+#include "frame.h"
+#include "scripted_board.h"
+#include "target.h"
+
+static uint64_t seed = 20260u;
+
+/* xorshift64*: the same numbers everywhere. */
+static uint32_t chance(uint32_t below)
+{
+    seed ^= seed >> 12;
+    seed ^= seed << 25;
+    seed ^= seed >> 27;
+    return (uint32_t)((seed * 2685821657736338717u) >> 33) % below;
+}
+
+static size_t good_frame(uint8_t *frame)
+{
+    static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE};
+    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u};
+    uint8_t body[80];
+    uint32_t which = chance(9u);
+    for (size_t i = 0; i < sizeof body; i++) {
+        body[i] = (uint8_t)(chance(3u) == 0u ? 0u : chance(256u));
+    }
+    body[0] = WIRE_VERSION;
+    body[1] = types[which];
+    return frame_encode(frame, body, lengths[which]);
+}
+
+static size_t storm(uint8_t *frame)
+{
+    size_t count;
+    switch (chance(4u)) {
+    case 0: /* anything, its zeros at random or none */
+        count = 1u + chance(chance(8u) == 0u ? 1500u : 80u);
+        for (size_t i = 0; i < count; i++) {
+            frame[i] = (uint8_t)chance(256u);
+        }
+        break;
+    case 1: { /* bits turned, in one or two bytes */
+        count = good_frame(frame) - 1u;
+        uint32_t place = chance((uint32_t)count);
+        frame[place] ^= (uint8_t)(1u + chance(255u));
+        if (chance(2u) == 0u) {
+            frame[(place + 1u + chance((uint32_t)count - 1u)) % count] ^= (uint8_t)(1u + chance(255u));
+        }
+        break;
+    }
+    case 2: /* cut off */
+        count = chance((uint32_t)good_frame(frame) - 1u);
+        break;
+    default: { /* a byte lost */
+        count = good_frame(frame) - 2u;
+        uint32_t lost = chance((uint32_t)count);
+        memmove(frame + lost, frame + lost + 1u, count - lost);
+        break;
+    }
+    }
+    frame[count] = 0u;
+    return count + 1u;
+}
+
+static void serve(size_t count)
+{
+    scripted_in_count = count;
+    scripted_in_at = 0u;
+    (void)target_serve();
+}
+
+/* Settings that can be taken, else any good frame. */
+static size_t sensible_frame(uint8_t *frame)
+{
+    uint8_t body[64] = {WIRE_VERSION, CONFIGURE};
+    if (chance(4u) != 0u) {
+        return good_frame(frame);
+    }
+    for (size_t i = 2u; i < 6u; i++) {
+        body[i] = (uint8_t)chance(256u);
+    }
+    struct settings settings = {40000u + chance(2000000u), 1u + chance(640000u), 0.1 * chance(100u), 1e-4 * chance(3u),
+                                0.05, 1e4, 1000u + chance(49001u), (uint16_t)(1u + chance(48u))};
+    return frame_encode(frame, body, settings_write(body, 6u, &settings));
+}
+
+/* Good frames in any order, samples and time between them; how often there was torque without a sample clock. */
+static unsigned wander(unsigned *running)
+{
+    unsigned astray = 0u;
+    for (unsigned i = 0; i < 50000u; i++) {
+        scripted_out_count = 0u;
+        serve(sensible_frame(scripted_in));
+        for (uint32_t samples = chance(20u); samples > 0u && scripted_call_at != UINT64_MAX; samples--) {
+            scripted_now = scripted_now > scripted_call_at ? scripted_now : scripted_call_at;
+            scripted_now += chance(3u) == 0u ? chance(2000000u) : 0u;
+            scripted_angle = chance(2000u) == 0u ? INT32_MIN : scripted_angle / 2 + (int32_t)chance(101u) - 52;
+            scripted_emergency = chance(2000u) == 0u;
+            target_sample();
+            *running += scripted_torque != 0.0 ? 1u : 0u;
+        }
+        astray += scripted_torque != 0.0 && scripted_call_at == UINT64_MAX ? 1u : 0u;
+    }
+    return astray;
+}
+
+int main(void)
+{
+    static uint8_t frame[2048];
+    static struct frame_receiver receiver;
+    const uint8_t hello[6] = {WIRE_VERSION, HELLO, 1u, 2u, 3u, 4u};
+    unsigned taken = 0u;
+    target_begin();
+    for (unsigned i = 0; i < 100000u; i++) {
+        size_t count = storm(frame);
+        for (size_t k = 0; k < count; k++) {
+            taken += frame_take(&receiver, frame[k]) > 0u ? 1u : 0u;
+        }
+        memcpy(scripted_in, frame, count);
+        serve(count);
+    }
+    size_t answered = scripted_out_count;
+    serve(frame_encode(scripted_in, hello, sizeof hello));
+    printf("taken %u, trials %u, bytes answered %zu, to a good frame then %zu\n", taken, scripted_trials, answered,
+           scripted_out_count - answered);
+    unsigned running = 0u, astray = wander(&running);
+    printf("torque without a clock %u, locks %s, torque seen %s\n", astray,
+           scripted_locks < 100000000u && scripted_locks % 2u == 0u ? "in order" : "astray", running > 1000u ? "often" : "never");
+    return 0;
+}

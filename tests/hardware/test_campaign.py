@@ -1,0 +1,240 @@
+"""A campaign: its order, what becomes of every trial, and that the torque is off on every way out."""
+
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from hknob_cli.errors import DeviceError, RefusedError
+from hknob_cli.hardware.operator import Nobody, View, Wish
+from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.sources import move_to_earlier
+from hknob_cli.hardware.trial_file import read_trial
+from hknob_cli.recordings.read import read
+from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
+
+
+def test_every_cell_once_in_each_repeat_in_an_order_of_its_own() -> None:
+    plan = planned(SPEC + "repeats: 3\n")
+    trials = trials_of(plan)
+    assert [trial.number for trial in trials] == list(range(1, 13))
+    cells = Counter((trial.block, trial.sample_rate_hz, trial.counts_per_rev) for trial in trials)
+    assert set(cells.values()) == {1}
+    assert len(cells) == 12
+    assert trials == trials_of(plan)
+    orders = {tuple(trial[2:] for trial in trials_of(plan._replace(seed=seed))) for seed in range(20)}
+    assert len(orders) > 10
+    straight = trials_of(plan._replace(shuffled=False, repeats=1))
+    assert [trial[2:] for trial in straight] == [(1000, 256), (1000, 512), (2000, 256), (2000, 512)]
+
+
+def test_settings_of_a_trial() -> None:
+    plan = planned()
+    trial = trials_of(plan)[0]._replace(sample_rate_hz=455.0, counts_per_rev=2048)
+    settings = settings_of(plan, trial)
+    assert (settings.period_ns, settings.counts_per_rev, settings.block_samples) == (2_197_802, 2048, 5)
+    assert (settings.wall_stiffness, settings.watchdog_us) == (0.27, 40_000)
+    assert settings_of(plan, trial._replace(sample_rate_hz=25_000.0)).block_samples == 48
+
+
+def test_a_campaign_is_recorded_whole(tmp_path: Path) -> None:
+    device = Faulty()
+    done = campaign(tmp_path, device).run()
+    assert [one.trial.number for one in done] == [1, 2, 3, 4]
+    assert device.calls.count("start") == 4
+    assert device.calls[-1] == "release"
+    for one in done:
+        assert one.ended == "buzz"
+        assert (one.gaps, one.overruns) == (0, 0)
+        assert one.zero_n == pytest.approx(0.3, abs=1e-6)  # of the person's grip cell, in f32
+        assert one.table["sample"].to_numpy().tolist() == list(range(one.table.num_rows))
+    recordings = read(tmp_path / "recording" / f"{one.trial.label}.parquet" for one in done)
+    assert [trial.key.trial for trial in recordings] == [1, 2, 3, 4]
+    for trial, one in zip(recordings, done, strict=True):
+        assert np.array_equal(trial.torque_nm, one.table["torque_nm"].to_numpy())
+        on = one.table["running"].to_numpy(zero_copy_only=False)
+        held = np.arange(on.sum()) / one.trial.sample_rate_hz
+        rounding = 2.0**-23  # of forces below 2 N in f32, once for the force and once for the zero
+        assert np.allclose(trial.grip_n[on], 0.72 * (1.0 - np.exp(-held / 0.2)), rtol=0.0, atol=rounding)
+
+
+def test_a_trial_ends_when_enough_was_heard(tmp_path: Path) -> None:
+    one = campaign(tmp_path, Faulty()).run()[0]
+    running = one.table["running"].to_numpy(zero_copy_only=False)
+    start = int(np.argmax(running))
+    interval = 1.0 / one.trial.sample_rate_hz
+    assert one.settled_sample is not None
+    after = (one.table.num_rows - one.settled_sample) * interval
+    assert 0.2 <= after <= 0.2 + 3 * 0.01  # the most, in whole blocks of 10 ms, and the block of the phase's change
+    grip = one.table["grip_n"].to_numpy()
+    held = np.flatnonzero(np.abs(grip[start:] - 0.71) <= 0.15)[0] * interval
+    settled = (one.settled_sample - start) * interval
+    assert held + 0.05 - 0.02 <= settled <= held + 0.05 + 0.02
+
+
+def test_rest_is_believed(tmp_path: Path) -> None:
+    """No wall, no buzz: the hand's spring and damper bring the knob to rest."""
+    done = campaign(tmp_path, Faulty(), planned(SPEC + "wall: {stiffness: 0}\n")).run()
+    assert {one.ended for one in done} == {"rest"}
+
+
+def test_a_grip_that_is_never_held_ends_at_the_longest(tmp_path: Path) -> None:
+    text = SPEC.replace("longest: 2", "longest: 0.4") + "grip: {target: 2.0}\n"
+    done = campaign(tmp_path, Faulty(), planned(text)).run()
+    assert {(one.ended, one.settled_sample) for one in done} == {("longest", None)}
+
+
+def test_a_fault_leaves_everything_on_the_disk_and_the_next_run_goes_on(tmp_path: Path) -> None:
+    whole = campaign(tmp_path / "whole", Faulty()).run()
+    (tmp_path / "out").mkdir()
+    device = Faulty(fail_at=70)
+    with pytest.raises(DeviceError) as error:
+        campaign(tmp_path / "out", device).run()
+    assert device.calls[-1] == "release"
+    trial = trials_of(planned())[device.calls.count("start") - 1]
+    said = str(error.value)
+    place = f"trial {trial.number} of 4 ({trial.sample_rate_hz:g} Hz, {trial.counts_per_rev} counts): the link is cut"
+    assert said.startswith(place)
+    assert "torque released" in said
+    assert "run the same command again" in said
+    kept = read_trial(tmp_path / "out" / "recording" / "aborted" / f"{trial.label}_1.parquet")
+    assert kept is not None
+    again = Faulty()
+    done = campaign(tmp_path / "out", again).run()
+    assert again.calls.count("start") == 4 - (trial.number - 1)
+    for one, other in zip(done, whole, strict=True):
+        assert one == other
+    assert kept.table.equals(whole[trial.number - 1].table.slice(0, kept.table.num_rows))
+    assert kept.table.num_rows > 0
+
+
+@pytest.fixture(autouse=True)
+def _folders(tmp_path: Path) -> None:
+    (tmp_path / "whole").mkdir()
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt(), MemoryError(), OSError(5, "Input/output error")])
+def test_released_whatever_is_raised(tmp_path: Path, error: BaseException) -> None:
+    for at in (1, 3, 20, 65):
+        device = Faulty(fail_at=at, error=error)
+        said: list[str] = []
+        with pytest.raises(type(error)):
+            campaign(tmp_path, device, say=said.append).run()
+        assert device.calls[-1] == "release"
+        assert bool(said) == isinstance(error, KeyboardInterrupt)
+
+
+class Asking(Nobody):
+    """An operator with a wish at one of the looks."""
+
+    def __init__(self, wish: Wish, at: int) -> None:
+        self.wish, self.at, self.looks = wish, at, 0
+        self.seen: list[View] = []
+
+    def look(self, view: View) -> Wish:
+        self.looks += 1
+        self.seen.append(view)
+        return self.wish if self.looks == self.at else Wish.GO_ON
+
+
+def test_the_operator_ends_a_trial(tmp_path: Path) -> None:
+    done = campaign(tmp_path, Faulty(), operator=Asking(Wish.END, 40)).run()
+    assert [one.ended for one in done] == ["operator", "buzz", "buzz", "buzz"]
+
+
+def test_the_operator_repeats_a_trial(tmp_path: Path) -> None:
+    device = Faulty()
+    done = campaign(tmp_path, device, operator=Asking(Wish.REPEAT, 40)).run()
+    assert device.calls.count("start") == 5
+    assert [one.ended for one in done] == ["buzz"] * 4
+    assert len(list((tmp_path / "recording" / "aborted").iterdir())) == 1
+
+
+def test_the_operator_stops(tmp_path: Path) -> None:
+    device, said = Faulty(), []
+    with pytest.raises(KeyboardInterrupt):
+        campaign(tmp_path, device, operator=Asking(Wish.STOP, 40), say=said.append).run()
+    assert device.calls[-1] == "release"
+    assert "torque released" in said[0]
+
+
+def test_what_the_operator_sees(tmp_path: Path) -> None:
+    operator = Asking(Wish.GO_ON, 0)
+    campaign(tmp_path, Faulty(), operator=operator).run()
+    first = [view for view in operator.seen if view.trial.number == 1]
+    assert list(dict.fromkeys(view.state for view in first)) == ["zero", "grip", "buzz"]
+    assert first[-1].grip_n == pytest.approx(0.72, abs=0.15)
+    assert all(view.trials == 4 for view in first)
+
+
+def test_recordings_of_a_device_are_kept(tmp_path: Path) -> None:
+    campaign(tmp_path, Faulty(), is_source=True).run()
+    before = {path.name: path.read_bytes() for path in (tmp_path / "recording").glob("*.parquet")}
+    device = Faulty()
+    with pytest.raises(RefusedError, match="made with another spec"):
+        campaign(tmp_path, device, identity="other", is_source=True).run()
+    assert device.calls == []
+    assert {path.name: path.read_bytes() for path in (tmp_path / "recording").glob("*.parquet")} == before
+    assert move_to_earlier(tmp_path) == tmp_path / "earlier" / "1"
+    campaign(tmp_path, device, identity="other", is_source=True).run()
+    assert device.calls.count("start") == 4
+    assert len(list((tmp_path / "earlier" / "1" / "recording").glob("*.parquet"))) == 4
+
+
+def test_what_was_computed_gives_way(tmp_path: Path) -> None:
+    campaign(tmp_path, Faulty()).run()
+    device = Faulty()
+    campaign(tmp_path, device, identity="other").run()
+    assert device.calls.count("start") == 4
+
+
+def test_a_folder_that_is_half_removed_is_no_hindrance(tmp_path: Path) -> None:
+    campaign(tmp_path, Faulty()).run()
+    plain = shutil.rmtree
+
+    def cut_short(path: Path) -> None:
+        (path / "campaign.json").unlink()
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shutil, "rmtree", cut_short)
+        with pytest.raises(KeyboardInterrupt):
+            campaign(tmp_path, Faulty())._archive.leave()
+    assert shutil.rmtree is plain
+    assert len(campaign(tmp_path, Faulty(), identity="other").run()) == 4
+    assert {path.name for path in tmp_path.iterdir()} == {"recording", "whole"}
+
+
+def test_a_folder_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+    (tmp_path / "recording").mkdir()
+    (tmp_path / "recording" / "song.wav").write_text("mine")
+    with pytest.raises(RefusedError, match="not written by hknob"):
+        campaign(tmp_path, Faulty()).run()
+    assert (tmp_path / "recording" / "song.wav").read_text() == "mine"
+
+
+def test_another_encoder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DeviceError):
+        campaign(tmp_path, Faulty(fail_at=70), is_source=True).run()
+    other = Faulty()
+    other._identity = other._identity._replace(native_counts=4096, name="other")
+    with pytest.raises(RefusedError, match="'other' has 4096 counts"):
+        campaign(tmp_path, other, is_source=True).run()
+    assert other.calls.count("start") == 0
+
+
+@pytest.mark.parametrize("damage", ["cut", "garbage", "empty", "middle"])
+def test_a_broken_journal_is_kept_and_the_trial_done_again(tmp_path: Path, damage: str) -> None:
+    with pytest.raises(MemoryError):
+        campaign(tmp_path, Faulty(fail_at=30, error=MemoryError())).run()
+    folder = tmp_path / "recording"
+    label = trials_of(planned())[0].label
+    kept = folder / "aborted" / f"{label}_1.parquet"
+    assert kept.exists()
+    part = folder / f"{label}.part"
+    content = {"cut": b"hknob trial 1\n\x07", "garbage": b"\x00" * 999, "empty": b"", "middle": b"hknob trial 1\nxxxx"}
+    part.write_bytes(content[damage])
+    assert len(campaign(tmp_path, Faulty()).run()) == 4
+    assert (folder / "aborted" / f"{label}_2.part").read_bytes() == content[damage]

@@ -1,0 +1,274 @@
+"""A session against a made-up target, in made-up time: any loss is made good, or ends the trial with its reason."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.commands import Command, Configure, Plain
+from hknob_cli.hardware.wire.sending import AGAIN_AFTER_S, TIMES_AGAIN, Sending
+from hknob_cli.hardware.wire.session import READER_PATIENCE_S, Session
+from tests.hardware.fake_target import FakeTarget, Manners, made_up, spoiler
+from tests.hardware.golden import SETTINGS
+
+STEP_S = 0.0025
+
+
+class Wire:
+    """A session and a target, joined by what may spoil frames to the target; the target's manners spoil the others."""
+
+    def __init__(self, manners: Manners | None = None, *, back: Callable[[bytes], bytes] = lambda data: data) -> None:
+        self.session = Session(first_nonce=0xFFFFFFF0)  # wraps round soon
+        self.target = FakeTarget(manners)
+        self.target.manners.simulated = False
+        self.now = 0.0
+        self.got: list[Block] = []
+        self._back = back
+
+    def go(self, seconds: float, *, reading: bool = True) -> None:
+        end = self.now + seconds
+        while self.now < end:
+            self.step(reading=reading)
+
+    def step(self, *, reading: bool = True) -> None:
+        self.now += STEP_S
+        self.session.feed(self.target.go_on(self.now), now=self.now)
+        due = self.session.due(self.now)
+        for piece in due.split(b"\0")[:-1]:
+            self.session.feed(self.target.feed(self._back(piece + b"\0"), now=self.now), now=self.now)
+        while reading and (block := self.session.take()) is not None:
+            self.got.append(block)
+
+    def ask(self, make: Callable[[int], Command]) -> Any:
+        nonce = self.session.command(make)
+        while self.session.is_waiting(nonce):
+            self.step()
+        answer = self.session.answer
+        return answer if answer is not None and answer.nonce == nonce else None
+
+    def do(self, kind: Kind) -> Any:
+        return self.ask(lambda nonce: Plain(kind, nonce))
+
+    def arm(self, told: Settings = SETTINGS) -> None:
+        assert self.do(Kind.HELLO)
+        assert self.ask(lambda nonce: Configure(nonce, told))
+        assert self.do(Kind.ARM)
+
+
+def assert_whole(blocks: list[Block], *, samples: int) -> None:
+    """Every sample of the made-up signal, once."""
+    assert [block.first for block in blocks] == list(np.cumsum([0, *(len(each.time_us) for each in blocks)])[:-1])
+    if not blocks:
+        assert samples == 0
+        return
+    expected = made_up(0, samples, SETTINGS.period_ns * 1e-3, started=None)
+    for name in ("time_us", "angle_counts", "torque_nm", "grip_n"):
+        joined = np.concatenate([getattr(each, name) for each in blocks])
+        np.testing.assert_array_equal(joined, getattr(expected, name))
+
+
+def samples_made(wire: Wire) -> int:
+    return sum(len(each.samples.time_us) for each in wire.target.blocks)
+
+
+def trial(wire: Wire) -> None:
+    wire.go(0.1)
+    assert wire.do(Kind.START).state is State.RUNNING
+    wire.go(0.4)
+    ack = wire.do(Kind.STOP)
+    assert ack.status is Status.DONE
+    while not wire.session.is_finished and wire.session.failure is None:
+        wire.step()
+
+
+def test_a_trial() -> None:
+    wire = Wire()
+    wire.arm()
+    trial(wire)
+    assert wire.session.failure is None
+    assert_whole(wire.got, samples=samples_made(wire))
+    assert len(wire.got) == len(wire.target.blocks)
+    started = next(i for i, on in enumerate(np.concatenate([each.running for each in wire.got])) if on)
+    assert started == pytest.approx(0.1 / SETTINGS.interval_s, abs=2 * STEP_S / SETTINGS.interval_s)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_frames_lost_cut_changed_and_doubled_both_ways_cost_no_sample(seed: int) -> None:
+    """Three frames in a hundred, the same ones each time the test is run."""
+    wire = Wire(Manners(out=spoiler(seed, share=0.03)), back=spoiler(-seed - 1, share=0.03))
+    wire.arm(SETTINGS._replace(watchdog_us=50_000))
+    trial(wire)
+    assert wire.session.failure is None
+    assert_whole(wire.got, samples=samples_made(wire))
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 2**32), st.integers(0, 2**32), st.floats(0.0, 0.5))
+def test_on_the_worst_of_wires_samples_are_whole_up_to_where_a_trial_fails(there: int, back: int, share: float) -> None:
+    """So much is lost that the watchdog may trip, or a block never come; what is handed on has no hole."""
+    wire = Wire()
+    wire.arm()
+    wire.target.manners.out, wire._back = spoiler(there, share=share), spoiler(back, share=share)
+    wire.go(0.1)
+    wire.do(Kind.START)
+    wire.go(0.3)
+    stopped = wire.do(Kind.STOP)
+    wire.go(0.3)
+    assert_whole(wire.got, samples=sum(len(each.time_us) for each in wire.got))
+    assert wire.session.is_finished or wire.session.failure is not None
+    if stopped is not None and stopped.status is Status.DONE and wire.session.failure is None:
+        assert sum(len(each.time_us) for each in wire.got) == samples_made(wire)
+
+
+def test_a_command_sent_again_is_carried_out_once() -> None:
+    """The first ACK of each command is lost: the target answers the second time, and does nothing twice."""
+    lost: set[bytes] = set()
+
+    def lose_first(data: bytes) -> bytes:
+        if data in lost or len(data) > 40:
+            return data
+        lost.add(data)
+        return b""
+
+    wire = Wire(Manners(out=lose_first))
+    wire.arm()
+    run = wire.target.run
+    assert wire.target.heard.count(Kind.ARM) == 2
+    assert wire.do(Kind.START).status is Status.DONE
+    assert wire.target.run == run
+
+
+def test_a_command_is_sent_six_times_30_ms_apart_and_given_up() -> None:
+    sending = Sending(nonce=1, kind=Kind.HELLO, data=b"hello")
+    times = [ms for ms in range(400) if sending.due(ms * 1e-3)]
+    assert times == [round(1e3 * AGAIN_AFTER_S) * count for count in range(TIMES_AGAIN + 1)]
+    assert not sending.is_given_up(0.179)
+    assert sending.is_given_up(0.181)
+
+
+def test_alive_is_sent_every_10_ms_from_arming_to_the_end_and_not_otherwise() -> None:
+    wire = Wire()
+    wire.do(Kind.HELLO)
+    wire.go(0.1)
+    assert wire.target.heard.count(Kind.ALIVE) == 0
+    wire.ask(lambda nonce: Configure(nonce, SETTINGS))
+    wire.do(Kind.ARM)
+    before = wire.target.heard.count(Kind.ALIVE)
+    wire.go(1.0)
+    assert wire.target.heard.count(Kind.ALIVE) - before in (99, 100, 101)
+    wire.do(Kind.STOP)
+    wire.go(0.05)
+    after = wire.target.heard.count(Kind.ALIVE)
+    wire.go(0.1)
+    assert wire.target.heard.count(Kind.ALIVE) == after
+
+
+@pytest.mark.parametrize("fault", [trip for trip in Trip if trip is not Trip.NONE])
+def test_a_trip_hands_on_all_samples_then_says_why(fault: Trip) -> None:
+    wire = Wire(Manners(trip=(17, fault), hide=set()))
+    wire.arm()
+    wire.go(0.5)
+    assert_whole(wire.got, samples=17 * SETTINGS.block_samples)
+    assert wire.session.failure is not None
+    assert "took its torque off at sample 680" in wire.session.failure
+    assert wire.do(Kind.RELEASE).state is State.IDLE
+
+
+def test_a_lost_block_that_never_comes_ends_the_trial_and_releases() -> None:
+    wire = Wire(Manners(hide={5}))
+    wire.arm()
+    wire.do(Kind.START)
+    wire.go(0.4)
+    assert_whole(wire.got, samples=5 * SETTINGS.block_samples)
+    assert wire.session.failure == "blocks 5 to 5 were lost, and did not come when asked for again"
+    assert wire.target.state is State.IDLE
+    assert wire.target.heard[-1] is Kind.RELEASE
+
+
+def test_silence_ends_the_trial_within_200_ms() -> None:
+    wire = Wire(Manners(silent_at=10))
+    wire.arm()
+    wire.go(0.1)
+    wire.go(0.2)
+    assert wire.session.failure is not None
+    assert "no samples came for 10" in wire.session.failure
+    assert "is it on, and is the cable in?" in wire.session.failure
+    assert_whole(wire.got, samples=10 * SETTINGS.block_samples)
+
+
+def test_a_target_that_restarted_is_recognised() -> None:
+    wire = Wire(Manners(restart_at=10))
+    wire.arm()
+    wire.go(0.4)
+    assert wire.session.failure is not None
+    assert "has restarted" in wire.session.failure
+    assert_whole(wire.got, samples=10 * SETTINGS.block_samples)
+
+
+def test_a_target_that_answers_but_does_not_sample_is_told_apart() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    wire.target.state = State.IDLE
+    wire.go(0.2)
+    assert wire.session.failure is not None
+    assert "it answers, but is not sampling" in wire.session.failure
+
+
+def test_torque_is_not_left_on_when_nobody_takes_the_samples() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.do(Kind.START)
+    wire.go(READER_PATIENCE_S[State.RUNNING] - 0.1, reading=False)
+    assert wire.target.state is State.RUNNING
+    wire.go(0.2, reading=False)
+    assert wire.target.state is State.IDLE
+    assert wire.session.failure is not None
+    assert "nobody took the samples for 2 s" in wire.session.failure
+    kept = len(wire.session.ready)
+    wire.go(1.0, reading=False)
+    assert len(wire.session.ready) == kept
+
+
+def test_blocks_of_the_run_before_are_not_taken_for_this_one() -> None:
+    wire = Wire()
+    wire.arm()
+    trial(wire)
+    old = wire.target.blocks[0]
+    wire.got.clear()
+    assert wire.do(Kind.ARM)
+    wire.session.feed(wire.target._send(old), now=wire.now)
+    wire.go(0.1)
+    assert wire.got
+    assert_whole(wire.got, samples=sum(len(each.time_us) for each in wire.got))
+
+
+@pytest.mark.parametrize(
+    ("manners", "said"),
+    [(Manners(backwards_at=3), "clock runs backwards near sample 120"), (Manners(shifted_at=3), "sample 121, where")],
+)
+def test_samples_that_cannot_be_end_the_trial(manners: Manners, said: str) -> None:
+    wire = Wire(manners)
+    wire.arm()
+    wire.go(0.2)
+    assert wire.session.failure is not None
+    assert said in wire.session.failure
+    assert_whole(wire.got, samples=3 * SETTINGS.block_samples)
+    assert wire.target.state is State.IDLE
+
+
+def test_after_release_the_watchdog_is_left_to_do_its_work() -> None:
+    """The answer never comes, so that RELEASE is sent six times: no ALIVE in between or after."""
+    wire = Wire()
+    wire.arm()
+    wire.do(Kind.START)
+    wire.target.manners.mute = True
+    wire.session.command(lambda nonce: Plain(Kind.RELEASE, nonce))
+    before = len(wire.target.heard)
+    wire.go(0.5)
+    assert wire.target.heard[before:] == [Kind.RELEASE] * 6

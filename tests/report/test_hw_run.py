@@ -1,0 +1,52 @@
+"""The summary of a campaign: Table 8's means and deviations from its sixteen numbers; cells over repeats."""
+
+from typing import Any
+
+from hknob_cli.printed.tables import table
+from hknob_cli.report.hw_run import cells_of, grip_table
+
+RATES = (455, 1000, 2000, 4000)
+
+
+def trial(counts: int, rate: float, **values: Any) -> dict[str, Any]:
+    plain = {"sustained": True, "p2p_rad": 1e-3, "rms_rad": 4e-4, "frequency_hz": 80.0, "grip_mean_n": 0.7}
+    return {"counts_per_rev": counts, "sample_rate_hz": float(rate), **plain, **values}
+
+
+def test_the_grip_table_has_the_margins_that_table_8_prints() -> None:
+    """Of the printed numbers, which are rounded: so is the margin that is printed, and the one that is shown.
+
+    Numbers that are off by at most 0.005 N put a mean off by as much, and a sample deviation of four by at most
+    0.005 sqrt(4 / 3); with two roundings of 0.005 N more neither can be further than 0.0158 N from the print.
+    """
+    printed = table(8)
+    rows = [row for row in printed if isinstance(row["encoder_bits"], float)]
+    force = {
+        (2 ** int(row["encoder_bits"]), rate): row[name]
+        for row in rows
+        for rate, name in zip(RATES, [key for key in row if key.startswith("grip_")], strict=True)
+    }
+    assert len(force) == 16
+    cells = cells_of([trial(counts, rate, grip_mean_n=value) for (counts, rate), value in force.items()])
+    lines = [line.split() for line in grip_table(cells)[3:]]
+    assert [line[0] for line in lines] == ["256", "512", "1024", "2048", "mean", "std"]
+    for line, row in zip(lines[:4], rows, strict=True):
+        margins = [value for key, value in row.items() if "mean" in key or "std" in key]
+        assert len(margins) == 2
+        for found, expected in zip(line[5:], margins, strict=True):
+            assert abs(float(found) - expected) <= 0.0158
+    assert [float(text) for text in lines[4][1:]] == [0.70, 0.70, 0.72, 0.75, 0.72]
+    assert lines[5][-1] == "0.05"
+
+
+def test_cells_are_means_over_the_repeats_that_buzzed() -> None:
+    rows = [
+        trial(256, 1000, p2p_rad=1e-3, grip_mean_n=0.6),
+        trial(512, 1000, sustained=False, p2p_rad=0.0, frequency_hz=0.0),
+        trial(256, 1000, p2p_rad=3e-3, grip_mean_n=0.8, frequency_hz=100.0),
+        trial(256, 1000, sustained=False, p2p_rad=0.0, grip_mean_n=0.7, frequency_hz=0.0),
+    ]
+    one, other = cells_of(rows)
+    assert (one["trials"], one["sustained"], one["p2p_rad"], one["frequency_hz"]) == (3, 2, 2e-3, 90.0)
+    assert round(one["grip_mean_n"], 12) == 0.7
+    assert (other["trials"], other["sustained"], other["p2p_rad"], other["frequency_hz"]) == (1, 0, 0.0, 0.0)
