@@ -25,6 +25,8 @@ MODULES: dict[str, str] = {
     "block_diagram": "relay_loop",
     "cases": "cases",
     "contact_energy": "contact",
+    "cycle_spectra": "spectra",
+    "equal_loudness": "senses",
     "error_time": "error_time",
     "fourth_beside_second": "fourth_fit",
     "grasp_parameters": "grasp",
@@ -48,12 +50,14 @@ MODULES: dict[str, str] = {
     "population": "population",
     "pulse_terms": "pulse",
     "pulse_vectors": "recorded",
+    "remedy_dots": "remedies",
     "saturated_map": "saturated",
     "schematic": "schematic",
     "stability_table": "verdicts",
     "staircase": "staircase",
     "surface": "surface",
     "time_response": "motion",
+    "touch_thresholds": "senses",
     "trial_thumbnails": "recorded",
 }
 
