@@ -1,14 +1,16 @@
 """Bounces of recorded cycles, one by one: how large, how fast, and which of them are out of the ordinary."""
 
 import itertools
+from math import floor, pi
 from statistics import median
 from typing import NamedTuple
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.motion import Point, trials
-from hknob_cli.claims.checks.rows import Where, one_number, percent
+from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import Evidence
+from hknob_cli.spec.plan import COUNTS, RATE
 
 ERRANT = 2.0  # times the median bounce of a trial: above it a bounce is errant
 
@@ -47,17 +49,36 @@ def errant_trials(evidence: Evidence, result: str, after: float, where: Where | 
 def errant_rate(
     evidence: Evidence, result: str, after: float, runs: bool = False, where: Where | None = None
 ) -> float | None:
-    """Errant bounces a second, over the trials that have any; ``after``: s, when the motion is steady.
+    """Errant bounces a second: how many follow the first of a trial, over the time from it to the last; all trials.
 
-    ``runs``: errant bounces in a row count as one.
+    ``after``: s, when the motion is steady. ``runs``: errant bounces in a row count as one.
     """
     count, seconds = 0, 0.0
     for trial in _bounces(evidence, result, after, where):
-        if any(one.errant for one in trial):
-            before = [False, *(one.errant for one in trial)]
-            count += sum(one.errant and not (runs and last) for one, last in zip(trial, before, strict=False))
-            seconds += sum(one.seconds for one in trial)
+        begins = [0.0, *itertools.accumulate(one.seconds for one in trial)]
+        before = [False, *(one.errant for one in trial)]
+        found = [
+            begin for one, begin, last in zip(trial, begins, before, strict=False) if one.errant and not (runs and last)
+        ]
+        count += max(0, len(found) - 1)
+        seconds += found[-1] - found[0] if found else 0.0
     return count / seconds if seconds else None
+
+
+@check
+def worst_crossing(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+    """How late, in sample periods, the crossing is seen that leads to a trial's largest excursion.
+
+    Mean over the trials that have errant bounces. An excursion is the farthest from a count edge between two crossings
+    of it; crossings are interpolated between rows. ``after``: s, when the motion is steady.
+    """
+    row = rows_of(evidence, result, "trajectories", where, needs=[RATE, COUNTS])[0]
+    quantum, rate = 2.0 * pi / row[COUNTS], row[RATE]
+    tracks = _steady(evidence, result, after, where)
+    some = [track for track in tracks if any(one.errant for one in judged(_turns(track)))]
+    return one_number(
+        (None if (late := worst_delay(track, quantum)) is None else late * rate for track in some), "mean"
+    )
 
 
 @check
@@ -99,6 +120,25 @@ def _aspect(track: list[Point]) -> float | None:
     angles, speeds = [point.angle for point in track], [point.velocity for point in track]
     width = max(angles) - min(angles)
     return (max(speeds) - min(speeds)) / width if width > 0.0 else None
+
+
+def worst_delay(track: list[Point], quantum: float) -> float | None:
+    """Time, s, from the crossing before the largest excursion to the next sample; None without one."""
+    samples = [point.time for point in track if point.event == "sample"]
+    crossings: list[tuple[float, float, float]] = []  # when, of which edge, and how far the knob then goes
+    for a, b in itertools.pairwise(track):
+        low, high = sorted(floor(point.angle / quantum) for point in (a, b))
+        if low != high:
+            edge = high * quantum
+            at = a.time + (b.time - a.time) * (edge - a.angle) / (b.angle - a.angle)
+            crossings.append((at, edge, 0.0))
+        if crossings:
+            at, edge, far = crossings[-1]
+            crossings[-1] = (at, edge, max(far, abs(b.angle - edge)))
+    if not crossings:
+        return None
+    worst = max(crossings, key=lambda crossing: crossing[2])[0]
+    return next((time - worst for time in samples if time >= worst), None)
 
 
 def _steady(evidence: Evidence, result: str, after: float, where: Where | None) -> list[list[Point]]:
