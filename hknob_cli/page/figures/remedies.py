@@ -42,7 +42,7 @@ def remedy_dots(evidence: Evidence, of: str, *, case: str) -> "Figure":
     panels[2].set_xlabel("times the plain wall's\n(\N{BLACK CIRCLE} stiffness, \N{WHITE CIRCLE} knock)")
     panels[2].axvline(1.0, color="black", linewidth=0.6, alpha=0.5)
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside upper right", ncols=min(3, len(labels)))
+    figure.legend(handles, labels, loc="outside upper left", ncols=min(3, len(labels)))
     return figure
 
 
