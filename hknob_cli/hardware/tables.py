@@ -10,7 +10,8 @@ from hknob_cli.hardware.course import Ended
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.timing import audit
 from hknob_cli.hardware.trial_file import Recorded
-from hknob_cli.measure.recorded import measure_trial
+from hknob_cli.measure.recorded import TrialMeasures, measure_trial
+from hknob_cli.measure.torque_rises import torque_rises_hz
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.hw_run_columns import TIMING, TRIALS
 from hknob_cli.spec.campaign import CoursePlan
@@ -45,6 +46,8 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "p2p_rad": measured.p2p_rad,
         "rms_rad": measured.rms_rad,
         "frequency_hz": measured.frequency_hz,
+        "cycle_hz": measured.cycle_hz,
+        "torque_hz": _torque_hz(column, measured),
         "grip_mean_n": measured.grip_mean_n,
         "grip_std_n": measured.grip_std_n,
         "grip_zero_n": one.zero_n,
@@ -61,6 +64,12 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "device": one.device,
         "native_counts": one.native_counts,
     }
+
+
+def _torque_hz(column: dict[str, Any], measured: TrialMeasures) -> float:
+    """Rises of the torque per second in the steady part; 0 at rest."""
+    part = slice(measured.steady[0], measured.steady[1] + 1)
+    return torque_rises_hz(column["time_s"][part], column["torque_nm"][part]) if measured.sustained else 0.0
 
 
 def _settled_s(one: Recorded) -> float | None:

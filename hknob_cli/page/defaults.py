@@ -2,8 +2,9 @@
 
 from typing import Any
 
+from hknob_cli.page.figures.campaign_samples import MOST
 from hknob_cli.report.perceived import perceived_levels
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
 from hknob_cli.spec.plan import PERSON
 
@@ -14,7 +15,14 @@ def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
 
 
 def _chapter(result: Result) -> ChapterPlan:
-    kinds = {"sweep": _sweep, "dfa": _methods, "predict": _laws, "bench": _bench, "sysid": _identified}
+    kinds = {
+        "sweep": _sweep,
+        "dfa": _methods,
+        "predict": _laws,
+        "bench": _bench,
+        "sysid": _identified,
+        CAMPAIGN: _campaign,
+    }
     figures = kinds.get(result.stage, _none)(result)
     return ChapterPlan(f"{result.name} ({result.stage})", "", tuple(figures))
 
@@ -100,6 +108,19 @@ def _identified(result: Result) -> list[FigurePlan]:
     return figures
 
 
+def _campaign(result: Result) -> list[FigurePlan]:
+    figures = []
+    if len(_wide(result, "cells")) == 2:
+        figures = [
+            _figure(result, "grid_map", "peak to peak", _TRIALS, column="p2p_rad"),
+            _figure(result, "grid_map", "frequency", _TRIALS, column="frequency_hz"),
+        ]
+    cells = result.rows("cells")
+    if max(len({row[axis] for row in cells}) for axis in result.axes) <= MOST:
+        figures.append(_figure(result, "campaign_thumbnails", "motion", "The end of each trial."))
+    return figures
+
+
 def _none(_result: Result) -> list[FigurePlan]:
     return []
 
@@ -108,12 +129,13 @@ _NOTICED = "Of the most noticeable orbit of each cell, against published thresho
 _MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
+_TRIALS = "Means over the trials of a cell, cycles per second; trials without a sustained buzz are at rest."
 _DOTS = "A dot for each orbit, sized by its share of the trials."
 _LARGEST = "Of several cycles in a cell the largest."
 
 
 def sentences_of(evidence: Evidence) -> tuple[str, ...]:
-    """A sentence for each sweep: how many cells, how large, what pitch, how surely."""
+    """A sentence for each sweep, and each campaign on a knob: how many cells, how large, what pitch, how surely."""
     return tuple(text for name in evidence.names if (text := _sentence(evidence[name])))
 
 
@@ -129,8 +151,12 @@ def _sentence(result: Result) -> str:
         return f"{cells}, the knob comes to rest in all." if resting else ""
     sizes = [1e3 * row["p2p_rad"] for row in moving]
     pitches = [row["frequency_hz"] for row in moving]
-    proven = min(row["certified_fraction"] for row in rows)
-    surely = "every trial proven" if proven == 1.0 else f"at least {100 * proven:.0f} % of the trials of a cell proven"
+    if result.stage == CAMPAIGN:
+        surely = "recorded"
+    else:
+        proven = min(row["certified_fraction"] for row in rows)
+        every = proven == 1.0
+        surely = "every trial proven" if every else f"at least {100 * proven:.0f} % of the trials of a cell proven"
     still = sum(row["at_rest_fraction"] == 1.0 for row in rows)
     rest = f"; at rest in {still}" if still else ""
     return (

@@ -10,11 +10,13 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
+from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.provenance import KEY
-from hknob_cli.spec.plan import PERSON, Hand, Scene
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, Scene
 
 Rows = list[dict[str, Any]]
+CAMPAIGN = "hw-run"
 
 
 class MissingError(UsageError):
@@ -31,15 +33,27 @@ class Result:
         self._tables: dict[str, pa.Table] = {}
 
     def table(self, file: str) -> pa.Table:
-        """A table, by file name with or without ``.parquet``. Raises `MissingError`."""
+        """A table, by file name with or without ``.parquet``. Raises `MissingError`.
+
+        A campaign on a knob has ``cells``, too, which are made of its trials.
+        """
         file = f"{file.removesuffix('.parquet')}.parquet"
         if file not in self._tables:
+            if file == "cells.parquet" and file not in self.files and self.stage == CAMPAIGN:
+                self._tables[file] = self._cells_of_trials()
+                return self._tables[file]
             try:
                 with pq.ParquetFile(self.folder / file) as parquet:
                     self._tables[file] = parquet.read()
             except (OSError, pa.ArrowException):
                 raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
         return self._tables[file]
+
+    def _cells_of_trials(self) -> pa.Table:
+        trials = self.table("trials")
+        if lacking := sorted(set(NEEDED) - set(trials.column_names)):
+            raise MissingError(f"no column {', '.join(lacking)} in trials of '{self.name}'")
+        return campaign_cells(trials.to_pylist())
 
     def rows(self, file: str) -> Rows:
         """The same as a list of rows. Raises `MissingError`."""
@@ -70,6 +84,8 @@ class Result:
     @property
     def axes(self) -> list[str]:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
+        if self.stage == CAMPAIGN:
+            return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
         grid = self.provenance["spec"].get("grid") or {}
         return [*grid, *([PERSON] if self.provenance["spec"].get("population") else [])]
 

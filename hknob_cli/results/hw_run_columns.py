@@ -26,10 +26,23 @@ TRIAL_KEYS = (
 )
 TRIALS = (
     *TRIAL_KEYS,
-    Column("sustained", _FLAG, "", "whether it still buzzed at the end"),
+    Column(
+        "sustained",
+        _FLAG,
+        "",
+        "whether the torque changed at least every 50 ms for as long as the least buzz asked for (1 s), without a "
+        "break, anywhere in the trial",
+    ),
     Column("p2p_rad", _REAL, "rad", "mean local maximum minus mean local minimum of the steady part; 0 at rest"),
     Column("rms_rad", _REAL, "rad", "root mean square about the mean of the steady part; 0 at rest"),
-    Column("frequency_hz", _REAL, "Hz", "principal frequency of the steady part; 0 at rest"),
+    Column(
+        "frequency_hz",
+        _REAL,
+        "Hz",
+        "principal frequency of the steady part, the highest peak of its spectrum; 0 at rest",
+    ),
+    Column("cycle_hz", _REAL, "Hz", "local maxima per second of the steady part, as a sweep counts cycles; 0 at rest"),
+    Column("torque_hz", _REAL, "Hz", "rises of the torque per second, one a cycle below a count in size; 0 at rest"),
     Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
     Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),
     Column("grip_zero_n", _REAL, "N", "what the grip cell showed before the start, subtracted"),

@@ -20,6 +20,9 @@ Draw = Literal[
     "all_persons",
     "bias_curves",
     "block_diagram",
+    "campaign_lines",
+    "campaign_thumbnails",
+    "campaign_trial",
     "cases",
     "contact_energy",
     "cycle_spectra",
@@ -54,8 +57,10 @@ Draw = Literal[
     "staircase",
     "surface",
     "time_response",
+    "torque_reach",
     "touch_thresholds",
     "trial_thumbnails",
+    "what_explains",
 ]
 
 

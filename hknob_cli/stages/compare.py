@@ -79,11 +79,16 @@ _INSIDE = "_in_domain"
 class Against:
     """The cells of a sweep, by the axis values of another grid."""
 
-    def __init__(self, folder: str, axes: Axes) -> None:
-        """Read them. Raises `UsageError` if the sweep's axes are others, or no cell is common to both."""
-        path = sweep_file(folder)
-        with pq.ParquetFile(path) as file:
-            table = file.read()
+    def __init__(self, folder: str, axes: Axes, *, table: pa.Table | None = None) -> None:
+        """Read them, unless ``table`` has them: a campaign's trials as cells.
+
+        Raises `UsageError` if the sweep's axes are others, or no cell is common to both.
+        """
+        path = Path(folder)
+        if table is None:
+            path = sweep_file(folder)
+            with pq.ParquetFile(path) as file:
+                table = file.read()
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")

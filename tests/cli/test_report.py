@@ -121,7 +121,7 @@ BAD = {
     "unknown drawing": (
         "draw: grid_map, of: mine",
         "draw: gridmap, of: mine",
-        "figures[0].draw: must be 'block",
+        "figures[0].draw: must be 'all_persons',",
     ),
     "same id": ("fig-gone", "fig-size", "chapters[0].figures[1].id: must be unique, got 'fig-size' again"),
     "id": ("id: fig-size", "id: top", "chapters[0].figures[0].id: must match pattern"),

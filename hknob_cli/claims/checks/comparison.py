@@ -5,7 +5,7 @@ from typing import Any
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, matching, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Rows
 
 QUANTITIES = {"p2p": "p2p_difference", "amplitude": "amplitude_difference", "frequency": "frequency_difference"}
 _NEEDS = ("p2p_rad", "frequency_hz")
@@ -147,18 +147,21 @@ def _differences(
 
 
 def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:
-    """The rows with the sweep's values and the differences; what rests has none."""
-    from hknob_cli.stages.compare import Against
+    """The rows with the values of the sweep, or campaign, and the differences; what rests has none."""
+    from hknob_cli.stages.compare import Against, cycling
 
     values: dict[str, Any] = {axis: sorted({row[axis] for row in rows}) for axis in evidence[result].axes}
-    sweep = Against(str(evidence[against].folder), values)
+    recorded = evidence[against].table("cells") if evidence[against].stage == CAMPAIGN else None
+    sweep = Against(str(evidence[against].folder), values, table=recorded)
     own = Against(str(evidence[result].folder), values) if evidence[result].stage == "sweep" else None
     joined = []
     for row in rows:
         p2p, frequency = (row[name] or None for name in _NEEDS)
         if own:
-            cycling = own.columns(row, p2p_rad=None, frequency_hz=None)
-            p2p, frequency = (cycling[f"sweep_{name}"] for name in _NEEDS)
+            means = own.columns(row, p2p_rad=None, frequency_hz=None)
+            p2p, frequency = (means[f"sweep_{name}"] for name in _NEEDS)
+        elif "at_rest_fraction" in row:  # a campaign on a knob
+            p2p, frequency = cycling(row)
         joined.append({**row, **sweep.columns(row, p2p_rad=p2p, frequency_hz=frequency)})
     if all(row["sweep_p2p_rad"] is None for row in joined):
         raise MissingError(f"'{against}' cycles in no cell of '{result}'")

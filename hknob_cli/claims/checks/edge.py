@@ -126,6 +126,22 @@ def swing_at(evidence: Evidence, result: str, frequency_hz: float, where: Where 
 
 
 @check
+def pitch_of_swing(evidence: Evidence, result: str, p2p_rad: float, where: Where | None = None) -> float | None:
+    """Frequency, Hz, at which a torque of ±K q / 2 moves the inertia by that peak to peak: `swing_at` inverted."""
+    at_one = swing_at(evidence, result, 1.0, where)
+    return None if at_one is None or p2p_rad <= 0.0 else sqrt(at_one / p2p_rad)
+
+
+@check
+def beyond_reach(
+    evidence: Evidence, result: str, frequency_hz: float, p2p_rad: float, where: Where | None = None
+) -> float | None:
+    """A peak to peak over the one that `swing_at` gives at that frequency."""
+    reach = swing_at(evidence, result, frequency_hz, where)
+    return p2p_rad / reach if reach else None
+
+
+@check
 def damped_natural_frequency(
     evidence: Evidence,
     result: str,

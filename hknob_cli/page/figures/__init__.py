@@ -23,6 +23,9 @@ MODULES: dict[str, str] = {
     "all_persons": "persons",
     "bias_curves": "bias",
     "block_diagram": "relay_loop",
+    "campaign_lines": "campaign_lines",
+    "campaign_thumbnails": "campaign",
+    "campaign_trial": "campaign",
     "cases": "cases",
     "contact_energy": "contact",
     "cycle_spectra": "spectra",
@@ -57,8 +60,10 @@ MODULES: dict[str, str] = {
     "staircase": "staircase",
     "surface": "surface",
     "time_response": "motion",
+    "torque_reach": "torque_reach",
     "touch_thresholds": "senses",
     "trial_thumbnails": "recorded",
+    "what_explains": "what_explains",
 }
 
 

@@ -8,7 +8,7 @@ from hknob_cli.results.evidence import MissingError, Result, Rows
 
 Row = dict[str, Any]
 
-_TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict"}
+_TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
 _CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
