@@ -3,10 +3,18 @@
 from typing import Any, NamedTuple
 
 
+class Clip(NamedTuple):
+    """Something to listen to: its name, and a WAV file as a data: address."""
+
+    name: str
+    address: str
+
+
 class Drawn(NamedTuple):
     """A figure: its id (the anchor), title, what to see in it, its SVG, and a description of it in words.
 
     ``results`` are the names of the results it is drawn from, and ``missing`` says why there is no picture.
+    ``clips`` are of the cycles that it shows.
     """
 
     id: str
@@ -16,6 +24,7 @@ class Drawn(NamedTuple):
     alt: str
     results: tuple[str, ...] = ()
     missing: str = ""
+    clips: tuple[Clip, ...] = ()
 
 
 class Chapter(NamedTuple):

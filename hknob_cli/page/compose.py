@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 from hknob_cli.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.errors import UsageError
 from hknob_cli.page import ink
-from hknob_cli.page.book import Chapter, Drawn, Page, Source
+from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source
+from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.results.evidence import Evidence, MissingError, Result
@@ -85,9 +86,11 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     """A figure with its SVG; where a result is missing, with the reason instead."""
     of: Any = figure.of[0] if len(figure.of) == 1 else list(figure.of)
     svg, caption, missing = "", "", ""
+    heard: tuple[Clip, ...] = ()
     try:
         caption = _filled(figure.caption, evidence)
         svg = ink.svg(draw(figure.draw, evidence, of, figure.options), name=figure.id, title=figure.alt, mark=mark)
+        heard = clips(evidence, figure.listen)
     except MissingError as error:
         missing = str(error)
     except UsageError as error:
@@ -95,7 +98,7 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
         what = f"{figure.draw} of {', '.join(figure.of) or 'nothing'} cannot be drawn with {figure.options}"
         raise UsageError(f"{figure.where or figure.id}: {what}: {error}") from error
-    return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing)
+    return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing, heard)
 
 
 def _filled(sentence: Sentence, evidence: Evidence) -> str:

@@ -14,6 +14,14 @@ class Sentence(NamedTuple):
     where: str = ""
 
 
+class Listen(NamedTuple):
+    """A clip to listen to: its name, the result ``of`` whose recording it is, and which recording, by columns."""
+
+    name: str
+    of: str
+    at: tuple[tuple[str, float], ...] = ()
+
+
 class FigurePlan(NamedTuple):
     """A figure of a page: which drawing, ``of`` which results, with which options."""
 
@@ -25,6 +33,7 @@ class FigurePlan(NamedTuple):
     caption: Sentence
     alt: str
     where: str = ""
+    listen: tuple[Listen, ...] = ()
 
 
 class ChapterPlan(NamedTuple):

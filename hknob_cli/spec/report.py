@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import fault_at
-from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import Name
@@ -25,6 +25,8 @@ Draw = Literal[
     "campaign_trial",
     "cases",
     "contact_energy",
+    "cycle_spectra",
+    "equal_loudness",
     "error_time",
     "fourth_beside_second",
     "grasp_parameters",
@@ -48,6 +50,7 @@ Draw = Literal[
     "population",
     "pulse_terms",
     "pulse_vectors",
+    "remedy_dots",
     "saturated_map",
     "schematic",
     "stability_table",
@@ -55,6 +58,7 @@ Draw = Literal[
     "surface",
     "time_response",
     "torque_reach",
+    "touch_thresholds",
     "trial_thumbnails",
     "what_explains",
 ]
@@ -76,6 +80,16 @@ class SentenceSpec(Part):
     values: dict[str, ValueSpec]
 
 
+class ListenSpec(Part):
+    """A clip of a recorded cycle, beside the figure; those of one figure are loud by one factor."""
+
+    name: Annotated[str, Field(min_length=1, max_length=80, description="what it is called beside its player")]
+    of: Annotated[Text, Field(description="name of the result that has the recording")]
+    at: Annotated[
+        dict[str, float], Field(default_factory=dict, description="which recording, by columns; default: trial 0")
+    ]
+
+
 class FigureSpec(Part):
     """A figure: a drawing ``of`` one result or several, its title, and what to see in it."""
 
@@ -89,6 +103,7 @@ class FigureSpec(Part):
     caption: Annotated[Text, Field(description="what to see; with values, {name} in it is replaced as in the summary")]
     values: Annotated[dict[str, ValueSpec], Field(default_factory=dict)]
     alt: Annotated[str, Field(description="the figure in words, for those who do not see it; default: the title")] = ""
+    listen: Annotated[list[ListenSpec], Field(default_factory=list, max_length=8, description="cycles to listen to")]
 
 
 class ChapterSpec(Part):
@@ -226,4 +241,5 @@ def _sentence(text: str, values: dict[str, ValueSpec], where: str) -> Sentence:
 def _figure(spec: FigureSpec, where: str) -> FigurePlan:
     of = (spec.of,) if isinstance(spec.of, str) else tuple(spec.of)
     caption = _sentence(spec.caption, spec.values, where)
-    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, caption, spec.alt or spec.title, where)
+    listen = tuple(Listen(one.name, one.of, tuple(one.at.items())) for one in spec.listen)
+    return FigurePlan(spec.id, spec.draw, of, spec.options, spec.title, caption, spec.alt or spec.title, where, listen)

@@ -1,11 +1,13 @@
 """A made-up page of a hundred claims and real figures, for tests and for looking at."""
 
+import base64
 import math
 from typing import Any
 
 from hknob_cli.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED
 from hknob_cli.page import ink
-from hknob_cli.page.book import Chapter, Drawn, Page, Source
+from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source
+from hknob_cli.perception import sound
 
 MARK = "<!-- hknob page sample -->"
 SAYS = (
@@ -133,6 +135,9 @@ def page(count: int = 100) -> Page:
     )
     grid = _drawn("grid", "Every cell of the grid", _map("grid", "Every cell of the grid"), "main-grid")
     bias = _drawn("bias", "Pitch over the user's push", _lines("bias", "Pitch over push"), "bias staircase", "lost")
+    tone = sound.clip([100.0], [1e-3], duration_s=0.1, rate_hz=8000)
+    address = f"data:audio/wav;base64,{base64.b64encode(sound.wav_bytes(tone)).decode()}"
+    bias = bias._replace(clips=(Clip("A low hum", address), Clip("The same again", address)))
     error = _drawn("error", "Error of four methods", _points("error", "Error of four methods"), "predict")
     hardware = Drawn(
         "hardware", "The recorded hardware", "What the rig did.", "", "", (), "recordings.parquet is not there"

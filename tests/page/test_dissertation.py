@@ -33,7 +33,8 @@ def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_it_is_complete(paper: Path) -> None:
     page = (paper / "report" / "report.html").read_text()
-    assert len(page) < 15_000_000
+    assert len(page) < 10_000_000
+    assert page.count("<audio ") == 4
     assert "No picture here" not in page
     figures = set(re.findall(r'<figure id="([^"]+)"', page))
     assert len(figures) >= 60

@@ -28,7 +28,8 @@ def motion(evidence: Evidence, result: str, where: Where | None = None) -> list[
     return [Point(*(row[name] for name in _NEEDS)) for row in rows if row["trial"] == rows[0]["trial"]]
 
 
-def _trials(evidence: Evidence, result: str, where: Where | None) -> list[list[Point]]:
+def trials(evidence: Evidence, result: str, where: Where | None) -> list[list[Point]]:
+    """The recorded motion of every trial. Raises `MissingError`."""
     found: dict[int, list[Point]] = {}
     for row in rows_of(evidence, result, "trajectories", where, needs=[*_NEEDS, "trial"]):
         found.setdefault(row["trial"], []).append(Point(*(row[name] for name in _NEEDS)))
@@ -125,7 +126,7 @@ def _switches(evidence: Evidence, result: str, after: float, where: Where | None
     row = rows_of(evidence, result, "trajectories", where, needs=[RATE, COUNTS])[0]
     quantum, rate = 2.0 * pi / row[COUNTS], row[RATE]
     found: list[Switch] = []
-    for whole in _trials(evidence, result, where):
+    for whole in trials(evidence, result, where):
         track = [point for point in whole if point.time >= after]
         size = max(point.angle for point in track) - min(point.angle for point in track)
         for i in range(1, len(track)):

@@ -43,11 +43,17 @@ def _explained(points: list[list[float]], values: list[float]) -> float | None:
 
 @check
 def trough(
-    evidence: Evidence, result: str, where: Where | None = None, statistic: str = "median", column: str = "p2p_rad"
+    evidence: Evidence,
+    result: str,
+    where: Where | None = None,
+    statistic: str = "median",
+    column: str = "p2p_rad",
+    log_pitch: bool = False,
 ) -> float | None:
     """Sample rate, Hz, of the least of max(log p2p, frequency), each scaled to 0...1; a statistic over resolutions.
 
-    That is the bottom of the notional surface of Fig. 70. A cell at rest has no logarithm and is left out.
+    ``log_pitch``: log frequency, too. That is the bottom of the notional surface of Fig. 70. A cell at rest has no
+    logarithm and is left out.
     """
     rows = [
         row
@@ -57,7 +63,7 @@ def trough(
     if not rows:
         return None
     sizes = _scaled([log(row[column]) for row in rows])
-    pitches = _scaled([row["frequency_hz"] for row in rows])
+    pitches = _scaled([log(row["frequency_hz"]) if log_pitch else row["frequency_hz"] for row in rows])
     best: dict[float, tuple[float, float]] = {}
     for row, size, pitch in zip(rows, sizes, pitches, strict=True):
         here = (max(size, pitch), row[RATE])

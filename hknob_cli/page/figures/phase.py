@@ -80,11 +80,14 @@ def _point(panel: "Axes", steady: Recording, factor: float) -> None:
 
 
 def _rule(panel: "Axes", one: Recording, factor: float) -> None:
-    """The wall, shaded and with its edge dotted, and count edges."""
+    """The wall, shaded and with its edge dotted, and count edges; what is in view has a name in the key."""
     low, high = panel.get_xlim()
     if one.scene.wall.stiffness > 0.0:
         panel.axvspan(min(low, 0.0), 0.0, color="black", alpha=0.06, linewidth=0)
-        panel.axvline(0.0, color="black", linewidth=1.1, linestyle=":", label="edge of the wall")
-    for edge in edges_between(low, high, factor * one.quantum):
-        panel.axvline(edge, color="black", linewidth=0.5, alpha=0.35, linestyle=(0, (1, 2)))
+        name = "edge of the wall" if low < 0.0 < high else "_"
+        panel.axvline(0.0, color="black", linewidth=1.1, linestyle=":", label=name)
+    edges = edges_between(low, high, factor * one.quantum)
+    for i, edge in enumerate(edges):
+        name = "_" if i else "edge of a count"
+        panel.axvline(edge, color="black", linewidth=0.8, alpha=0.6, linestyle=(0, (1, 2)), label=name)
     panel.set_xlim(low, high)

@@ -23,17 +23,21 @@ def surface(
     down: str | None = None,
     at: Row | None = None,
     mesh: bool = False,
+    log_pitch: bool = False,
 ) -> "Figure":
     """The larger of log peak to peak and frequency, both scaled to 0..1 over the grid; small is good.
 
-    A letter says which of the two it is (s: size, p: pitch); the best cell of each row has a frame. For axes see
-    `grid`. Raises `MissingError`.
+    ``log_pitch``: log frequency, too. A letter says which of the two it is (s: size, p: pitch); the best cell of each
+    row has a frame. For axes see `grid`. Raises `MissingError`.
     """
     from matplotlib.colors import Normalize
 
     cells = grid(evidence[of], across=across, down=down, at=at, columns=("p2p_rad", "frequency_hz"))
     sizes = [[log(value) if value > 0 else float("nan") for value in line] for line in cells.values("p2p_rad")]
-    pitches = [[value if value > 0 else float("nan") for value in line] for line in cells.values("frequency_hz")]
+    pitches = [
+        [(log(value) if log_pitch else value) if value > 0 else float("nan") for value in line]
+        for line in cells.values("frequency_hz")
+    ]
     if not any(value == value for line in sizes for value in line):
         raise MissingError(f"'{of}' has no limit cycle")
     size, pitch = _scaled(sizes), _scaled(pitches)
@@ -59,9 +63,9 @@ def surface(
     draw_key(figure, axes, norm, ramp(), "worse of the two, 0 to 1", below=mesh)
     if mesh:
         draw_mesh(figure, outer[1], cells, values, norm=norm, log=False)
-    figure.supxlabel(
-        "s: size (log peak to peak) is the worse;  p: pitch (frequency);  frame: best of its row", fontsize=8
-    )
+    pitch_is = "log frequency" if log_pitch else "frequency"
+    said = f"s: size (log peak to peak) is the worse;  p: pitch ({pitch_is});  frame: best of its row"
+    figure.supxlabel(said, fontsize=8)
     return figure
 
 
