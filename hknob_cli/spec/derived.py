@@ -1,5 +1,6 @@
 """A sweep that another spec is made of: validated as if it stood in a file, its faults where its parts were written."""
 
+from collections.abc import Iterator
 from typing import Any
 
 from hknob_cli.errors import Fault
@@ -42,6 +43,29 @@ def derived_sweep(source: Source, values: dict[str, Any], places: dict[Path_, Pa
                     found[there] = place
                     if there:
                         derived.written[there] = path
+        _open_overrides(source, derived, stem, target)
     plan = validate(derived, kind="sweep")
     assert isinstance(plan, SweepPlan)
     return plan
+
+
+def _open_overrides(source: Source, derived: _Derived, stem: Path_, target: Path_) -> None:
+    """Note every key inside what was set as a whole: else its faults stand where the base has that key."""
+    for end in range(1, len(stem) + 1):
+        option = source.overridden.get(stem[:end])
+        if option is None:
+            continue
+        value = source.value
+        for step in stem:
+            value = value[step]
+        for inner in _paths(value):
+            derived.overridden[(*target, *inner)] = option
+            derived.written[(*target, *inner)] = (*stem, *inner)
+
+
+def _paths(value: Any) -> Iterator[Path_]:
+    """Paths of all keys in mappings of mappings."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            yield (key,)
+            yield from ((key, *rest) for rest in _paths(inner))

@@ -13,7 +13,7 @@ from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.grid import AxisError, axis_values, scalar_field, scalar_paths
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
-from hknob_cli.spec.remedies import misfit
+from hknob_cli.spec.remedies import beyond, misfit
 from hknob_cli.spec.source import Path_, Source
 
 MOST_DESIGNS = 20_000
@@ -132,6 +132,10 @@ def _of_base(source: Source, spec: DesignSpec) -> list[Fault]:
 def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
     """A remedy's sweep over the people and what is left to choose. Raises `SpecError`."""
     remedy = spec.remedies[name]
+    here: Path_ = ("remedies", name, "change")
+    wrong = beyond(remedy.change, hands="people")
+    if wrong:
+        raise SpecError([source.fault(here, text, at_key=True) for text in wrong])
     places: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",), ("people",): ("population",)}
     fixed = tuple(one for one in spec.choices if _is_set(remedy.change, one))
     grid: dict[str, Any] = {}
@@ -149,10 +153,10 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
         "perceive": source.value["perceive"],
         **people,
     }
-    plan = derived_sweep(source, merged(values, remedy.change), {**places, ("remedies", name, "change"): ()})
-    wrong = misfit(remedy.change, plan, hands="people")
+    plan = derived_sweep(source, merged(values, remedy.change), {**places, here: ()})
+    wrong = misfit(plan)
     if wrong:
-        raise SpecError([source.fault(("remedies", name, "change"), text, at_key=True) for text in wrong])
+        raise SpecError([source.fault(here, text, at_key=True) for text in wrong])
     own = [one for one, axis in plan.axes.items() if one not in grid and one != PERSON and len(axis) > 1]
     if own:
         text = f"must have one value of {own[0]}: what is chosen is listed under choices"

@@ -287,6 +287,8 @@ def _override(source: Source, text: str, label: str) -> Fault | None:
     if path[0] == "grid" and len(path) > 2:
         form = path[-1:] if path[-1] in ("log", "lin") else ()
         path = ("grid", ".".join(path[1 : len(path) - len(form)]), *form)
+    if path[0] in ("choices", "present") and len(path) > 2:  # of a design: by dotted path
+        path = (path[0], ".".join(path[1:]))
     if path[0] == "stages" and path[2:3] == ("set",) and len(path) > 4:
         path = (*path[:3], ".".join(path[3:]))
     try:

@@ -83,6 +83,10 @@ def validate_remedies(source: Source) -> RemediesPlan:
     for name, remedy in spec.remedies.items():
         here: Path_ = ("remedies", name, "change")
         places = {**PLACES, here: ()}
+        wrong = beyond(remedy.change)
+        if wrong:
+            faults += [source.fault(here, text, at_key=True) for text in wrong]
+            continue
         try:
             grid = derived_sweep(source, merged(base, remedy.change), places)
             cases = tuple(
@@ -92,7 +96,7 @@ def validate_remedies(source: Source) -> RemediesPlan:
         except SpecError as error:
             faults += error.faults
             continue
-        faults += [source.fault(here, text, at_key=True) for text in _misfit(remedy.change, grid, cases)]
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases)]
         if faults:
             continue
         remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
@@ -134,22 +138,28 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
     return faults
 
 
-def misfit(change: dict[str, Any], plan: SweepPlan, *, hands: str = "hands") -> list[str]:
-    """Why what a change makes of a base is no remedy: another hand, or nothing that is sampled or counted.
+def beyond(change: dict[str, Any], *, hands: str = "hands") -> list[str]:
+    """Why a change is none of a device: it names another hand, or what is neither scene nor grid.
 
     ``hands``: the key of the spec that lists them.
     """
     found = [f"must not have {key}: a remedy changes scene and grid" for key in change if key not in ("scene", "grid")]
-    if "hand" in (change.get("scene") or {}):
+    scene = change.get("scene")
+    if isinstance(scene, dict) and "hand" in scene:
         found.append(f"must not have scene.hand: hands are listed under {hands}")
-    if not plan.scene.sampled or plan.scene.encoder is None:
-        found.append("must leave a sample clock and an encoder")
     return found
 
 
-def _misfit(change: dict[str, Any], grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
+def misfit(plan: SweepPlan) -> list[str]:
+    """Why what a change makes of a base is no remedy: nothing in it is sampled or counted."""
+    if not plan.scene.sampled or plan.scene.encoder is None:
+        return ["must leave a sample clock and an encoder"]
+    return []
+
+
+def _misfit(grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
     """Why what a change makes of the base cannot be compared with it."""
-    found = misfit(change, grid)
+    found = misfit(grid)
     if not found and set(grid.axes) != {RATE, COUNTS}:
         found.append("must leave sample_rate_hz and counts_per_rev as the only axes")
     if any(len(values) > 1 for case in cases for values in case.axes.values()):

@@ -51,13 +51,11 @@ class RemediesStage:
         """Begin the processes, before this one has threads."""
         if self.jobs == 1:
             return self
-        import signal
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
-        # Forked, a process has all libraries loaded. An interruption is the parent's to answer.
-        context = get_context("fork")
-        self._pool = ProcessPoolExecutor(self.jobs, context, signal.signal, (signal.SIGINT, signal.SIG_IGN))
+        # Forked, a process has all libraries loaded.
+        self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), _begin)
         self._pool.submit(int).result()
         return self
 
@@ -105,6 +103,24 @@ class RemediesStage:
                     row = louder(self.plan, row, other)
                     rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
         return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *level_columns(self.plan), *NEEDS], rows)
+
+
+def _begin() -> None:
+    """Leave an interruption to the parent to answer, and end when it has been killed: nobody else would say so."""
+    import os
+    import signal
+    from multiprocessing import parent_process
+    from threading import Thread
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = parent_process()
+    assert parent is not None
+
+    def follow() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=follow, daemon=True).start()
 
 
 def _rows(plan: RemediesPlan, task: Task) -> Rows:

@@ -1,10 +1,14 @@
 """``hknob remedies`` through the installed command."""
 
 import json
+import subprocess
+import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
+
+from tests.conftest import HKNOB
 
 SMALL = """\
 kind: remedies
@@ -130,3 +134,30 @@ def test_bench_refuses_a_controller(hknob, spec_file) -> None:
     done = hknob("bench", spec_file(text), "-o", "out")
     assert done.returncode == 2
     assert "scene.controller: must be absent: bench has no rival with a controller" in done.stderr
+
+
+def test_a_killed_run_leaves_no_processes(spec_file, tmp_path: Path) -> None:
+    busy = SMALL.replace("phases: 4", "phases: 2000").replace("[1000, 2000]", "{lin: [1000, 2000, 30]}")
+    args = [HKNOB, "remedies", spec_file(busy), "-o", tmp_path / "out", "-j", "2", "-q"]
+    with subprocess.Popen(args) as process:
+        children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        deadline = time.monotonic() + 60
+        while len(children.read_text().split()) < 2:
+            assert process.poll() is None
+            assert time.monotonic() < deadline
+            time.sleep(0.01)
+        workers = children.read_text().split()
+        time.sleep(0.2)  # they have begun
+        process.kill()
+    deadline = time.monotonic() + 30
+    while left := [one for one in workers if _runs(one)]:
+        assert time.monotonic() < deadline, left
+        time.sleep(0.05)
+
+
+def _runs(pid: str) -> bool:
+    """Whether a process is there, and no mere entry that nobody has asked about yet."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return False

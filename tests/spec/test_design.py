@@ -7,6 +7,7 @@ import pytest
 from hknob_cli.cli.hand_origin import hand_inputs
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.hands import grasps
+from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.load import load
 from hknob_cli.spec.plan import PERSON
 from tests.designs import DESIGN, planned
@@ -84,6 +85,36 @@ def test_a_fault_has_its_place(old: str, new: str, says: str) -> None:
     assert len(found) == 1, found
     assert says in found[0]
     assert found[0].startswith(place(marked)), (found[0], place(marked))
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "says"),
+    [
+        ("{scene: [1]}", "change.scene", "must be a mapping of keys to values, got a list of 1"),
+        ("{scene: null}", "change.scene", "missing, and required"),
+        ("{scene: {wall: {stiffness: -1}}}", "change.scene.wall.stiffness", "must be >= 0, got -1"),
+        ("{scene: {hand: {inertia: 1}}}", "change", "must not have scene.hand: hands are listed under people"),
+        ("{kind: sweep}", "change", "must not have kind: a remedy changes scene and grid"),
+    ],
+)
+def test_a_fault_in_a_change_set_as_a_whole_is_not_the_base_s(tmp_path: Path, change: str, key: str, says: str) -> None:
+    path = tmp_path / "design.yaml"
+    path.write_text(DESIGN)
+    setting = f"remedies.bounded lag.change={change}"
+    with pytest.raises(SpecError) as error:
+        load(path, (setting,))
+    (fault,) = error.value.faults
+    assert (fault.where, fault.key, fault.message) == (f"--set {setting}", f"remedies.bounded lag.{key}", says)
+
+
+def test_choices_by_dotted_path_can_be_set(tmp_path: Path) -> None:
+    path = tmp_path / "design.yaml"
+    path.write_text(DESIGN)
+    plan = load(path, ("choices.knob.damping=[{value: 0}, {value: 2.0e-3}]", "present.knob.damping=2.0e-3"))
+    assert isinstance(plan, DesignPlan)
+    damping = next(one for one in plan.choices if one.name == "knob.damping")
+    assert [one.value for one in damping.options] == [0.0, 2.0e-3]
+    assert plan.present["knob.damping"] == 2.0e-3
 
 
 def test_a_knob_too_light_for_a_hand_is_a_fault() -> None:
