@@ -25,7 +25,14 @@ Sets = Annotated[
 ]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", "-j", min=1, metavar="N", help="Threads; of remedies, processes.  \\[default: all cores]", show_default=False),
+    typer.Option(
+        "--jobs",
+        "-j",
+        min=1,
+        metavar="N",
+        help="Threads; of remedies, processes.  \\[default: all cores]",
+        show_default=False,
+    ),
 ]
 Executor = Annotated[ExecutorName, typer.Option("--executor", help="How work is spread.")]
 Scheduler = Annotated[str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Address of a Dask scheduler.")]
