@@ -1,12 +1,9 @@
 """``hknob hw-run``: trials on a knob, real or simulated, recorded and measured."""
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from hknob_cli.cli.console import reporting
-from hknob_cli.cli.handover import submit
 from hknob_cli.cli.options import (
     DryRun,
     Executor,
@@ -19,7 +16,7 @@ from hknob_cli.cli.options import (
     SpecFile,
     Verbose,
 )
-from hknob_cli.errors import UsageError
+from hknob_cli.cli.stages import submit_stage
 
 PICTURE = "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png."
 UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
@@ -44,25 +41,19 @@ def hw_run(
     verbose: Verbose = False,
 ) -> None:
     """Run trials over a grid on a knob, real or simulated: record them, and measure how it buzzes."""
-    with reporting():
-        if executor is ExecutorName.dask or scheduler:
-            raise UsageError("--executor: there is one knob, and its trials follow one another; local is")
-        from hknob_cli.cli.job import Job
-        from hknob_cli.spec.load import load
-
-        plan = load(spec, tuple(sets or ()), kind="hw-run")
-        job = Job(
-            kind="hw-run",
-            plan=plan,
-            out=out or Path("results") / plan.name,
-            overrides=tuple(sets or ()),
-            plot=plot,
-            jobs=jobs,
-            force=force,
-            dry_run=dry_run,
-            as_json=as_json,
-            quiet=quiet,
-            verbose=verbose,
-            unattended=unattended,
-        )
-        submit(job)
+    spread = executor is ExecutorName.dask or bool(scheduler)
+    submit_stage(
+        "hw-run",
+        spec,
+        out,
+        sets,
+        refuse="--executor: there is one knob, and its trials follow one another; local is" if spread else "",
+        plot=plot,
+        jobs=jobs,
+        force=force,
+        dry_run=dry_run,
+        as_json=as_json,
+        quiet=quiet,
+        verbose=verbose,
+        unattended=unattended,
+    )

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -61,6 +61,21 @@ STAGES = {
 }
 
 
+def submit_stage(
+    kind: str, spec: Path, out: Path | None, sets: list[str] | None, *, refuse: str, **options: Any
+) -> None:
+    """Read a spec and submit its job, with ``options`` of `Job`; ``refuse``: why it cannot be spread so."""
+    with reporting():
+        if refuse:
+            raise UsageError(refuse)
+        from hknob_cli.cli.job import Job
+        from hknob_cli.spec.load import load
+
+        plan = load(spec, tuple(sets or ()), kind=kind)
+        where = out or Path("results") / plan.name
+        submit(Job(kind=kind, plan=plan, out=where, overrides=tuple(sets or ()), **options))
+
+
 def stage_command(kind: str) -> Callable[..., None]:
     """The command of one kind of stage."""
     summary, picture = STAGES[kind]
@@ -79,27 +94,21 @@ def stage_command(kind: str) -> Callable[..., None]:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        with reporting():
-            if executor is ExecutorName.dask or scheduler:
-                raise UsageError("--executor: dask is not in this version; local is")
-            from hknob_cli.cli.job import Job
-            from hknob_cli.spec.load import load
-
-            plan = load(spec, tuple(sets or ()), kind=kind)
-            job = Job(
-                kind=kind,
-                plan=plan,
-                out=out or Path("results") / plan.name,
-                overrides=tuple(sets or ()),
-                plot=plot,
-                jobs=jobs,
-                force=force,
-                dry_run=dry_run,
-                as_json=as_json,
-                quiet=quiet,
-                verbose=verbose,
-            )
-            submit(job)
+        spread = executor is ExecutorName.dask or bool(scheduler)
+        submit_stage(
+            kind,
+            spec,
+            out,
+            sets,
+            refuse="--executor: dask is not in this version; local is" if spread else "",
+            plot=plot,
+            jobs=jobs,
+            force=force,
+            dry_run=dry_run,
+            as_json=as_json,
+            quiet=quiet,
+            verbose=verbose,
+        )
 
     command.__doc__ = summary
     return command

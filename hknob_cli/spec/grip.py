@@ -3,7 +3,8 @@
 from math import isclose
 from typing import Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, ValidationInfo
+from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec.quantity import Unit
 
@@ -29,6 +30,14 @@ def unprinted(grip_n: float) -> str | None:
         return None
     allowed = ", ".join(f"{grip:g}" for grip in grips)
     return f"must be a grip force of Tables 1-5, {allowed}"
+
+
+def printed_beside_table(value: float | None, info: ValidationInfo) -> float | None:
+    """Validator of a grip force: beside a ``table`` it is one of its rows."""
+    wrong = unprinted(value) if value is not None and info.data.get("table") is not None else None
+    if wrong:
+        raise PydanticCustomError("grip", "{reason}", {"reason": wrong})
+    return value
 
 
 def printed_grip_schema() -> dict[str, Any]:

@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, PrivateAttr, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, PrivateAttr, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.spec import plan
-from hknob_cli.spec.grip import Grip, printed_grip_schema, same_grip, unprinted
+from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
 from hknob_cli.spec.part import Part, Place
 from hknob_cli.spec.quantity import AddedInertia, Damping, Fixed, Inertia, Stiffness
 
@@ -81,13 +81,7 @@ class HandSpec(Part):
         Inertia | None, Fixed(), Field(description="inertia of the apparatus, where the file's includes it")
     ] = None
 
-    @field_validator("grip_n")
-    @classmethod
-    def _printed(cls, value: float | None, info: ValidationInfo) -> float | None:
-        wrong = unprinted(value) if value is not None and info.data.get("table") is not None else None
-        if wrong:
-            raise PydanticCustomError("grip", "{reason}", {"reason": wrong})
-        return value
+    _printed = field_validator("grip_n")(printed_beside_table)
 
     @model_validator(mode="after")
     def _one_order(self) -> "HandSpec":

@@ -2,10 +2,10 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import ConfigDict, Field, ValidationInfo, field_validator, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from hknob_cli.spec.grip import Grip, printed_grip_schema, unprinted
+from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema
 from hknob_cli.spec.hand import Label
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import Fixed, Inertia
@@ -53,13 +53,7 @@ class PopulationSpec(Part):
     people: Annotated[int, Field(strict=True, ge=1, le=MOST_PEOPLE, description="people to draw")] = 200
     seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1, description="of the draw; the same people by it")] = 1
 
-    @field_validator("grip_n")
-    @classmethod
-    def _printed(cls, value: float | None, info: ValidationInfo) -> float | None:
-        wrong = unprinted(value) if value is not None and info.data.get("table") is not None else None
-        if wrong:
-            raise PydanticCustomError("grip", "{reason}", {"reason": wrong})
-        return value
+    _printed = field_validator("grip_n")(printed_beside_table)
 
     @model_validator(mode="after")
     def _one_of(self) -> "PopulationSpec":

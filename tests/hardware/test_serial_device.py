@@ -109,14 +109,14 @@ def test_any_thread_may_release_while_another_reads() -> None:
 @pytest.mark.parametrize(
     ("values", "said"),
     [
-        ({"period_ns": 19_999}, "period_ns: must be 20000 to 1e+09, got 19999"),
-        ({"counts_per_rev": 10_001}, "counts_per_rev: must be 1 to 10000, got 10001"),
-        ({"wall_stiffness": -0.1}, "wall_stiffness: must be 0 to 1000, got -0.1"),
-        ({"wall_damping": float("nan")}, "wall_damping: must be 0 to 1000, got nan"),
-        ({"torque_limit_nm": 0.0}, "torque_limit_nm: must be above 0, at most 10, got 0.0"),
-        ({"speed_limit_rad_s": float("inf")}, "speed_limit_rad_s: must be above 0, at most 10000, got inf"),
-        ({"watchdog_us": 50_001}, "watchdog_us: must be 1000 to 50000, got 50001"),
-        ({"block_samples": 49}, "block_samples: must be 1 to 48, got 49"),
+        ({"period_ns": 19_999}, "period_ns must be from 20000 to 1e+09, got 19999"),
+        ({"counts_per_rev": 10_001}, "counts_per_rev must be from 1 to 10000, got 10001"),
+        ({"wall_stiffness": -0.1}, "wall_stiffness must be from 0 to 1000, got -0.1"),
+        ({"wall_damping": float("nan")}, "wall_damping must be from 0 to 1000, got nan"),
+        ({"torque_limit_nm": 0.0}, "torque_limit_nm must be above 0, at most 10, got 0"),
+        ({"speed_limit_rad_s": float("inf")}, "speed_limit_rad_s must be above 0, at most 10000, got inf"),
+        ({"watchdog_us": 50_001}, "watchdog_us must be from 1000 to 50000, got 50001"),
+        ({"block_samples": 49}, "block_samples must be from 1 to 48, got 49"),
         ({"period_ns": 2_000_000}, "block_samples: a block must take at most 50 ms, these take 80 ms"),
     ],
 )
