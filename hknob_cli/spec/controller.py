@@ -49,10 +49,10 @@ def _by_kind(schema: dict[str, Any]) -> None:
     ]
 
 
-def _part(default: float, description: str, *, least: float = 0.0, most: float = 1.0) -> Any:
-    return Annotated[
-        float, Field(strict=True, gt=least, le=most, allow_inf_nan=False, description=description, default=default)
-    ]
+_Share = Annotated[float, Field(strict=True, gt=0, le=1, allow_inf_nan=False)]
+_UpTo100 = Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)]
+_Degrees = Annotated[float, Field(strict=True, gt=0, le=360, allow_inf_nan=False)]
+_UNLESS = Controller("")  # what a key is that is not given
 
 
 class ControllerSpec(Part):
@@ -66,23 +66,29 @@ class ControllerSpec(Part):
     ] = "differenced"
     damping: Annotated[
         SignedDamping, Field(description="velocity_damping: virtual damping; passivity: the most that it adds")
-    ] = 0.0
-    everywhere: Annotated[bool, Field(strict=True, description="virtual damping outside the wall, too")] = False
-    correct: Annotated[bool, Field(strict=True, description="add what the last prediction missed")] = True
-    pulse: _part(0.025, "length of the pulse, in sample intervals")  # type: ignore[valid-type]
-    gain: _part(1.0, "pulse over what the hold got wrong", most=100.0)  # type: ignore[valid-type]
+    ] = _UNLESS.damping
+    everywhere: Annotated[bool, Field(strict=True, description="virtual damping outside the wall, too")] = (
+        _UNLESS.everywhere
+    )
+    correct: Annotated[bool, Field(strict=True, description="add what the last prediction missed")] = _UNLESS.correct
+    pulse: Annotated[_Share, Field(description="length of the pulse, in sample intervals")] = _UNLESS.pulse
+    gain: Annotated[_UpTo100, Field(description="pulse over what the hold got wrong")] = _UNLESS.gain
     detections: Annotated[
         int, Field(strict=True, ge=1, le=1000, description="encoder readings per sample interval, to time a crossing")
-    ] = 1
-    height: _part(0.5, "torque of the damping wave, in torque steps of a count", most=100.0)  # type: ignore[valid-type]
-    degrees: _part(360.0, "phase after a crossing over which the wave acts", most=360.0)  # type: ignore[valid-type]
+    ] = _UNLESS.detections
+    height: Annotated[_UpTo100, Field(description="torque of the damping wave, in torque steps of a count")] = (
+        _UNLESS.height
+    )
+    degrees: Annotated[_Degrees, Field(description="phase after a crossing over which the wave acts")] = _UNLESS.degrees
     crossings: Annotated[Literal["in", "both"], Field(description="crossings that set the phase")] = "in"
     estimate: Annotated[Literal["last", "kalman"], Field(description="how the time of a cycle is estimated")] = "last"
-    reset: Annotated[bool, Field(strict=True, description="energy begins anew outside the wall")] = True
-    surface: _part(0.3, "part of the stiffness at the surface")  # type: ignore[valid-type]
-    depth: Annotated[PositiveAngle, Field(description="where the wall has all of its stiffness")] = 0.01
-    keep: _part(0.2, "part of a count's torque step that acts at once")  # type: ignore[valid-type]
-    time_constant: Annotated[PositiveSeconds, Field(description="over which the rest of a step follows")] = 0.2
+    reset: Annotated[bool, Field(strict=True, description="energy begins anew outside the wall")] = _UNLESS.reset
+    surface: Annotated[_Share, Field(description="part of the stiffness at the surface")] = _UNLESS.surface
+    depth: Annotated[PositiveAngle, Field(description="where the wall has all of its stiffness")] = _UNLESS.depth
+    keep: Annotated[_Share, Field(description="part of a count's torque step that acts at once")] = _UNLESS.keep
+    time_constant: Annotated[PositiveSeconds, Field(description="over which the rest of a step follows")] = (
+        _UNLESS.time_constant
+    )
 
     def plain(self) -> Controller:
         """The controller as plain values."""

@@ -19,8 +19,7 @@ def encode(message: Message) -> bytes:
     if not is_finite(message):
         raise ValueError("a value is not a finite number")
     try:
-        is_answer = isinstance(message, (Ack, Samples, Event))
-        rest = pack_answer(message) if is_answer else pack_command(message)  # type: ignore[arg-type]
+        rest = pack_answer(message) if isinstance(message, Ack | Samples | Event) else pack_command(message)
     except (struct.error, OverflowError) as error:
         raise ValueError(f"a value does not fit its field: {error}") from error
     return bytes((VERSION, message.kind)) + rest
