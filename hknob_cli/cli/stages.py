@@ -1,4 +1,4 @@
-"""The stage commands, ``hknob sweep``, ``dfa``, ``predict``, ``bench``: one way to be called, told apart by kind."""
+"""The stage commands, ``hknob sweep`` and the others: one way to be called, told apart by kind."""
 
 from collections.abc import Callable
 from pathlib import Path
