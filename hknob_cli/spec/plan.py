@@ -3,8 +3,6 @@
 This is what the rest of the program sees. Defaults and absences are resolved: a part that is not listed is None.
 """
 
-import itertools
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -223,12 +221,6 @@ class BenchPlan(NamedTuple):
 
 
 Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan | DesignPlan | HwRunPlan
-
-
-def cells(axes: Axes) -> Iterator[Cell]:
-    """Every combination of axis values, the last axis fastest."""
-    for values in itertools.product(*axes.values()):
-        yield dict(zip(axes, values, strict=True))
 
 
 def scene_at(scene: Scene, cell: Cell) -> Scene:

@@ -17,7 +17,8 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.provenance import origin, scene_of
-from hknob_cli.spec.plan import Axes, Cell, Scene, cells
+from hknob_cli.spec.cells import Cells
+from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
     Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak, mean of the trials that cycle"),
@@ -97,7 +98,7 @@ class Against:
         self._cells = {self._key(row): row for row in rows}
         if len(self._cells) < len(rows):
             raise UsageError(f"against: {path} has further axes, so a cell here is several there")
-        if not any(self._key(cell) in self._cells for cell in cells(axes)):
+        if not any(self._key(cell) in self._cells for cell in Cells(axes)):
             raise UsageError(f"against: {path} has no cell of this grid")
 
     def _key(self, cell: Cell) -> tuple[str, ...]:

@@ -10,7 +10,8 @@ import pyarrow as pa
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan, cells, scene_at
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
@@ -49,7 +50,7 @@ class DfaStage:
 
     def _rows(self) -> Iterator[dict[str, Any]]:
         blank = {column.name: None for column in (*COLUMNS, *SAMPLED)}
-        for cell in cells(self.plan.axes):
+        for cell in cells_of(self.plan):
             scene = scene_at(self.plan.scene, cell)
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
             for method in self.plan.methods:

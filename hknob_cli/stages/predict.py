@@ -11,7 +11,8 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import axis_column
 from hknob_cli.results.predict_columns import PASSIVITY, PREDICTIONS
-from hknob_cli.spec.plan import COUNTS, RATE, Cell, PredictPlan, cells, scene_at
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spec.plan import COUNTS, RATE, Cell, PredictPlan, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.theory.laws import (
     RMS_ARCS,
@@ -45,7 +46,7 @@ def predict(plan: PredictPlan) -> PredictResult:
     against = compare.Against(plan.against, plan.axes) if plan.against else None
     predictions: list[dict[str, Any]] = []
     limits: list[dict[str, Any]] = []
-    for cell in cells(plan.axes):
+    for cell in cells_of(plan):
         try:
             edge = working_edge(scene_at(plan.scene, cell), cell)
             predictions += _prediction_rows(cell, edge, laws, against)

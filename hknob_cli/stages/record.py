@@ -16,7 +16,8 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
-from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, cells, scene_at
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, scene_at
 
 
 class Instant(NamedTuple):
@@ -35,7 +36,7 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     """Trajectories of a sweep that asks for them. Raises `ComputationError` if a scene's numbers overflow."""
     assert plan.record
     rows: list[dict[str, Any]] = []
-    for cell in cells(plan.axes):
+    for cell in cells_of(plan):
         scene = scene_at(plan.scene, cell)
         push = _push(scene, cell)
         trials = min(plan.record.trials, plan.starts.phases) if scene.sampled else 1

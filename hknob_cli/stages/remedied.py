@@ -14,7 +14,8 @@ from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import make_batch
 from hknob_cli.remedies.search import Settled, search
 from hknob_cli.scene.sampled_knob import SampledKnob
-from hknob_cli.spec.plan import RATE, Cell, SweepPlan, cells, scene_at
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spec.plan import RATE, Cell, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult
 
 MOST_LANES = 4096  # side by side
@@ -22,7 +23,7 @@ MOST_LANES = 4096  # side by side
 
 def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
     """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
-    every = list(cells(plan.axes) if some is None else some)
+    every = list(cells_of(plan) if some is None else some)
     done: dict[int, CellResult] = {}
     for i in range(len(every)):
         if i not in done:

@@ -9,7 +9,8 @@ import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
-from hknob_cli.spec.plan import COUNTS, RATE, cells
+from hknob_cli.spec.cells import Cells
+from hknob_cli.spec.plan import COUNTS, RATE
 from hknob_cli.spec.remedies_plan import RemediesPlan
 from hknob_cli.stages.remedy_levels import level_columns, louder
 from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
@@ -35,7 +36,7 @@ class RemediesStage:
         self.plan = plan
         cases: list[int | None] = [None, *range(len(plan.cases))]
         self.tasks: list[Task] = [(i, case) for case in cases for i in range(len(plan.remedies))]
-        trials = sum(len(list(cells(one.grid.axes))) * one.grid.starts.phases for one in plan.remedies)
+        trials = sum(len(Cells(one.grid.axes)) * one.grid.starts.phases for one in plan.remedies)
         self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
         self._pool: ProcessPoolExecutor | None = None
 

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 
 from hknob_cli.engine.attractors import NeedsCompilerError
-from hknob_cli.spec.plan import Cell, SweepPlan, cells
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spec.plan import Cell, SweepPlan
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
 from hknob_cli.stages.sweep_tables import cells_table, orbits_table
 
@@ -67,7 +68,7 @@ class SweepStage:
     @cached_property
     def expected(self) -> dict[str, float]:
         """Rough number of trial-samples of the whole grid, by the group of engine functions that they take."""
-        return self._expected(cells(self.plan.axes))
+        return self._expected(cells_of(self.plan))
 
     def _expected(self, some: Iterable[Cell]) -> dict[str, float]:
         total: dict[str, float] = {}
@@ -143,7 +144,7 @@ class SweepStage:
             yield from remedied_results(self.plan, some)
             return
         self._stop.clear()  # set at the end of cells found before
-        every = cells(self.plan.axes) if some is None else some
+        every = cells_of(self.plan) if some is None else some
         work = sum(samples * HEAVIER[group] for group, samples in expected.items())
         if work < THREADS_ABOVE or self.jobs == 1:
             yield from map(self.run_cell, every)

@@ -15,8 +15,9 @@ import time
 from pathlib import Path
 
 from hknob_cli.engine.jit import compiled
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import SweepPlan, cells
+from hknob_cli.spec.plan import SweepPlan
 from hknob_cli.stages.cell import CellFinder
 
 SPEC = Path(__file__).parents[2] / "experiments" / "hand_on_knob.yaml"
@@ -32,7 +33,7 @@ def plan(level: float, phases: int) -> SweepPlan:
 
 def run(finder: CellFinder, what: SweepPlan) -> tuple[float, int]:
     begin = time.process_time()
-    samples = sum(finder.find(what, cell).samples for cell in cells(what.axes))
+    samples = sum(finder.find(what, cell).samples for cell in cells_of(what))
     return time.process_time() - begin, samples
 
 

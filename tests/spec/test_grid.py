@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.grid import AxisError, LinAxis, LogAxis, axis_unit, axis_values, scalar_paths
-from hknob_cli.spec.plan import cells
 from tests.conftest import SPEC, loaded
 
 
@@ -52,7 +52,7 @@ def test_faulty_axes(name: str, axis: object, steps: tuple[str | int, ...], reas
 
 
 def test_cells_vary_the_last_axis_fastest() -> None:
-    assert list(cells({"a": [1, 2], "b": [3, 4]})) == [
+    assert list(Cells({"a": [1, 2], "b": [3, 4]})) == [
         {"a": 1, "b": 3},
         {"a": 1, "b": 4},
         {"a": 2, "b": 3},

@@ -9,8 +9,9 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from hknob_cli.errors import SpecError
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import Hand, cells, scene_at
+from hknob_cli.spec.plan import Hand, scene_at
 from hknob_cli.spec.schema import json_schema
 from hknob_cli.spec.source import parse
 from tests.conftest import EXPERIMENTS, SPEC
@@ -168,7 +169,7 @@ def test_axes_replace_its_numbers_and_grip_is_one(tmp_path, spec_file) -> None:
     write_conditions(tmp_path / "results" / "conditions.parquet", rows)
     text = spec(", subject: s2").replace("grid:\n", "grid:\n  hand.damping: [1.0e-3]\n  hand.grip_n: [2.4, 0.71]\n")
     plan = load(spec_file(text))
-    found = [scene_at(plan.scene, cell).hand for cell in cells(plan.axes)]
+    found = [scene_at(plan.scene, cell).hand for cell in cells_of(plan)]
     assert [(one.damping, one.stiffness) for one in found] == [(1e-3, 0.045)] * 2
     assert len(plan.scene.hand.origin.notes) == 1
     with pytest.raises(SpecError, match=r"hand.grip_n\"\]\[0\]: must be a grip force of the file, 0.71, 2.4, got 2.5"):

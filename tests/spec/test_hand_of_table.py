@@ -7,8 +7,9 @@ from jsonschema import Draft202012Validator
 
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.hands import grasps
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.load import load, validate
-from hknob_cli.spec.plan import Hand, Knob, cells, scene_at
+from hknob_cli.spec.plan import Hand, Knob, scene_at
 from hknob_cli.spec.schema import json_schema
 from hknob_cli.spec.source import parse
 from tests.conftest import EXPERIMENTS, SPEC, loaded
@@ -79,7 +80,7 @@ def test_faults_have_their_place(hand: str, fault: str) -> None:
 
 def test_its_numbers_are_axes() -> None:
     plan = loaded(TABLE.replace("grid:\n", "grid:\n  hand.stiffness: [0.04, 0.08]\n"))
-    hands = [scene_at(plan.scene, cell).hand for cell in cells(plan.axes)]
+    hands = [scene_at(plan.scene, cell).hand for cell in cells_of(plan)]
     assert [(hand.inertia, hand.damping, hand.stiffness) for hand in hands if hand] == [
         (1.3e-7, 3.45e-4, 0.04),
         (1.3e-7, 3.45e-4, 0.08),
@@ -90,7 +91,7 @@ def test_grip_is_an_axis_and_others_replace_what_it_gives() -> None:
     text = TABLE.replace("grid:\n", "grid:\n  hand.damping: [1.0e-3]\n  hand.grip_n: [14.2, 0.71]\n")
     plan = loaded(text)
     assert plan.units["hand.grip_n"] == "N"
-    hands = [scene_at(plan.scene, cell).hand for cell in cells(plan.axes)]
+    hands = [scene_at(plan.scene, cell).hand for cell in cells_of(plan)]
     rows = {grasp.grip_n: grasp for grasp in grasps(1)}
     for hand, grip in zip(hands, (14.2, 0.71), strict=True):
         assert hand

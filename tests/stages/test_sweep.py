@@ -2,7 +2,7 @@
 
 import pytest
 
-from hknob_cli.spec.plan import cells
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import sweep
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table
@@ -15,7 +15,7 @@ FRICTION = SPEC.replace("{inertia: 1.9e-6}", "{inertia: 1.9e-6, coulomb_torque: 
 def test_cells_are_found_again_with_and_without_threads(text: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plan = loaded(text.replace("[1000]", "[1000, 2000]"))
     stage = SweepStage(plan, jobs=2)
-    every = list(cells(plan.axes))
+    every = list(cells_of(plan))
     whole = stage.run().cells
     for least in (0, 10**12, 0):  # trial-samples above which there are threads
         monkeypatch.setattr(sweep, "THREADS_ABOVE", least)

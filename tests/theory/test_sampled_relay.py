@@ -10,8 +10,9 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import COUNTS, RATE, cells
+from hknob_cli.spec.plan import COUNTS, RATE
 from hknob_cli.theory.sampled_relay import SampledCycle, sampled_cycles
 from tests.conftest import EXPERIMENTS
 
@@ -21,7 +22,7 @@ READINGS = ["hand_on_knob", "hand_on_knob_half_quantum"]
 def knobs(reading: str, **replace: Any) -> list[SampledKnob]:
     plan = load(EXPERIMENTS / f"{reading}.yaml")
     scene = plan.scene._replace(**replace)
-    return [sample_knob(scene, sample_rate_hz=c[RATE], counts_per_rev=int(c[COUNTS])) for c in cells(plan.axes)]
+    return [sample_knob(scene, sample_rate_hz=c[RATE], counts_per_rev=int(c[COUNTS])) for c in cells_of(plan)]
 
 
 def enumerated(knob: SampledKnob) -> list[SampledCycle]:
