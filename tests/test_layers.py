@@ -24,6 +24,7 @@ ORDER = [
     "measure",
     "perception",
     "results",
+    "spread",
     "recordings",
     "apparatus",
     "identify",

@@ -1,0 +1,52 @@
+"""What is left to do of numbered items: ranges, from which work is cut in order."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+
+class Range(NamedTuple):
+    """Items ``start`` to ``stop``; ``deaths``: how often the worker that had them was lost."""
+
+    start: int
+    stop: int
+    deaths: int = 0
+
+    @property
+    def items(self) -> int:
+        """How many they are."""
+        return self.stop - self.start
+
+
+class Ranges:
+    """Ranges in order; no piece cut from them crosses a multiple of ``part``."""
+
+    def __init__(self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None) -> None:
+        """All of ``total`` items but those that are ``done``."""
+        self.part = part or max(1, total)
+        self._left: list[Range] = []  # the lowest last
+        begin = 0
+        for start, stop in [*sorted(done), (total, total)]:
+            if start > begin:
+                self._left.append(Range(begin, start))
+            begin = max(begin, stop)
+        self._left.reverse()
+
+    def __len__(self) -> int:
+        """Number of items left."""
+        return sum(one.items for one in self._left)
+
+    def take(self, most: int) -> Range:
+        """The lowest items, at most ``most`` of them. Raises `IndexError` if none are left."""
+        first = self._left.pop()
+        stop = min(first.stop, first.start + max(1, most), (first.start // self.part + 1) * self.part)
+        if stop < first.stop:
+            self._left.append(first._replace(start=stop))
+        return first._replace(stop=stop)
+
+    def give_back(self, lost: Iterable[Range]) -> None:
+        """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""
+        for one in lost:
+            middle = one.start + (one.items + 1) // 2
+            halves = [Range(one.start, middle, one.deaths + 1), Range(middle, one.stop, one.deaths + 1)]
+            self._left += [half for half in halves if half.items]
+        self._left.sort(reverse=True)

@@ -1,0 +1,112 @@
+"""Gathering: all results, whoever dies on the way; what the work raises; what nobody survives."""
+
+import os
+import signal
+import time
+from multiprocessing import active_children
+from pathlib import Path
+
+import pytest
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.spread.gather import gather
+from hknob_cli.spread.pace import GROWTH, MOST, SECONDS, Pace
+from hknob_cli.spread.processes import Processes, Work
+from hknob_cli.spread.ranges import Ranges
+
+
+def run(work: Work, total: int, *, count: int = 2, tick=lambda: None) -> list[int]:
+    found: list[int] = []
+
+    def deliver(start: int, stop: int, data: bytes) -> None:
+        assert data == bytes(range(start, stop))
+        found.extend(data)
+
+    gather(Processes(work, count), Ranges(total), deliver, tick=tick)
+    return sorted(found)
+
+
+def plain(start: int, stop: int) -> bytes:
+    return bytes(range(start, stop))
+
+
+def test_all_items_arrive() -> None:
+    assert run(plain, 200) == list(range(200))
+    assert run(plain, 0) == []
+    assert not active_children()
+
+
+def test_a_worker_that_is_killed_costs_no_item(tmp_path: Path) -> None:
+    def work(start: int, stop: int) -> bytes:
+        mark = tmp_path / str(start)
+        if start % 3 == 0 and not mark.exists():
+            mark.touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return plain(start, stop)
+
+    assert run(work, 100) == list(range(100))
+    assert len(list(tmp_path.iterdir())) > 3
+
+
+@pytest.mark.parametrize("death", ["kill", "memory"])
+def test_too_many_items_for_the_memory_are_done_in_halves(death: str) -> None:
+    def work(start: int, stop: int) -> bytes:
+        if stop - start > 3:
+            if death == "memory":
+                raise MemoryError
+            os.kill(os.getpid(), signal.SIGKILL)
+        return plain(start, stop)
+
+    assert run(work, 40) == list(range(40))
+
+
+def test_items_that_kill_every_worker_are_named() -> None:
+    def work(start: int, stop: int) -> bytes:
+        if start <= 17 < stop:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return plain(start, stop)
+
+    with pytest.raises(ComputationError, match=r"items 1[0-9] to .* died 8 times"):
+        run(work, 30)
+    assert not active_children()
+
+
+def test_what_the_work_raises_is_raised() -> None:
+    def work(start: int, stop: int) -> bytes:
+        if start <= 17 < stop:
+            raise ComputationError("at 17 it overflows")
+        return plain(start, stop)
+
+    with pytest.raises(ComputationError, match="at 17"):
+        run(work, 30)
+
+
+def test_an_interruption_ends_the_workers_in_the_middle_of_their_work() -> None:
+    def work(start: int, stop: int) -> bytes:
+        time.sleep(600)
+        return b""
+
+    def tick() -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(work, 10, tick=tick)
+    assert not active_children()
+
+
+def test_pieces_grow_to_their_time_and_shrink_at_the_end() -> None:
+    pace = Pace(first=8)
+    sizes = []
+    for _ in range(10):
+        sizes.append(pace.size(10**6, 2))
+        pace.learn(sizes[-1], sizes[-1] * SECONDS / 1000)  # a thousand items a piece
+    assert sizes[:2] == [8, int(8 * GROWTH)]
+    assert sizes[-1] == 1000
+    assert pace.size(100, 2) == 25
+    pace.learn(1, 100 * SECONDS)
+    assert pace.size(10**6, 2) == 1
+    pace.learn(10**6, 1e-9)
+    pace.learn(10**6, 1e-9)
+    for _ in range(20):
+        pace.learn(10**6, 1e-9)
+    assert pace.size(10**9, 2) == MOST

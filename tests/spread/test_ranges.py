@@ -1,0 +1,40 @@
+"""Ranges: every item is handed out once, in pieces that respect the parts, whatever is lost on the way."""
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hknob_cli.spread.ranges import Range, Ranges
+
+
+@given(st.integers(0, 200), st.integers(1, 50), st.data())
+def test_every_item_once(total: int, part: int, data: st.DataObject) -> None:
+    cuts = sorted(data.draw(st.sets(st.integers(0, total), max_size=6)))
+    done = [pair for i, pair in enumerate(pairwise(cuts)) if i % 2 == 0]
+    left = Ranges(total, done=done, part=part)
+    assert len(left) == total - sum(stop - start for start, stop in done)
+    seen: list[int] = []
+    lost = 0
+    while len(left):
+        one = left.take(data.draw(st.integers(1, 60)))
+        assert one.items > 0
+        assert one.start // part == (one.stop - 1) // part
+        if lost < 5 and data.draw(st.booleans()):
+            lost += 1
+            left.give_back([one])
+            continue
+        seen += range(one.start, one.stop)
+    assert sorted(seen) == [i for i in range(total) if not any(start <= i < stop for start, stop in done)]
+
+
+def test_lost_items_come_back_first_and_in_halves() -> None:
+    left = Ranges(10)
+    first = left.take(4)
+    left.give_back([first])
+    assert left.take(10) == Range(0, 2, 1)
+    assert left.take(10) == Range(2, 4, 1)
+    assert left.take(10) == Range(4, 10, 0)
+    with pytest.raises(IndexError):
+        left.take(1)
