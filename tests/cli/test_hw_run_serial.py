@@ -153,7 +153,9 @@ def test_killed_what_was_received_is_there(hknob, tmp_path: Path) -> None:
 def test_interrupted_the_torque_is_off_at_once(tmp_path: Path, kind: signal.Signals) -> None:
     with PtyTarget() as pretended:
         arguments = arranged(tmp_path, pretended.url, longest="60")
+        heeded = signal.signal(kind, signal.SIG_DFL)  # the tests may themselves run under nohup
         process = subprocess.Popen([HKNOB, *arguments], stderr=subprocess.PIPE, text=True)
+        signal.signal(kind, heeded)
         wait_for(lambda: Kind.START in pretended.target.heard)
         time.sleep(0.1)
         process.send_signal(kind)
