@@ -2,11 +2,14 @@
 
 import contextlib
 import sys
+import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import NoReturn
 
 from hknob_cli.errors import ExitCode, HknobError
+
+LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
 
 _interrupted = False
 
@@ -68,3 +71,65 @@ def progress_bar(total: int, *, show: bool, what: str = "cells") -> Iterator[Cal
             bar.update(task, completed=done)
 
         yield update
+
+
+@contextlib.contextmanager
+def spread_progress(total: int, *, show: bool, done: int = 0, what: str = "cells") -> Iterator[Callable[[int], None]]:
+    """Progress of long work, told how many more of ``what`` are there: with their rate, and the time left.
+
+    On a terminal a bar; elsewhere a line now and then.
+    """
+    if show and sys.stderr.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+        columns = (TextColumn(what), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[pace]}"))
+        with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task(what, total=total, completed=done, pace="")
+            rate = Rate(total, done)
+
+            def update(more: int) -> None:
+                rate.add(more)
+                bar.update(task, completed=rate.done, pace=rate.text(what))
+
+            yield update
+        return
+    rate = Rate(total, done)
+    spoken = time.monotonic()
+
+    def now_and_then(more: int) -> None:
+        nonlocal spoken
+        rate.add(more)
+        if show and rate.done < total and time.monotonic() - spoken > LINE_EVERY:
+            spoken = time.monotonic()
+            say(f"{rate.done} of {total} {what}, {rate.text(what)}")
+
+    yield now_and_then
+
+
+class Rate:
+    """How fast work goes on, over the last minute or so, and how long the rest will take at that."""
+
+    def __init__(self, total: int, done: int) -> None:
+        self.total = total
+        self.done = done
+        self._marks = [(time.monotonic(), done)]
+
+    def add(self, more: int) -> None:
+        """So many more are done."""
+        self.done += more
+        now = time.monotonic()
+        if now - self._marks[-1][0] > 1.0:
+            self._marks = [*self._marks[-60:], (now, self.done)]
+
+    def text(self, what: str) -> str:
+        """The rate, and the time left."""
+        begin, before = self._marks[0]
+        seconds = time.monotonic() - begin
+        if seconds < 1.0 or self.done == before:
+            return ""
+        rate = (self.done - before) / seconds
+        left = round((self.total - self.done) / rate)
+        hours, minutes = divmod(left // 60, 60)
+        clock = f"{hours}:{minutes:02d}:{left % 60:02d}" if hours else f"{minutes}:{left % 60:02d}"
+        return f"{rate:,.4g} {what}/s, {clock} left" if rate < 1000 else f"{rate:,.0f} {what}/s, {clock} left"

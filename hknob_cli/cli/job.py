@@ -38,6 +38,7 @@ class Job(NamedTuple):
     quiet: bool = False
     verbose: bool = False
     unattended: bool = False  # nobody is there to press keys
+    scheduler: str | None = None  # of a Dask cluster that does the work
 
     def run(self) -> None:
         """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""

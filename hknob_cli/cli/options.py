@@ -30,14 +30,27 @@ Jobs = Annotated[
         "-j",
         min=1,
         metavar="N",
-        help="Threads; of remedies, processes.  \\[default: all cores]",
+        help="Processes that do long work.  \\[default: all cores]",
         show_default=False,
     ),
 ]
-Executor = Annotated[ExecutorName, typer.Option("--executor", help="How work is spread.")]
+Executor = Annotated[
+    ExecutorName, typer.Option("--executor", help="Who does long work: processes here, or a Dask cluster.")
+]
 Scheduler = Annotated[str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Address of a Dask scheduler.")]
 Force = Annotated[bool, typer.Option("--force", help="Recompute even where results are up to date.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; write nothing.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no messages, only results and errors.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say how the work was done.")]
+
+SPREAD = ("sweep", "run")  # commands whose work a cluster can do; of a pipeline its sweeps
+
+
+def unspreadable(kind: str, executor: ExecutorName, scheduler: str | None) -> str:
+    """Why the work cannot be spread as asked for; empty if it can."""
+    if executor is ExecutorName.local:
+        return "--scheduler: needs --executor dask" if scheduler else ""
+    if kind not in SPREAD:
+        return f"--executor: {kind} is not spread; dask is for {' and '.join(SPREAD)}"
+    return "" if scheduler else "--executor dask: needs --scheduler, an address like tcp://HOST:8786"

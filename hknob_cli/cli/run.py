@@ -19,6 +19,7 @@ from hknob_cli.cli.options import (
     Scheduler,
     Sets,
     Verbose,
+    unspreadable,
 )
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
 
@@ -49,8 +50,8 @@ def run(
 ) -> None:
     """Run a pipeline of stages, skipping all that is up to date."""
     with reporting():
-        if executor is ExecutorName.dask or scheduler:
-            raise UsageError("--executor: dask is not in this version; local is")
+        if why := unspreadable("run", executor, scheduler):
+            raise UsageError(why)
         from hknob_cli.pipeline import fresh
 
         options = {"overrides": list(sets or ()), "until": until}
@@ -72,7 +73,9 @@ def run(
 
         plan = load_pipeline(pipeline, tuple(sets or ()))
         stages = chosen(plan, until)
-        work = jobs_of(stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True)
+        work = jobs_of(
+            stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True, scheduler=scheduler
+        )
         steps = steps_of(stages, work, root, said)
         if dry_run or explain:
             outcomes = build(steps, root, force=force, dry=True)

@@ -4,8 +4,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
 from hknob_cli.cli.console import say
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
@@ -13,7 +11,7 @@ from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import computing_versions
 
-Tables = tuple[pa.Table, ...]
+Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
 
 class Work:
@@ -130,7 +128,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             for folder in work.folders(job):
                 (job.out / folder).mkdir(exist_ok=True)
-            store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
             work.finish(job)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold

@@ -21,6 +21,7 @@ from hknob_cli.cli.options import (
     Sets,
     SpecFile,
     Verbose,
+    unspreadable,
 )
 from hknob_cli.errors import UsageError
 
@@ -94,15 +95,15 @@ def stage_command(kind: str) -> Callable[..., None]:
         quiet: Quiet = False,
         verbose: Verbose = False,
     ) -> None:
-        spread = executor is ExecutorName.dask or bool(scheduler)
         submit_stage(
             kind,
             spec,
             out,
             sets,
-            refuse="--executor: dask is not in this version; local is" if spread else "",
+            refuse=unspreadable(kind, executor, scheduler),
             plot=plot,
             jobs=jobs,
+            scheduler=scheduler,
             force=force,
             dry_run=dry_run,
             as_json=as_json,

@@ -7,9 +7,11 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
+from hknob_cli.results.parted import PART_CELLS, Parted
+from hknob_cli.results.staging import clear_staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
@@ -41,23 +43,29 @@ class SweepWork(Work):
         """Cells and orbits."""
         begin = time.perf_counter()
         stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
+        if stage.spreads or job.scheduler:
+            from hknob_cli.cli.sweep_spread import spread_sweep
+
+            return (*spread_sweep(job, stage, stamp_of(job, self), partial(note, job)), *_recorded(job))
         with progress_bar(stage.cell_count, show=not job.quiet and stage.long) as progress:
             result = stage.run(progress)
         if job.verbose:
             seconds = time.perf_counter() - begin
             how = "compiled" if stage.compiled else "interpreted"
             note(job, f"{stage.cell_count} cells, {result.samples} trial-samples, {how}, {seconds:.2f} s")
-        if not job.plan.record:
-            return result.cells, result.orbits
-        from hknob_cli.stages.record import record_sweep
+        return result.cells, result.orbits, *_recorded(job)
 
-        return result.cells, result.orbits, record_sweep(job.plan)
+    def finish(self, job: Job) -> None:
+        """Remove what this run, or one of another spec that was cut short, had finished."""
+        clear_staged(job.out)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """The grid, over one axis or two, and the recordings."""
         cells, orbits = tables[:2]
         drawn = []
-        if _draw_grid(job, cells, orbits, paths[0]):
+        if isinstance(cells, Parted):
+            note(job, f"no {paths[0].name}: it has more than {PART_CELLS} cells")
+        elif _draw_grid(job, cells, orbits, paths[0]):
             drawn.append(paths[0])
         else:
             why = "more than two axes have several values" if job.plan.axes else "the grid has no axis"
@@ -73,11 +81,28 @@ class SweepWork(Work):
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Counts of outcomes, and every cell."""
         cells, orbits = tables[:2]
+        if isinstance(cells, Parted):
+            from hknob_cli.report.large import describe_large
+
+            return describe_large(cells, orbits, axes=job.plan.axes)
         return describe_sweep(cells, orbits, axes=list(job.plan.axes))
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
+        if "cell_count" in summary:
+            from hknob_cli.report.large import large_text
+
+            return large_text(summary)
         return table_text(summary, list(job.plan.axes))
+
+
+def _recorded(job: Job) -> Tables:
+    """Trajectories, where they are asked for."""
+    if not job.plan.record:
+        return ()
+    from hknob_cli.stages.record import record_sweep
+
+    return (record_sweep(job.plan),)
 
 
 def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:

@@ -9,6 +9,7 @@ import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.marked import is_marked, marked_origin
+from hknob_cli.results.parted import Parted, clear_aside, parted_origin, put_parted, read_parted, set_aside
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
@@ -64,11 +65,17 @@ def leftovers(paths: Iterable[Path]) -> list[Path]:
     return [half for path in paths if (half := partial(path)).is_file()]
 
 
-def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table, ...] | None:
+def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table | Parted, ...] | None:
     """Tables at ``paths`` if all are there, readable, and of exactly this provenance; else None."""
-    tables = []
+    tables: list[pa.Table | Parted] = []
     for path in paths:
         try:
+            if path.is_dir():
+                parted = read_parted(path, provenance)
+                if parted is None:
+                    return None
+                tables.append(parted)
+                continue
             if not path.is_file():
                 return None
             with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
@@ -98,11 +105,16 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
         try:
             if not (path.exists() or path.is_symlink()):
                 continue
-            if not path.is_file():
+            head = b""
+            if path.is_dir() and not path.is_symlink():
+                found = parted_origin(path)
+                head = b"folder"
+            elif path.is_file():
+                with path.open("rb") as stream:
+                    head = stream.read(4)
+                found = _origin(path) if path.suffix in _TEXTS or head in (b"PAR1", SIGNATURE[:4]) else None
+            else:
                 raise RefusedError(f"{path}: is not a file; move it away, or choose another --out")
-            with path.open("rb") as stream:
-                head = stream.read(4)
-            found = _origin(path) if path.suffix in _TEXTS or head in (b"PAR1", SIGNATURE[:4]) else None
         except OSError as error:
             raise ComputationError(f"{path}: cannot be read: {error.strerror or error}") from None
         if found is None and head in (b"", b"PAR1") and not _is_whole(path):
@@ -136,21 +148,33 @@ def _is_whole(path: Path) -> bool:
     return True
 
 
-def write(tables: dict[Path, pa.Table], provenance: bytes, texts: dict[Path, str] | None = None) -> None:
-    """Write all tables with their provenance, and all texts, then put them in place. Raises `ComputationError`."""
-    halves = {path: partial(path) for path in (*(texts or {}), *tables)}
+def write(
+    tables: dict[Path, pa.Table | Parted], provenance: bytes, texts: dict[Path, str] | None = None
+) -> tuple[pa.Table | Parted, ...]:
+    """Write all tables with their provenance, and all texts, then put them in place; the tables there.
+
+    Parted tables are written already, elsewhere on this disk. Raises `ComputationError`.
+    """
+    parted = {path: table for path, table in tables.items() if isinstance(table, Parted)}
+    whole: dict[Path, pa.Table] = {path: table for path, table in tables.items() if path not in parted}
+    halves = {path: partial(path) for path in (*(texts or {}), *whole)}
+    place = next(iter((*halves, *parted))).parent
     try:
         for path, text in (texts or {}).items():
             path.parent.mkdir(exist_ok=True)
             halves[path].write_text(text, encoding="utf-8")
-        for path, table in tables.items():
+        for path, table in whole.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
             with halves[path].open("wb") as stream:
                 pq.write_table(stamped, stream, compression="zstd")
         for path, half in halves.items():
+            if path.is_dir():  # of parts, where the same name was of more cells
+                set_aside(path)
             half.replace(path)
+            clear_aside(path)
+        return tuple(put_parted(parted[path], path) if path in parted else table for path, table in tables.items())
     except OSError as error:
-        raise ComputationError(f"{next(iter(halves)).parent}: cannot be written: {error.strerror or error}") from None
+        raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
     finally:
         for half in halves.values():
             with contextlib.suppress(OSError):

@@ -16,10 +16,11 @@ _TICK = 0.2  # s between two looks at whether there was an interruption
 class Workers(Protocol):
     """Who does the work: processes here, or on a cluster.
 
-    ``count``: pieces that they do at the same time; ``lost``: what a piece raises when they are gone.
+    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it.
     """
 
     lost: tuple[type[BaseException], ...]
+    deadly: tuple[type[BaseException], ...]
 
     @property
     def count(self) -> int:
@@ -69,7 +70,7 @@ def gather(
                     seconds, found = future.result()
                 except workers.lost:
                     gone.append(one)
-                except MemoryError:
+                except workers.deadly:
                     dead.append(one)
                 else:
                     pace.learn(one.items, seconds)

@@ -15,11 +15,6 @@ Done = tuple[float, bytes]  # seconds, results
 _work: Work | None = None
 
 
-def usable_cores() -> int:
-    """Cores this process may run on."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 def begin_worker() -> None:
     """Leave an interruption to the parent to answer, and end when it has been killed: nobody else would say so."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -59,6 +54,7 @@ class Processes:
     """
 
     lost: tuple[type[BaseException], ...] = (BrokenExecutor,)
+    deadly: tuple[type[BaseException], ...] = (MemoryError,)
 
     def __init__(self, work: Work, count: int) -> None:
         """Begin them."""

@@ -16,7 +16,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import is_plain, sample_knob
-from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
@@ -48,6 +48,20 @@ def is_ball(scene: Scene) -> bool:
     hand, bias = scene.hand or Hand(), scene.bias or Bias(torque=0.0)
     free = scene.knob.damping + hand.damping + hand.stiffness == 0.0
     return is_plain(scene) and free and bool(bias.torque or bias.half_quantum) and scene.wall.stiffness > 0.0
+
+
+def may_bounce(plan: SweepPlan) -> bool:
+    """Whether a sweep has cells of the bouncing ball: exact for a grid, for each axis bears on the matter by itself."""
+    if plan.scene.controller:
+        return False
+    pushed = ("bias.torque", "wall.stiffness")
+    cell = {
+        name: max(values, key=abs) if name in pushed else min(values, key=abs)
+        for name, values in plan.axes.items()
+        if name not in (GRIP, PERSON)
+    }
+    hands = [{GRIP: grip} for grip in plan.axes.get(GRIP, [])] or [{PERSON: who} for who in plan.axes.get(PERSON, [])]
+    return any(is_ball(scene_at(plan.scene, {**cell, **hand})) for hand in hands or [{}])
 
 
 def group_of(scene: Scene) -> str:

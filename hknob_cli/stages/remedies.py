@@ -12,9 +12,9 @@ from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
 from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import COUNTS, RATE
 from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.remedy_levels import level_columns, louder
 from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
-from hknob_cli.stages.sweep import usable_cores
 
 FEW = 2000  # trials, which are over before another process has begun
 
@@ -55,8 +55,10 @@ class RemediesStage:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
+        from hknob_cli.spread.processes import begin_worker
+
         # Forked, a process has all libraries loaded.
-        self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), _begin)
+        self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), begin_worker)
         self._pool.submit(int).result()
         return self
 
@@ -64,11 +66,10 @@ class RemediesStage:
         """End the processes: what has not begun never does, and after an interruption neither does what has."""
         if not self._pool:
             return
-        from multiprocessing import active_children
+        from hknob_cli.spread.processes import end_children
 
         if kind:
-            for child in active_children():
-                child.terminate()
+            end_children()
         self._pool.shutdown(wait=True, cancel_futures=True)
         self._pool = None
 
@@ -104,24 +105,6 @@ class RemediesStage:
                     row = louder(self.plan, row, other)
                     rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
         return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *level_columns(self.plan), *NEEDS], rows)
-
-
-def _begin() -> None:
-    """Leave an interruption to the parent to answer, and end when it has been killed: nobody else would say so."""
-    import os
-    import signal
-    from multiprocessing import parent_process
-    from threading import Thread
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = parent_process()
-    assert parent is not None
-
-    def follow() -> None:
-        parent.join()
-        os._exit(1)
-
-    Thread(target=follow, daemon=True).start()
 
 
 def _rows(plan: RemediesPlan, task: Task) -> Rows:

@@ -1,23 +1,26 @@
 """The sweep: every cell of the grid to its proven limit cycles, as two tables."""
 
-import os
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
-from math import prod
 from typing import Any, NamedTuple
 
 import pyarrow as pa
 
 from hknob_cli.engine.attractors import NeedsCompilerError
+from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import Cell, SweepPlan
+from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
 from hknob_cli.stages.sweep_tables import cells_table, orbits_table
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
 THREADS_ABOVE = 20_000_000
 SLOW = 50_000_000  # trial-samples worth a progress bar
+SPREAD_ABOVE = 2_000_000_000  # and worth processes, whose results are kept piece by piece
+CONTROLLED = 400_000.0  # samples of the plain loop that take as long as a trial with a controller, roughly
+LOOKED_AT = 256  # cells by which the work of a large grid is estimated
 HEAVIER = {
     "plain": 1.0,
     "bounces": 1.0,
@@ -34,11 +37,6 @@ class SweepResult(NamedTuple):
     cells: pa.Table
     orbits: pa.Table
     samples: int
-
-
-def usable_cores() -> int:
-    """Cores this process may run on."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 class SweepStage:
@@ -58,7 +56,7 @@ class SweepStage:
     @property
     def cell_count(self) -> int:
         """Number of cells."""
-        return prod(len(values) for values in self.plan.axes.values())
+        return len(cells_of(self.plan))
 
     @property
     def compiled(self) -> bool:
@@ -68,7 +66,12 @@ class SweepStage:
     @cached_property
     def expected(self) -> dict[str, float]:
         """Rough number of trial-samples of the whole grid, by the group of engine functions that they take."""
-        return self._expected(cells_of(self.plan))
+        every = cells_of(self.plan)
+        if len(every) <= 4 * LOOKED_AT:
+            return self._expected(every)
+        some = ((2 * i + 1) * len(every) // (2 * LOOKED_AT) for i in range(LOOKED_AT))
+        found = self._expected(cell for number in some for cell in every.run(number, number + 1))
+        return {group: samples * len(every) / LOOKED_AT for group, samples in found.items()}
 
     def _expected(self, some: Iterable[Cell]) -> dict[str, float]:
         total: dict[str, float] = {}
@@ -82,7 +85,22 @@ class SweepStage:
     @property
     def long(self) -> bool:
         """Whether the sweep is worth a progress bar."""
-        return sum(samples * HEAVIER[group] for group, samples in self.expected.items()) > SLOW
+        return self._work > SLOW
+
+    @property
+    def spreads(self) -> bool:
+        """Whether the sweep is worth processes, or too large to hold."""
+        controlled = self.cell_count * self.plan.starts.phases * CONTROLLED if self.plan.scene.controller else 0.0
+        return self.cell_count > PART_CELLS or self._work + controlled > SPREAD_ABOVE
+
+    @property
+    def _work(self) -> float:
+        return sum(samples * HEAVIER[group] for group, samples in self.expected.items())
+
+    def compile(self) -> None:
+        """Compile what the sweep will take, where it is not compiled yet."""
+        for group in self.expected:
+            self._compile(group)
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""

@@ -11,15 +11,14 @@ from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
-from hknob_cli.stages.cell import CellResult
+from hknob_cli.stages.cell import CellResult, may_bounce
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 
 
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
-    grown = any(result.growth for result in results)
-    columns = (*CELLS, *(GROWTH if grown else ()))
+    columns = (*CELLS, *(GROWTH if may_bounce(plan) else ()))
     rows = [{**result.cell, **_cell_row(result)} for result in results]
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns

@@ -1,0 +1,70 @@
+"""A long sweep, spread over processes or a cluster: kept piece by piece, so that it can be cut short at any time."""
+
+from collections.abc import Callable
+from typing import Any
+
+from hknob_cli.cli.console import heed, spread_progress
+from hknob_cli.cli.job import Job
+from hknob_cli.errors import ComputationError
+from hknob_cli.report.matrix import short
+from hknob_cli.results.staging import Staging
+from hknob_cli.results.versions import computing_versions
+from hknob_cli.spec.cells import cells_of
+from hknob_cli.spread.cores import usable_cores
+from hknob_cli.spread.gather import Workers, gather
+from hknob_cli.spread.ranges import Range, Ranges
+from hknob_cli.stages.assembly import Assembly
+from hknob_cli.stages.piece import PieceFinder
+from hknob_cli.stages.sweep import SweepStage
+
+
+def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:
+    """Cells and orbits of a sweep whose results will have the provenance ``stamp``. Raises `ComputationError`."""
+    total = stage.cell_count
+    try:
+        assembly = Assembly(Staging(job.out, stamp), total, stamp)
+        done = assembly.begin(afresh=job.force)
+        left = Ranges(total, done=done, part=assembly.part)
+        if done and left:
+            notify(f"{total - len(left)} of {total} cells are there from an earlier run")
+        if left:
+            _gather(job, stage, assembly, left, notify)
+        return assembly.tables()
+    except OSError as error:
+        kept = "what is finished is kept, run the same command again"
+        raise ComputationError(f"{job.out}: cannot be written: {error.strerror or error}; {kept}") from None
+
+
+def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notify: Callable[[str], None]) -> None:
+    finder = PieceFinder(job.plan, computing_versions())
+    with spread_progress(assembly.total, show=not job.quiet, done=assembly.total - len(left)) as progress:
+
+        def deliver(start: int, stop: int, data: bytes) -> None:
+            assembly.take(start, stop, data)
+            progress(stop - start)
+
+        def tick() -> None:
+            heed()
+            progress(0)
+
+        gather(_workers(job, stage, finder, notify), left, deliver, tick=tick, name=lambda one: _named(job.plan, one))
+
+
+def _workers(job: Job, stage: SweepStage, finder: PieceFinder, notify: Callable[[str], None]) -> Workers:
+    if job.scheduler:
+        from hknob_cli.spread.cluster import Cluster
+
+        return Cluster(finder, job.scheduler, notify)
+    from hknob_cli.spread.processes import Processes
+
+    stage.compile()
+    finder.prepare(stage)
+    return Processes(finder, job.jobs or usable_cores())
+
+
+def _named(plan: Any, one: Range) -> str:
+    """Cells by number, and the first by its values."""
+    cell = next(cells_of(plan).run(one.start, one.start + 1))
+    values = ", ".join(f"{name} = {short(value)}" for name, value in cell.items())
+    which = f"cell {one.start}" if one.items == 1 else f"cells {one.start} to {one.stop - 1}, from"
+    return f"{which} {values}"

@@ -1,0 +1,74 @@
+"""A sweep of more cells than anyone reads: counts, shares and extremes, taken from its parts one by one."""
+
+from typing import Any
+
+import numpy as np
+
+from hknob_cli.report.matrix import short
+from hknob_cli.results.parted import Parted
+
+OUTCOMES = ("cycle", "rest", "diverged", "undecided")
+SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
+MEASURES = ("p2p_rad", "frequency_hz")
+
+
+def describe_large(cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]]) -> dict[str, Any]:
+    """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells."""
+    count = 0
+    sums = dict.fromkeys(SHARES, 0.0)
+    still = 0
+    extremes: dict[str, dict[str, Any]] = {}
+    for table in cells.tables([*axes, *SHARES, *MEASURES]):
+        count += table.num_rows
+        column = {name: table[name].to_numpy() for name in (*SHARES, *MEASURES)}
+        for name in SHARES:
+            sums[name] += float(column[name].sum())
+        still += int((column["at_rest_fraction"] == 1.0).sum())
+        for name in MEASURES:
+            _widen(extremes, name, column[name], table, list(axes))
+    found = dict.fromkeys(OUTCOMES, 0)
+    for table in orbits.tables(["outcome"]):
+        for entry in table["outcome"].value_counts().to_pylist():
+            found[entry["values"]] += entry["counts"]
+    return {
+        "axes": {
+            name: {"values": len(values), "least": min(values), "most": max(values)} for name, values in axes.items()
+        },
+        "cell_count": count,
+        "orbits": found,
+        **{name: total / count for name, total in sums.items()},
+        "cells_at_rest": still,
+        "extremes": extremes,
+    }
+
+
+def _widen(extremes: dict[str, dict[str, Any]], name: str, values: Any, table: Any, axes: list[str]) -> None:
+    """Take in the least above 0, and the most, of one part's values."""
+    above = np.where(values > 0.0, values, np.nan)
+    if not np.isfinite(above).any():
+        return
+    for which, at in (("least", int(np.nanargmin(above))), ("most", int(np.nanargmax(above)))):
+        value, known = float(above[at]), extremes.get(f"{which}_{name}")
+        if known is None or (value < known[name] if which == "least" else value > known[name]):
+            extremes[f"{which}_{name}"] = {name: value, **{axis: table[axis][at].as_py() for axis in axes}}
+
+
+def large_text(summary: dict[str, Any]) -> str:
+    """The summary on the terminal."""
+    counts = ", ".join(f"{number:,} {kind}" for kind, number in summary["orbits"].items() if number)
+    proven = summary["certified_fraction"]
+    stale = " (up to date)" if summary["status"] == "up to date" else ""
+    rest, diverged, undecided = (f"{100 * summary[name]:.4g} %" for name in SHARES[1:])
+    lines = [
+        f"{summary['name']}: {summary['cell_count']:,} cells{stale}",
+        f"attractors: {counts}; " + ("all proven" if proven == 1.0 else f"{100 * proven:.6g} % of trials proven"),
+        f"trials: {rest} come to rest, {diverged} diverge, {undecided} undecided",
+        f"cells where all trials come to rest: {summary['cells_at_rest']:,}",
+    ]
+    names = {"p2p_rad": ("peak to peak", 1e3, "mrad"), "frequency_hz": ("frequency", 1.0, "Hz")}
+    for key, row in summary["extremes"].items():
+        which, name = key.split("_", 1)
+        what, scale, unit = names[name]
+        where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis != name)
+        lines.append(f"{which} {what}: {short(scale * row[name])} {unit}, at {where}")
+    return "\n".join(lines)

@@ -1,0 +1,137 @@
+"""A table too large for one file: a folder of Parquet files, ``part-000000.parquet`` and on, each of as many cells.
+
+pandas, Polars, DuckDB and Arrow read the folder as one table. Every part says in its metadata which of how many it is,
+so that a folder that lacks some is known for what it is.
+"""
+
+import shutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.results.provenance import KEY, origin
+
+PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
+PART = b"hknob.part"
+
+
+class Parted(NamedTuple):
+    """A table of so many ``parts`` in ``folder``, with so many rows."""
+
+    folder: Path
+    parts: int
+    num_rows: int
+
+    def tables(self, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
+        """Part by part; all columns if None. Raises `ComputationError` for a damaged part."""
+        for number in range(self.parts):
+            path = self.folder / part_name(number)
+            try:
+                with pq.ParquetFile(path) as file:
+                    table = file.read(columns=None if columns is None else list(columns))
+            except (OSError, pa.ArrowException) as error:
+                raise ComputationError(f"{path}: cannot be read: {error}; run again with --force") from None
+            yield table
+
+    def table(self, columns: Sequence[str] | None = None) -> pa.Table:
+        """All parts as one table in memory."""
+        return pa.concat_tables(self.tables(columns))
+
+    @property
+    def column_names(self) -> list[str]:
+        """Names of the columns."""
+        return list(pq.read_schema(self.folder / part_name(0)).names)
+
+
+def part_name(number: int) -> str:
+    """Name of a part's file."""
+    return f"part-{number:06d}.parquet"
+
+
+def write_part(table: pa.Table, folder: Path, number: int, count: int, provenance: bytes) -> None:
+    """Write one part of ``count``, whole or not at all. Raises `OSError`."""
+    path = folder / part_name(number)
+    half = path.with_name(f".{path.name}.half")
+    whole = table.combine_chunks().replace_schema_metadata({KEY: provenance, PART: _mark(number, count)})
+    try:
+        with half.open("wb") as stream:
+            pq.write_table(whole, stream, compression="zstd")
+        half.replace(path)
+    except OSError:
+        half.unlink(missing_ok=True)
+        raise
+
+
+def _mark(number: int, count: int) -> bytes:
+    return f"{number + 1} of {count}".encode()
+
+
+def is_written(folder: Path, number: int, count: int, provenance: bytes) -> bool:
+    """Whether a part is there, readable, and of this provenance."""
+    found = _metadata(folder / part_name(number))
+    return found.get(KEY) == provenance and found.get(PART) == _mark(number, count)
+
+
+def _metadata(path: Path) -> dict[bytes, bytes]:
+    """Metadata of a Parquet file; empty if it cannot be read."""
+    try:
+        return pq.read_schema(path).metadata or {}
+    except (OSError, pa.ArrowException):
+        return {}
+
+
+def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
+    """The parted table in ``folder`` if it is whole, and of this provenance if one is given; else None."""
+    first = _metadata(folder / part_name(0))
+    try:
+        count = int(first[PART].split()[-1])
+    except (KeyError, ValueError, IndexError):
+        return None
+    wanted = first[KEY] if provenance is None else provenance
+    rows = 0
+    for number in range(count):
+        if not is_written(folder, number, count, wanted):
+            return None
+        rows += pq.read_metadata(folder / part_name(number)).num_rows
+    return Parted(folder, count, rows)
+
+
+def parted_origin(folder: Path) -> tuple[str, str] | None:
+    """Stage and name that a folder of parts, and nothing else, was written for; None if it is not one of ours."""
+    files = sorted(folder.iterdir())
+    if any(path.is_symlink() or not path.match("part-??????*.parquet") for path in files):
+        return None
+    return next((found for path in files if (found := origin(_metadata(path)))), None)
+
+
+def put_parted(parted: Parted, place: Path) -> Parted:
+    """Put a folder of parts in its place, in one step, instead of what of ours is there. Raises `OSError`."""
+    if place.is_dir():
+        set_aside(place)
+    elif place.exists():
+        place.unlink()
+    for left in parted.folder.glob(".*"):
+        left.unlink()
+    parted.folder.rename(place)
+    clear_aside(place)
+    return parted._replace(folder=place)
+
+
+def set_aside(place: Path) -> None:
+    """Take a folder of parts away from its place in one step, as its readers see it. Raises `OSError`."""
+    clear_aside(place)
+    place.rename(_aside(place))
+
+
+def clear_aside(place: Path) -> None:
+    """Remove what was set aside. Raises `OSError`."""
+    if _aside(place).is_dir() and not _aside(place).is_symlink():
+        shutil.rmtree(_aside(place))
+
+
+def _aside(place: Path) -> Path:
+    return place.with_name(f".{place.name}.old")

@@ -1,0 +1,89 @@
+"""What a long run has finished so far, in a hidden folder beside its results, so that a later run goes on from there.
+
+Pieces are named by the items they hold, and the folder by the provenance that the results will have: what another spec
+or another version of the program has finished is never taken for this one's.
+"""
+
+import hashlib
+import re
+import shutil
+import zlib
+from pathlib import Path
+from struct import Struct
+
+from hknob_cli.errors import ComputationError
+
+_PREFIX = ".hknob.partial-"
+_NAME = re.compile(r"(\d+)-(\d+)\.piece")
+_HEAD = Struct("<4sIQ")  # mark, CRC-32 and length of what follows
+_MARK = b"hkp1"
+
+
+class Staging:
+    """Finished pieces of one run in ``out``. Raises `OSError` where they cannot be written or read."""
+
+    def __init__(self, out: Path, provenance: bytes) -> None:
+        self.folder = out / f"{_PREFIX}{hashlib.sha256(provenance).hexdigest()[:16]}"
+
+    def begin(self, *, afresh: bool = False) -> None:
+        """Make the folder, and remove those of other runs; ``afresh``: and what is in it."""
+        for other in staged(self.folder.parent):
+            if other != self.folder or afresh:
+                shutil.rmtree(other)
+        self.folder.mkdir(exist_ok=True)
+        for half in self.folder.glob("*.half"):
+            half.unlink()
+
+    def pieces(self) -> list[tuple[int, int]]:
+        """Items of the pieces that are there, in order, none twice; what is damaged is removed."""
+        apart: list[tuple[int, int]] = []
+        found = [_NAME.fullmatch(path.name) for path in self.folder.iterdir()]
+        for start, stop in sorted((int(match[1]), int(match[2])) for match in found if match):
+            if (apart and start < apart[-1][1]) or self._read(start, stop) is None:
+                self.drop(start, stop)
+            else:
+                apart.append((start, stop))
+        return apart
+
+    def put(self, start: int, stop: int, data: bytes) -> None:
+        """Keep the results of items ``start`` to ``stop``."""
+        path = self._path(start, stop)
+        half = path.with_suffix(".half")
+        try:
+            with half.open("wb") as stream:
+                stream.write(_HEAD.pack(_MARK, zlib.crc32(data), len(data)))
+                stream.write(data)
+            half.replace(path)
+        except OSError:
+            half.unlink(missing_ok=True)
+            raise
+
+    def get(self, start: int, stop: int) -> bytes:
+        """The results of items ``start`` to ``stop``. Raises `ComputationError` where they are damaged."""
+        data = self._read(start, stop)
+        if data is None:
+            raise ComputationError(f"{self._path(start, stop)}: is damaged; run the same command again")
+        return data
+
+    def _read(self, start: int, stop: int) -> bytes | None:
+        stored = self._path(start, stop).read_bytes()
+        data = stored[_HEAD.size :]
+        return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None
+
+    def drop(self, start: int, stop: int) -> None:
+        """Remove a piece."""
+        self._path(start, stop).unlink(missing_ok=True)
+
+    def _path(self, start: int, stop: int) -> Path:
+        return self.folder / f"{start}-{stop}.piece"
+
+
+def staged(out: Path) -> list[Path]:
+    """Folders of what unfinished runs in ``out`` have finished."""
+    return [path for path in out.glob(f"{_PREFIX}*") if path.is_dir() and not path.is_symlink()]
+
+
+def clear_staged(out: Path) -> None:
+    """Remove what unfinished runs have left in ``out``."""
+    for path in staged(out):
+        shutil.rmtree(path, ignore_errors=True)
