@@ -8,6 +8,8 @@ from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
 
+MOST_FAULTS = 100  # of one spec that are said
+
 
 class ExitCode(IntEnum):
     """Exit codes of every command."""
@@ -48,6 +50,11 @@ class RefusedError(HknobError):
     exit_code = ExitCode.REFUSED
 
 
+def printable(text: str) -> str:
+    """A text in one line, as a terminal may be sent it: what would steer or mislead one is replaced by ``?``."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+
+
 class Fault(NamedTuple):
     """One fault of a spec: where (``FILE:LINE:COL`` or the option that set it), which key, and what is wrong."""
 
@@ -59,12 +66,16 @@ class Fault(NamedTuple):
 
     def __str__(self) -> str:
         place = f"{self.where}:{self.line}:{self.column}" if self.line else self.where
-        return f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}"
+        return printable(f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}")
 
 
 class SpecError(UsageError):
-    """A spec with faults, one line each."""
+    """A spec with faults, one line each; the first 100 are said."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(sorted(set(faults)))
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+        lines = [str(fault) for fault in self.faults[:MOST_FAULTS]]
+        if len(self.faults) > MOST_FAULTS:
+            last = self.faults[MOST_FAULTS - 1]
+            lines.append(str(last._replace(key="", message=f"only the first {MOST_FAULTS} faults are listed")))
+        super().__init__("\n".join(lines))

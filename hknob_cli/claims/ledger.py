@@ -10,7 +10,7 @@ from hknob_cli.claims.bounds import Bounds, Real
 from hknob_cli.claims.checks import check_fault
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec import source as yaml
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.scene import Part
 
 Text = Annotated[str, Field(min_length=1)]
@@ -79,7 +79,7 @@ def load_ledger(path: Path) -> Ledger:
     try:
         ledger = Ledger.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, Ledger, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, Ledger, error)) from None
     faults: list[Fault] = []
     seen: dict[str, int] = {}
     for i, claim in enumerate(ledger.claims):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from hknob_cli.cli.console import reporting, say
+from hknob_cli.cli.console import reporting, say, tell
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.options import Sets
 from hknob_cli.errors import ExitCode, UsageError
@@ -80,6 +80,6 @@ def check(
                 say(str(error))
                 failed = True
                 continue
-            typer.echo(f"{path}: {found}: good")
+            tell(f"{path}: {found}: good")
     if failed:
         raise typer.Exit(ExitCode.USAGE)

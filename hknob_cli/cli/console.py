@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import NoReturn
 
-from hknob_cli.errors import ExitCode, HknobError
+from hknob_cli.errors import ExitCode, HknobError, printable
 
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
 
@@ -28,8 +28,17 @@ def heed() -> None:
 
 
 def say(text: str) -> None:
-    """A message, on stderr."""
-    print(text, file=sys.stderr)
+    """A message, on stderr; as `tell`."""
+    print(_lines(text), file=sys.stderr)
+
+
+def tell(text: str) -> None:
+    """Results in words, on stdout; lines stay lines, and nothing in them, such as a name, steers a terminal."""
+    print(_lines(text))
+
+
+def _lines(text: str) -> str:
+    return "\n".join(map(printable, text.split("\n")))
 
 
 @contextlib.contextmanager
@@ -66,9 +75,9 @@ def progress_bar(total: int, *, show: bool, what: str = "cells") -> Iterator[Cal
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=total)
 
-        def update(done: int, _total: int) -> None:
+        def update(done: int, total: int) -> None:
             heed()
-            bar.update(task, completed=done)
+            bar.update(task, completed=done, total=total)
 
         yield update
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hknob_cli.cli.console import heed, reporting, say
+from hknob_cli.cli.console import heed, reporting, say, tell
 from hknob_cli.cli.options import (
     DryRun,
     Executor,
@@ -124,14 +124,14 @@ def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> Non
         counts[stage["status"]] = counts.get(stage["status"], 0) + 1
     said = ", ".join(f"{count} {status}" for status, count in counts.items())
     if not stages:
-        print(f"{name}: no stage to run")
+        tell(f"{name}: no stage to run")
         return
-    print(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
-    print(f"results: {root}")
+    tell(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
+    tell(f"results: {root}")
     for stage in stages:
         for file in stage["files"] if stage["status"] in ("computed", "up to date") else ():
             if file.endswith(".html"):
-                print(f"page: {file}")
+                tell(f"page: {file}")
 
 
 def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: bool) -> None:
@@ -141,10 +141,10 @@ def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: b
         return
     for one in outcomes:
         if explain and one.why:
-            print(f"{one.name}: {one.fate.value}, because\n" + "\n".join(f"  {reason}" for reason in one.why))
+            tell(f"{one.name}: {one.fate.value}, because\n" + "\n".join(f"  {reason}" for reason in one.why))
         else:
             more = f" (and {len(one.why) - 1} more reasons; --explain)" if len(one.why) > 1 else ""
-            print(f"{one.name}: {one.fate.value}" + (f", because {one.why[0]}{more}" if one.why else ""))
+            tell(f"{one.name}: {one.fate.value}" + (f", because {one.why[0]}{more}" if one.why else ""))
 
 
 def _is_of_pytask(error: BaseException | None) -> bool:

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import say
+from hknob_cli.cli.console import say, tell
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
@@ -103,8 +103,8 @@ def run_stage(job: Job, work: Work) -> None:
     if job.as_json:
         print(json.dumps(summary, allow_nan=False))
         return
-    print(work.text(job, summary))
-    print("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
+    tell(work.text(job, summary))
+    tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
 
 
 def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
@@ -176,9 +176,9 @@ def _say_plan(job: Job, paths: list[Path], tables: Tables | None) -> None:
         print(json.dumps({**plan, **({} if current else {"why": why}), "files": [str(path) for path in paths]}))
         return
     if current:
-        print(f"nothing would run: {job.out} is up to date")
+        tell(f"nothing would run: {job.out} is up to date")
         return
-    print(f"{job.kind} would run, because: {why}; it would write {' and '.join(str(path) for path in paths)}")
+    tell(f"{job.kind} would run, because: {why}; it would write {' and '.join(str(path) for path in paths)}")
 
 
 def note(job: Job, text: str) -> None:

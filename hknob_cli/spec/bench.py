@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import Counts
 from hknob_cli.spec.plan import COUNTS, BenchPlan, BenchScene
 from hknob_cli.spec.quantity import Angle, PositiveSeconds, SampleRate, Velocity
@@ -106,7 +106,7 @@ def validate_bench(source: Source) -> BenchPlan:
     try:
         spec = BenchSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, BenchSpec, one) for one in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, BenchSpec, error)) from None
     faults: list[Fault] = []
     scenes: list[BenchScene] = []
     for name, patch in spec.scenes.items():
@@ -156,9 +156,7 @@ def _scene(source: Source, name: str, patch: dict[str, Any]) -> BenchScene | lis
     try:
         spec = BenchSceneSpec.model_validate(values)
     except ValidationError as error:
-        return [
-            fault_at(source, BenchSceneSpec, one, values=values, place=place) for one in error.errors(include_url=False)
-        ]
+        return faults_of(source, BenchSceneSpec, error, values=values, place=place)
     return _wrong(source, spec, place) or BenchScene(
         name=name,
         scene=spec.scene.plain(),

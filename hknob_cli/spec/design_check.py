@@ -9,7 +9,7 @@ from hknob_cli.spec.bench import merged
 from hknob_cli.spec.derived import derived_sweep
 from hknob_cli.spec.design import DesignSpec
 from hknob_cli.spec.design_plan import Candidate, Choice, DesignPlan, Option, Value
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import AxisError, axis_values, scalar_field, scalar_paths
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
@@ -24,7 +24,7 @@ def validate_design(source: Source) -> DesignPlan:
     try:
         spec = DesignSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, DesignSpec, one) for one in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, DesignSpec, error)) from None
     faults = _contradictions(source, spec)
     if faults:
         raise SpecError(faults)

@@ -1,11 +1,11 @@
-"""From a validator's error to a fault with its place in the file."""
+"""From a validator's errors to faults with their places in the file."""
 
 from collections.abc import Callable
 from typing import Any
 
-from pydantic import BaseModel
+from pydantic import BaseModel, ValidationError
 
-from hknob_cli.errors import Fault
+from hknob_cli.errors import MOST_FAULTS, Fault
 from hknob_cli.spec.grid import items_of, model_of
 from hknob_cli.spec.messages import keys_of, message
 from hknob_cli.spec.source import Path_, Source
@@ -13,18 +13,24 @@ from hknob_cli.spec.source import Path_, Source
 Place = Callable[[Path_], Path_]
 
 
-def fault_at(
+def faults_of(
     source: Source,
     model: type[BaseModel],
-    error: Any,
+    error: ValidationError,
     *,
     values: Any = None,
     place: Place = lambda path: path,
-) -> Fault:
-    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words.
+) -> list[Fault]:
+    """Faults of what a model does not take, as many as are said of a spec.
 
     ``values`` is what was validated, if not the whole of ``source``; ``place`` says where in the file a path in it is.
     """
+    found = error.errors(include_url=False)[: MOST_FAULTS + 1]
+    return [_fault_at(source, model, one, values=values, place=place) for one in found]
+
+
+def _fault_at(source: Source, model: type[BaseModel], error: Any, *, values: Any, place: Place) -> Fault:
+    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words."""
     path: list[str | int] = []
     value: Any = source.value if values is None else values
     last = len(error["loc"]) - 1

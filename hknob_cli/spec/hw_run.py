@@ -17,7 +17,7 @@ from hknob_cli.spec.campaign import (
     NuisancePlan,
     PersonPlan,
 )
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.spec.part import Part, Place
 from hknob_cli.spec.plan import COUNTS, RATE, Axes
@@ -164,7 +164,7 @@ def validate_hw_run(source: Source) -> HwRunPlan:
     try:
         spec = HwRunSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, HwRunSpec, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, HwRunSpec, error)) from None
     axes, faults = _axes(source, spec)
     faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]
     if faults:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, ValidationError
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.analysis import Case, CaseFile, DfaSpec, PredictSpec
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import (
     MAX_CELLS,
     AxisError,
@@ -149,7 +149,7 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         spec = model.model_validate(source.value)
         grid, scene = spec.grid, spec.scene
     except ValidationError as error:
-        faults += [fault_at(source, model, item) for item in error.errors(include_url=False)]
+        faults += faults_of(source, model, error)
         try:
             grid = Grid.model_validate(source.value.get("grid"))
         except ValidationError:
@@ -209,7 +209,7 @@ def _read_case(source: Source, name: str) -> tuple[float, str]:
     try:
         case = Case.model_validate(case_source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(case_source, Case, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(case_source, Case, error)) from None
     return case.constant(), hashlib.sha256(path.read_bytes()).hexdigest()
 
 

@@ -5,6 +5,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from hknob_cli.errors import printable
+
 _BOUNDS = {
     "greater_than": (">", "gt"),
     "greater_than_equal": (">=", "ge"),
@@ -41,7 +43,7 @@ def shown(value: Any) -> str:
         text = "a mapping"
     if isinstance(value, list):
         text = f"a list of {len(value)}"
-    text = "".join(c if c.isprintable() else "?" for c in text)
+    text = printable(text)
     return text if len(text) <= 60 else text[:57] + "..."
 
 

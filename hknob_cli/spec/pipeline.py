@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.scene import Part
@@ -50,7 +50,7 @@ def validate_pipeline(source: Source) -> PipelinePlan:
     try:
         spec = PipelineSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, PipelineSpec, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, PipelineSpec, error)) from None
     faults: list[Fault] = []
     stages: dict[str, StagePlan] = {}
     for name, stage in spec.stages.items():

@@ -10,7 +10,7 @@ from pydantic import Field, ValidationError
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.bench import merged
 from hknob_cli.spec.derived import derived_sweep
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import Counts
 from hknob_cli.spec.hand import HandSpec
 from hknob_cli.spec.perceive import PerceiveSpec
@@ -72,7 +72,7 @@ def validate_remedies(source: Source) -> RemediesPlan:
     try:
         spec = RemediesSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, RemediesSpec, one) for one in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, RemediesSpec, error)) from None
     faults = _contradictions(source, spec)
     felt = {"perceive": source.value["perceive"]} if spec.perceive else {}
     base = {"kind": "sweep", "name": spec.name, **source.value["base"], **felt}

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
@@ -145,7 +145,7 @@ def validate_report(source: Source) -> ReportPlan:
     try:
         spec = ReportSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, ReportSpec, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, ReportSpec, error)) from None
     faults = [*_same_names(source, spec), *_anchors(source, spec), *_names(source, spec)]
     if faults:
         raise SpecError(faults)

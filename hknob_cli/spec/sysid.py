@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, TypeVar
 from pydantic import Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.spec.faults import fault_at
+from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.identification import PreparePlan, SysidPlan, VirtualPlan
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque, Unit
@@ -130,7 +130,7 @@ def validate_sysid(source: Source) -> SysidPlan:
     try:
         spec = SysidSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError([fault_at(source, SysidSpec, item) for item in error.errors(include_url=False)]) from None
+        raise SpecError(faults_of(source, SysidSpec, error)) from None
     faults: list[Fault] = []
     study = None
     if spec.study is not None:

@@ -1,11 +1,12 @@
 """Broken specs: exit 2, one line a fault with its place, no traceback, nothing written."""
 
+import os
 import re
 from pathlib import Path
 
 import pytest
 
-from tests.conftest import SPEC
+from tests.conftest import EXPERIMENTS, SPEC
 
 KNOB = "knob: {inertia: 1.9e-6}"
 
@@ -108,6 +109,36 @@ def test_all_faults_at_once(hknob, spec_file) -> None:
     )
     done = hknob("sweep", spec_file(text))
     assert len(done.stderr.splitlines()) == 5
+
+
+def test_of_many_faults_a_hundred_are_said(hknob, spec_file) -> None:
+    done = hknob("check", spec_file(SPEC + "".join(f"key{i}: 1\n" for i in range(500))))
+    lines = done.stderr.splitlines()
+    assert (done.returncode, len(lines)) == (2, 101)
+    assert lines[-1].endswith("only the first 100 faults are listed")
+
+
+def test_nothing_that_a_spec_says_steers_the_terminal(hknob, spec_file) -> None:
+    done = hknob("check", spec_file('"a\\e[2J": 1\n"\\u202Eb": [1\n'), "--set", "x\x1b[31m=1\n2")
+    assert "\x1b" not in done.stderr
+    done = hknob("check", spec_file(SPEC + '"a\\e[2J": 1\n"\\u202Eb": 1\n'))
+    assert [line.split(": ")[1] for line in done.stderr.splitlines()] == ["a?[2J", "?b"]
+    done = hknob("check", spec_file(), "--set", "scene.wall.stiffness=\x1b[31m\nx")
+    assert done.stderr.startswith("--set scene.wall.stiffness=?[31m?x: scene.wall.stiffness: ")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_path_that_is_no_utf_8_is_said(hknob, spec_file, tmp_path: Path) -> None:
+    spec = spec_file().rename(tmp_path / os.fsdecode(b"\xff.yaml"))
+    done = hknob("check", spec)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith("?.yaml: sweep 'small', 1 cell: good\n")
+    assert "must be key.path=value in UTF-8" in hknob("check", spec, "--set", os.fsdecode(b"\xff=1")).stderr
+
+
+def test_a_terminal_of_few_letters_is_written_to(hknob) -> None:
+    done = hknob("sweep", EXPERIMENTS / "smoke_grid.yaml", "-o", "out", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("content", [b"", b"\x00\x01\x02", b"\xff\xfe", b"a: 1\n" * 300_000, b"[" * 100_000])
