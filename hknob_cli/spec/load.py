@@ -283,6 +283,8 @@ def _override(source: Source, text: str, label: str) -> Fault | None:
     path_text, sign, value_text = text.partition("=")
     if not sign or not all(part.strip() for part in path_text.split(".")):
         return Fault(where, 0, 0, "", "must be key.path=value")
+    if not yaml.is_text(text):
+        return Fault(where, 0, 0, "", "must be key.path=value in UTF-8")
     path = tuple(path_text.strip().split("."))
     if path[0] == "grid" and len(path) > 2:
         form = path[-1:] if path[-1] in ("log", "lin") else ()

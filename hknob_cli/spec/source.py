@@ -4,12 +4,15 @@ YAML 1.2 by ruamel.yaml's parser, read as a tree of nodes: that tree has the pos
 constructs nothing but plain scalars, lists and mappings.
 """
 
+import re
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
+from ruamel.yaml.scanner import RoundTripScanner, ScannerError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 
@@ -18,7 +21,9 @@ Path_ = tuple[str | int, ...]
 MAX_BYTES = 1_000_000
 MAX_NODES = 100_000
 MAX_DEPTH = 50
+MAX_KEYS = 1000  # of one mapping
 
+_VERSION = re.compile(r"^%YAML[ \t]+(\S+)", re.MULTILINE)
 _PLAIN = {
     "tag:yaml.org,2002:int",
     "tag:yaml.org,2002:float",
@@ -26,6 +31,22 @@ _PLAIN = {
     "tag:yaml.org,2002:null",
     "tag:yaml.org,2002:str",
 }
+
+
+class _Scanner(RoundTripScanner):
+    """Gives up what is nested too deeply where it is: to read on takes seconds, and runs out of recursion."""
+
+    def fetch_flow_collection_start(self, *arguments: Any, **named: Any) -> None:
+        self._refuse_deeper()
+        super().fetch_flow_collection_start(*arguments, **named)
+
+    def add_indent(self, column: int) -> bool:
+        self._refuse_deeper()
+        return bool(super().add_indent(column))
+
+    def _refuse_deeper(self) -> None:
+        if self.flow_level + len(self.indents) > MAX_DEPTH:
+            raise ScannerError(None, None, f"more than {MAX_DEPTH} levels", self.reader.get_mark())
 
 
 class Source:
@@ -76,15 +97,15 @@ def read(path: Path) -> Source:
 
     Raises `UsageError` if it cannot be read at all, `SpecError` for bad YAML, duplicate keys, foreign tags.
     """
-    if path.is_dir():
-        raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
     try:
+        if path.is_dir():
+            raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
         with path.open("rb") as stream:
             data = stream.read(MAX_BYTES + 1)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror or error}") from None
     if len(data) > MAX_BYTES:
-        raise UsageError(f"{path}: larger than {MAX_BYTES} bytes, which no spec needs")
+        raise SpecError([Fault(str(path), 1, 1, "", f"larger than {MAX_BYTES} bytes, which no spec needs")])
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -96,9 +117,12 @@ def read(path: Path) -> Source:
 def parse(text: str, name: str) -> Source:
     """Read a spec from text; ``name`` stands for the file in faults. Raises `SpecError`."""
     source = Source(name)
-    loader = YAML(typ="rt", pure=True)
+    version = _VERSION.search(text)
+    if version and version[1] != "1.2":
+        line = text.count("\n", 0, version.start()) + 1
+        raise SpecError([Fault(name, line, 1, "", f"must be YAML 1.2, not {version[1][:20]}")])
     try:
-        node = loader.compose(text)
+        loader, node = _composed(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
@@ -118,6 +142,15 @@ def parse(text: str, name: str) -> Source:
     return source
 
 
+@lru_cache(maxsize=2)  # a spec's kind is asked before the spec is loaded
+def _composed(text: str) -> tuple[YAML, Node | None]:
+    """The tree of a text, and what can construct its scalars. Raises what the parser does."""
+    loader = YAML(typ="rt", pure=True)
+    loader.Scanner = _Scanner
+    loader.composer.warn_double_anchors = False  # YAML 1.2 lets an anchor be used again
+    return loader, loader.compose(text)
+
+
 def parse_value(text: str) -> Any:
     """Value of an override, read as YAML. Raises `ValueError` with the reason."""
     try:
@@ -127,6 +160,11 @@ def parse_value(text: str) -> Any:
     if list(source.value) != ["value"]:
         raise ValueError("must be one value")
     return source.value["value"]
+
+
+def is_text(value: str) -> bool:
+    """Whether text can be written to a file, and be the name of one; escapes can say what cannot."""
+    return "\0" not in value and not any("\ud800" <= letter <= "\udfff" for letter in value)
 
 
 def _place(node: Node) -> tuple[int, int]:
@@ -164,6 +202,9 @@ class _Reader:
         if tag not in _PLAIN:
             self.fail(node, path, f"tag {tag!r} is not allowed here; numbers, text, true, false and null are")
             return None
+        if not is_text(str(node.value)):
+            self.fail(node, path, "must be text that a file can have: without NUL, and without half a character")
+            return None
         if tag.endswith(":str"):
             # The round-trip parser marks where folded text (">") was broken with a bell.
             return str(node.value).replace("\a", "") if node.style == ">" else str(node.value)
@@ -172,6 +213,9 @@ class _Reader:
         except (YAMLError, ValueError, OverflowError) as error:
             self.fail(node, path, f"cannot be read as a number: {error}")
             return None
+        except KeyError:  # !!bool with another word
+            self.fail(node, path, f"must be true or false, got '{node.value}'")
+            return None
         # The parser's own kinds of numbers remember how they were written; plain ones are wanted.
         if isinstance(value, bool) or value is None:
             return value
@@ -179,11 +223,17 @@ class _Reader:
 
     def mapping(self, node: MappingNode, path: Path_) -> dict[str, Any]:
         result: dict[str, Any] = {}
+        if len(node.value) > MAX_KEYS:
+            self.fail(node, path, f"more than {MAX_KEYS} keys, which nothing in a spec has")
+            return result
         for key_node, value_node in node.value:
             if not isinstance(key_node, ScalarNode):
                 self.fail(key_node, path, "a key must be a word")
                 continue
             key = str(key_node.value)
+            if not is_text(key):
+                self.fail(key_node, path, "a key must be text that a file can have")
+                continue
             if key in result:
                 first = self.source.keys[(*path, key)][0]
                 self.fail(key_node, (*path, key), f"duplicate key, first given at line {first}")

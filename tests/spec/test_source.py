@@ -1,5 +1,6 @@
 """YAML with places: values, positions, duplicate keys, and what is refused."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -50,6 +51,9 @@ def test_every_duplicate_key_is_a_fault() -> None:
         ("a: *nobody\n", "f.yaml:1:4: not YAML"),
         ("? [1, 2]\n: 3\n", "f.yaml:1:3: a key must be a word"),
         ("a: 1\n---\nb: 2\n", "f.yaml:2:1: not YAML"),
+        (":\n%YAML 9.9", "f.yaml:2:1: must be YAML 1.2, not 9.9"),
+        ("# 1\n%YAML 1.1\n---\na: yes\n", "f.yaml:2:1: must be YAML 1.2, not 1.1"),
+        ("a: !!bool maybe\n", "f.yaml:1:4: a: must be true or false, got 'maybe'"),
     ],
 )
 def test_what_is_not_a_spec(text: str, place: str) -> None:
@@ -66,6 +70,49 @@ def test_alias_to_itself_is_refused() -> None:
     assert "levels" in faults("a: &x [*x]\n")[0]
 
 
+@pytest.mark.parametrize("deep", ["[" * 60, "{a: " * 60, "- " * 60, "[" * 30 + "{a: " * 30, "? " * 60])
+def test_what_is_nested_too_deeply_is_given_up_where_it_is(deep: str) -> None:
+    """Read on, brackets would take seconds: for each the parser looks back at all that are open."""
+    (found,) = faults(f"a: 1\nb:\n  {deep}{'[' * 100_000}\n")
+    assert re.match(r"f.yaml:3:\d+: not YAML: more than 50 levels$", found)
+
+
+def test_fifty_levels_are_read() -> None:
+    assert parse(f"a: {'[' * 48}1{']' * 48}\n", "f.yaml").value
+
+
+def test_no_mapping_has_a_thousand_keys() -> None:
+    assert faults("a:\n" + "".join(f"  k{i}: 1\n" for i in range(1001))) == [
+        "f.yaml:2:3: a: more than 1000 keys, which nothing in a spec has"
+    ]
+    assert len(parse("".join(f"k{i}: 1\n" for i in range(1000)), "f.yaml").value) == 1000
+
+
+@pytest.mark.parametrize("escape", ["\\0", "\\uD800", "\\uDFFF\\uD800"])
+def test_text_that_no_file_can_have_is_refused(escape: str) -> None:
+    assert faults(f'a: "x{escape}"\n')[0].startswith("f.yaml:1:4: a: must be text that a file can have")
+    assert faults(f'"{escape}": 1\n') == ["f.yaml:1:1: a key must be text that a file can have"]
+    with pytest.raises(ValueError, match="must be text"):
+        parse_value(f'"{escape}"')
+
+
+def test_yaml_1_2_may_say_so() -> None:
+    assert parse("%YAML 1.2\n---\na: yes\n", "f.yaml").value == {"a": "yes"}
+
+
+def test_an_anchor_may_be_used_again() -> None:
+    """YAML 1.2, section 3.2.2.2; no warning, for that would be an error here."""
+    assert parse("a: &x 1\nb: &x 2\nc: *x\n", "f.yaml").value == {"a": 1, "b": 2, "c": 2}
+
+
+def test_what_is_read_once_more_is_its_own() -> None:
+    text = "a: {b: [1, 2]}\n"
+    first = parse(text, "f.yaml")
+    first.value["a"]["b"].append(3)
+    assert parse(text, "g.yaml").value == {"a": {"b": [1, 2]}}
+    assert str(parse(text, "g.yaml").fault(("a",), "wrong")) == "g.yaml:1:4: a: wrong"
+
+
 def test_unreadable_files(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.yaml: No such file"):
         read(tmp_path / "none.yaml")
@@ -75,7 +122,7 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read(binary)
     large = tmp_path / "l.yaml"
     large.write_bytes(b"#" * 1_000_001)
-    with pytest.raises(UsageError, match="larger than"):
+    with pytest.raises(SpecError, match=r"l\.yaml:1:1: larger than"):
         read(large)
 
 
