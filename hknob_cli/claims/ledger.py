@@ -11,6 +11,7 @@ from hknob_cli.claims.checks import check_fault
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.faults import faults_of
+from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.scene import Part
 
 Text = Annotated[str, Field(min_length=1)]
@@ -75,7 +76,8 @@ class Ledger(Part):
 
 def load_ledger(path: Path) -> Ledger:
     """Read a ledger. Raises `SpecError` with every fault and its place, `UsageError` where it cannot be read."""
-    source = yaml.read(path)
+    with open_named(path):
+        source = yaml.read(path)
     try:
         ledger = Ledger.model_validate(source.value)
     except ValidationError as error:

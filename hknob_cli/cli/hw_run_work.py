@@ -21,6 +21,7 @@ from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
 from hknob_cli.spec.campaign import REPLAY, SERIAL
+from hknob_cli.spec.named_file import digest_of, inside
 
 HARDWARE = "hardware"
 
@@ -38,16 +39,17 @@ class HwRunWork(Work):
 
     def reads(self, job: Job) -> tuple[Path, ...]:
         """Recordings to replay; a folder stands for its samples."""
-        return tuple(path / RESULTS[0] if path.is_dir() else path for path in job.plan.device.recordings)
+        return tuple(inside(path, RESULTS[0]) for path in job.plan.device.recordings)
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
         found = {}
-        for i, path in enumerate(self.reads(job)):
+        for i, path in enumerate(job.plan.device.recordings):
             try:
-                found[f"recording_{i}_{path.name}"] = hashlib.sha256(path.read_bytes()).hexdigest()
-            except OSError as error:
-                raise UsageError(f"device.recordings: {path}: {error.strerror or error}") from None
+                file = inside(path, RESULTS[0])
+                found[f"recording_{i}_{file.name}"] = digest_of(file)
+            except UsageError as error:
+                raise UsageError(f"device.recordings: {error}") from None
         return found
 
     def surroundings(self) -> dict[str, str]:

@@ -13,6 +13,7 @@ from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.spec.load import load
+from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.page_plan import ReportPlan
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.plan import Plan
@@ -109,7 +110,8 @@ def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) ->
     }
     linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
     assert stage.spec is not None
-    plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ", waiting=waiting)
+    with open_named(stage.spec):
+        plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ", waiting=waiting)
     if isinstance(plan, ReportPlan) and "rerun" not in plan.values:
         plan = plan._replace(rerun=(f"hknob run {Path(stage.where.split(':')[0]).name}",))
     return plan._replace(values=_replaced(plan.values, _names(stage)))

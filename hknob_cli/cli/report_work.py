@@ -1,6 +1,5 @@
 """The work of ``hknob report``."""
 
-import hashlib
 import re
 from collections import Counter
 from html import escape, unescape
@@ -20,6 +19,7 @@ from hknob_cli.results import store
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import showing_versions
+from hknob_cli.spec.named_file import digest_of
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')
 _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')
@@ -63,9 +63,9 @@ class ReportWork(Work):
                 raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:
                 raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
-            digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
+            digests |= {f"{name}/{path.name}": digest_of(path) for path in tables}
         for path in self.reads(job)[len(job.plan.results) :]:
-            digests[path.name] = _sha256(path)
+            digests[path.name] = digest_of(path)
         return digests
 
     def folders(self, job: Job) -> tuple[str, ...]:
@@ -130,13 +130,6 @@ class ReportWork(Work):
 
 def _evidence(job: Job) -> Evidence:
     return Evidence({name: Path(folder) for name, folder in job.plan.results.items()})
-
-
-def _sha256(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror or error}") from None
 
 
 def _why_missing(path: Path) -> str:

@@ -4,6 +4,7 @@ Recordings of a real device are sources: they are never deleted, and a campaign 
 gone on with. What was computed can be computed again, and is cleared away when it is of another spec or program.
 """
 
+import contextlib
 import json
 import shutil
 from pathlib import Path
@@ -47,6 +48,13 @@ class Archive:
                 half.replace(self.folder / ABOUT)
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be written: {error.strerror or error}") from None
+
+    def abandon(self) -> None:
+        """Remove the folder again, if nothing is in it but what it is of."""
+        with contextlib.suppress(OSError):
+            if [path.name for path in self.folder.iterdir()] == [ABOUT]:
+                (self.folder / ABOUT).unlink()
+                self.folder.rmdir()
 
     def _about(self) -> dict[str, Any] | None:
         """What the folder says it is of; None where nothing is in it. Raises `RefusedError` if it is not ours."""

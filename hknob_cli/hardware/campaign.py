@@ -57,6 +57,13 @@ class Campaign:
         recorded is on the disk in any case.
         """
         self._archive.enter()
+        try:
+            return self._all()
+        except UsageError:
+            self._archive.abandon()
+            raise
+
+    def _all(self) -> list[Recorded]:
         done: list[Recorded] = []
         device: Device | None = None
         with ExitStack() as stack:

@@ -97,5 +97,5 @@ def _spec_of(path: Path) -> dict[str, Any]:
     try:
         record = json.loads((pq.read_schema(path).metadata or {})[KEY])
         return dict(record["spec"])
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
         return {}

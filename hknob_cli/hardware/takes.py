@@ -17,12 +17,14 @@ import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Array, Counts, Flags, Settings
-from hknob_cli.recordings.files import RecordingFile
+from hknob_cli.recordings.files import RecordingFile, first_line
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
+from hknob_cli.spec.named_file import inside
 from hknob_cli.spec.plan import COUNTS, RATE
 
 FINEST = 2**24  # counts per revolution where a recording has an angle in radians only
+MOST_COUNTS = 2**31  # that an encoder has
 _EXTRA = {
     RATE: pa.float64(),
     COUNTS: pa.int64(),
@@ -30,6 +32,14 @@ _EXTRA = {
     "device_time_us": pa.int64(),
     "angle_counts": pa.int64(),
     "running": pa.bool_(),
+}
+_RANGES = {
+    RATE: (1e-3, 1e9),
+    COUNTS: (1, MOST_COUNTS),
+    "sample": (0, 2**53),
+    "device_time_us": (0, 2**53),
+    "angle_counts": (-(2**53), 2**53),
+    "running": (0, 1),
 }
 _ALIKE = 0.98  # share of the samples whose torque must be the wall's: one by an edge may be rounded to the other side
 
@@ -63,7 +73,7 @@ def read_takes(paths: Iterable[Path]) -> list[Take]:
     """
     takes: list[Take] = []
     for path in paths:
-        file = path / "samples.parquet" if path.is_dir() else path
+        file = inside(path, "samples.parquet")
         trials = read([file])
         extra = _extra_columns(file)
         takes += [_take(trial, extra) for trial in trials]
@@ -99,10 +109,16 @@ def _extra_columns(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     names = {name.strip(): name for name in file.names if name.strip() in _EXTRA}
     if not names:
         return {}
-    if file.is_parquet:
-        table = pq.read_table(path, columns=list(names.values()))
-    else:
-        table = pc.read_csv(path, convert_options=pc.ConvertOptions(include_columns=list(names.values())))
+    for name in names:
+        if (count := [one.strip() for one in file.names].count(name)) > 1:
+            raise UsageError(f"{path}: {name}: column is there {count} times; must be there once")
+    try:
+        if file.is_parquet:
+            table = pq.read_table(path, columns=list(names.values()))
+        else:
+            table = pc.read_csv(path, convert_options=pc.ConvertOptions(include_columns=list(names.values())))
+    except (pa.ArrowException, OSError) as error:
+        raise UsageError(f"{path}: cannot be read: {first_line(error)}") from None
     found = {}
     for name, written in names.items():
         try:
@@ -112,6 +128,11 @@ def _extra_columns(path: Path) -> dict[str, np.ndarray[Any, Any]]:
         if column.null_count:
             raise UsageError(f"{path}: {name}: nothing in {column.null_count} rows; must be in all of them")
         found[name] = column.to_numpy()
+        low, high = _RANGES[name]
+        odd = np.flatnonzero(~((found[name] >= low) & (found[name] <= high)))
+        if odd.size:
+            text = f"must be from {low:g} to {high:g}, got {found[name][odd[0]]:g}"
+            raise UsageError(f"{path}: row {odd[0] + 1}: {name}: {text}")
     return found
 
 
@@ -122,7 +143,7 @@ def _take(trial: Trial, extra: dict[str, np.ndarray[Any, Any]]) -> Take:
     if trial.time_s.size < 2:
         raise UsageError(f"{name}: has one sample; it takes more to tell its sample rate")
     counts = own.get("angle_counts")
-    native = FINEST if counts is None else _native_counts(counts, trial.angle_rad)
+    native = FINEST if counts is None else _native_counts(counts, trial.angle_rad, name)
     if counts is None:
         counts = np.floor(trial.angle_rad * (FINEST / tau)).astype(np.int64)
     time_us = own.get("device_time_us")
@@ -147,10 +168,15 @@ def _take(trial: Trial, extra: dict[str, np.ndarray[Any, Any]]) -> Take:
     )
 
 
-def _native_counts(counts: Counts, angle_rad: Array) -> int:
-    """Counts per revolution by which angles were told, from the largest of them."""
+def _native_counts(counts: Counts, angle_rad: Array, name: str) -> int:
+    """Counts per revolution by which angles were told, from the largest of them. Raises `UsageError`."""
     at = int(np.abs(counts).argmax())
-    return round(tau * float(counts[at]) / float(angle_rad[at])) if counts[at] else FINEST
+    count, angle = float(counts[at]), float(angle_rad[at])
+    if count == 0.0:
+        return FINEST
+    if angle == 0.0 or not 0.5 <= tau * count / angle <= MOST_COUNTS:
+        raise UsageError(f"{name}: {count:.0f} angle_counts where angle_rad is {angle:g}: no encoder has so many")
+    return round(tau * count / angle)
 
 
 def _round_rate(time_s: Array) -> float:

@@ -1,17 +1,30 @@
 """What a page says and shows where its spec lists neither sentences nor chapters: each result, by its kind."""
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
+from hknob_cli.errors import UsageError
 from hknob_cli.page.figures.campaign_samples import MOST
 from hknob_cli.report.perceived import perceived_levels
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
 from hknob_cli.spec.plan import PERSON
 
+T = TypeVar("T")
+
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
-    """A chapter for each result, with the pictures that its tables allow."""
-    return tuple(_chapter(evidence[name]) for name in evidence.names)
+    """A chapter for each result, with the pictures that its tables allow. Raises `UsageError` for tables of others."""
+    return tuple(_of(evidence[name], _chapter) for name in evidence.names)
+
+
+def _of(result: Result, make: Callable[[Result], T]) -> T:
+    """What is made of a result's tables, where they are as their stage writes them."""
+    try:
+        return make(result)
+    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+        text = f"the tables of '{result.name}' in {result.folder} are not as its stage writes them"
+        raise UsageError(f"results: {text}: {error}") from error
 
 
 def _chapter(result: Result) -> ChapterPlan:
@@ -136,7 +149,7 @@ _LARGEST = "Of several cycles in a cell the largest."
 
 def sentences_of(evidence: Evidence) -> tuple[str, ...]:
     """A sentence for each sweep, and each campaign on a knob: how many cells, how large, what pitch, how surely."""
-    return tuple(text for name in evidence.names if (text := _sentence(evidence[name])))
+    return tuple(text for name in evidence.names if (text := _of(evidence[name], _sentence)))
 
 
 def _sentence(result: Result) -> str:

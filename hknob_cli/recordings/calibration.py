@@ -9,11 +9,14 @@ import pyarrow.csv
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
+from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.trial import Array
+from hknob_cli.spec.messages import shown
 
 MOTOR = ("range_index", "current_a", "direction", "torque_nm")
 GRIP_CELL = ("position_m", "force_n", "voltage_v")
 _MOST = 20  # faults that are said
+_LARGEST = 1e6  # of any reading, in its SI unit
 
 
 def read_columns(paths: Iterable[Path], names: tuple[str, ...]) -> dict[str, Array]:
@@ -23,16 +26,19 @@ def read_columns(paths: Iterable[Path], names: tuple[str, ...]) -> dict[str, Arr
     for path in paths:
         table = _table(path)
         for name in names:
-            if name not in table.column_names:
-                faults.append(f"{path}: {name}: missing, and required; there are {', '.join(table.column_names)}")
+            if (count := table.column_names.count(name)) != 1:
+                there = f"; there are {', '.join(map(shown, table.column_names))}"
+                wrong = f"missing, and required{there}" if not count else f"is there {count} times; must be there once"
+                faults.append(f"{path}: {name}: {wrong}")
                 continue
             try:
                 values = table.column(name).cast(pa.float64()).to_numpy(zero_copy_only=False)
             except pa.ArrowException:
                 faults.append(f"{path}: {name}: must be numbers")
                 continue
-            for row in np.flatnonzero(~np.isfinite(values))[:_MOST]:
-                faults.append(f"{path}: row {row + 1}: {name}: must be a finite number, got {values[row]}")
+            for row in np.flatnonzero(~(np.abs(values) <= _LARGEST))[:_MOST]:
+                allowed = f"within {_LARGEST:g}" if np.isfinite(values[row]) else "a finite number"
+                faults.append(f"{path}: row {row + 1}: {name}: must be {allowed}, got {values[row]:g}")
             parts[name].append(values)
     if faults:
         raise UsageError("\n".join(faults[:_MOST]))
@@ -46,8 +52,12 @@ def _table(path: Path) -> pa.Table:
     try:
         with path.open("rb") as stream:
             parquet = stream.read(4) == b"PAR1"
-        return pq.read_table(path) if parquet else pa.csv.read_csv(path)
+        table = pq.read_table(path) if parquet else pa.csv.read_csv(path)
+        _ = table.column_names
+        return table
+    except UnicodeDecodeError:
+        raise UsageError(f"{path}: is neither Parquet nor CSV in UTF-8") from None
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror or error}") from None
     except pa.ArrowException as error:
-        raise UsageError(f"{path}: cannot be read: {str(error).splitlines()[0]}") from None
+        raise UsageError(f"{path}: cannot be read: {first_line(error)}") from None

@@ -56,7 +56,7 @@ class RecordingFile:
             raise NotReadableError("is neither Parquet nor CSV in UTF-8") from None
         except (pa.ArrowException, OSError) as error:
             kind = "Parquet" if self.is_parquet else "CSV"
-            raise NotReadableError(f"cannot be read as {kind}: {_first_line(error)}") from None
+            raise NotReadableError(f"cannot be read as {kind}: {first_line(error)}") from None
 
     def typed(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
         """Batches of the columns ``raw`` (name to name in the header): reals and, of the keys that are text, codes.
@@ -90,7 +90,7 @@ class RecordingFile:
                 for batch in stream:
                     yield dict(zip(raw, batch.columns, strict=True))
         except (pa.ArrowException, OSError) as error:
-            raise NotReadableError(f"cannot be read: {_first_line(error)}") from None
+            raise NotReadableError(f"cannot be read: {first_line(error)}") from None
 
     def _check_utf8(self) -> None:
         """Raise `NotReadableError` for other bytes; Arrow, where it finds them in a row it gives up, does not."""
@@ -118,5 +118,6 @@ class RecordingFile:
                 yield {name: batch.column(there) for name, there in raw.items()}
 
 
-def _first_line(error: Exception) -> str:
+def first_line(error: Exception) -> str:
+    """What an error says, in one line."""
     return (str(error).splitlines() or [type(error).__name__])[0]

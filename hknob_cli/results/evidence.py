@@ -70,7 +70,7 @@ class Result:
         """Stage, spec as run, inputs and versions. Raises `MissingError` where the folder has no result."""
         for file in self.files:
             metadata = self.table(file).schema.metadata or {}
-            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError):
+            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
                 record: dict[str, Any] = json.loads(metadata[KEY])
                 if isinstance(record["spec"].get("grid") or {}, dict):
                     return record

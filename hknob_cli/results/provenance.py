@@ -75,7 +75,7 @@ def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
 
     try:
         return SceneSpec.model_validate(json.loads((metadata or {})[KEY])["spec"]["scene"]).plain()
-    except (KeyError, ValueError, TypeError):
+    except (KeyError, ValueError, TypeError, RecursionError):
         return None
 
 
@@ -84,5 +84,5 @@ def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:
     try:
         record = json.loads((metadata or {})[KEY])
         return str(record["stage"]), str(record["name"])
-    except (KeyError, ValueError, TypeError):
+    except (KeyError, ValueError, TypeError, RecursionError):
         return None

@@ -13,14 +13,18 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
 from hknob_cli.spec.grip import same_grip
+from hknob_cli.spec.named_file import inside, open_named
 
 FILE = "conditions.parquet"
 # Columns of what a spec chooses by, in the order of the choice.
 KEYS = {"experiment": "experiment", "subject": "subject", "grip_n": "grip_target_n", "estimator": "estimator"}
 NUMBERS = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
+_MOST = (1e6, 1e9, 1e12)  # of these, as in a scene
 STDS = tuple(f"{name}_std" for name in NUMBERS)
 APPARATUS = "apparatus_inertia_kg_m2"
 BEST_ESTIMATOR = "output_error"
+_ALWAYS = ("level", "experiment", "grip_target_n", "estimator")
+_REALS = ("grip_target_n", *NUMBERS, *STDS, APPARATUS)
 _NEEDED = ("level", *KEYS.values(), *NUMBERS, *STDS, APPARATUS, "flags")
 
 Row = dict[str, Any]
@@ -48,11 +52,9 @@ def read_conditions(place: Path) -> Conditions:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    file = place / FILE if place.is_dir() else place
-    try:
-        data = file.read_bytes()
-    except OSError as error:
-        raise UsageError(f"{file}: {error.strerror or error}") from None
+    file = inside(place, FILE)
+    with open_named(file) as stream:
+        data = stream.read()
     try:
         with pq.ParquetFile(BytesIO(data)) as parquet:
             table = parquet.read()
@@ -61,7 +63,26 @@ def read_conditions(place: Path) -> Conditions:
     missing = [name for name in _NEEDED if name not in table.column_names]
     if missing:
         raise UsageError(f"{file}: has no column {', '.join(missing)}; sysid writes such a file as {FILE}")
-    return Conditions(file, hashlib.sha256(data).hexdigest(), table.to_pylist())
+    return Conditions(file, hashlib.sha256(data).hexdigest(), _typed(table, file))
+
+
+def _typed(table: Any, file: Path) -> list[Row]:
+    """Rows of the columns that are needed, numbers and texts. Raises `UsageError` for others."""
+    import pyarrow as pa
+
+    columns = {}
+    for name in _NEEDED:
+        kind = pa.float64() if name in _REALS else pa.string()
+        if table.column_names.count(name) > 1:
+            raise UsageError(f"{file}: has several columns {name}")
+        try:
+            columns[name] = table.column(name).cast(kind).to_pylist()
+        except (pa.ArrowException, ValueError):
+            what = "numbers" if name in _REALS else "text"
+            raise UsageError(f"{file}: {name}: must be {what}, is {table.column(name).type}") from None
+        if name in _ALWAYS and None in columns[name]:
+            raise UsageError(f"{file}: {name}: nothing in a row; must be in all of them")
+    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
 
 def narrowed(rows: list[Row], wanted: Row, keys: Iterable[str]) -> list[Row]:
@@ -101,8 +122,10 @@ def numbers_of(row: Row, subtract: float | None) -> Triple:
         if row[name] is None or not isfinite(row[name]):
             raise ChoiceError("from", f"{label(row)} has no {name}")
     inertia, damping, stiffness = (float(row[name]) for name in NUMBERS)
-    for name, value in zip(NUMBERS[1:], (damping, stiffness), strict=True):
-        if value < 0.0:
+    for name, value, most in zip(NUMBERS, (inertia, damping, stiffness), _MOST, strict=True):
+        if abs(value) > most:
+            raise ChoiceError("from", f"{label(row)} has a {name} of {value:g}, which is above {most:g}")
+        if value < 0.0 and name != NUMBERS[0]:
             raise ChoiceError("from", f"{label(row)} has a {name} of {value:g}, which is below 0")
     return inertia - (subtract or 0.0), damping, stiffness
 

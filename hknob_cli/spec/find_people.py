@@ -1,5 +1,6 @@
 """The people of a population: the subjects of a file, or drawn as those of a file or of a printed table spread."""
 
+from math import inf
 from typing import NamedTuple
 
 from hknob_cli.errors import UsageError
@@ -99,7 +100,7 @@ def _spread(rows: list[Row], hands: list[Triple]) -> tuple[Spread, Notes]:
     if rows[0]["level"] == "subject":
         raise ChoiceError("from", "has one subject, whose spread is unknown; spread: subjects takes that one")
     values = [rows[0][name] for name in STDS]
-    if any(value is None or not value >= 0.0 for value in values):
+    if any(value is None or not 0.0 <= value < inf for value in values):
         raise ChoiceError("from", "has no subjects, and no standard deviations over persons")
     inertia, damping, stiffness = map(float, values)
     alone = "population: the file has no subjects; inertia, damping, stiffness are drawn independently"

@@ -1,6 +1,5 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
-import hashlib
 from importlib import import_module
 from math import prod
 from pathlib import Path
@@ -22,6 +21,7 @@ from hknob_cli.spec.grid import (
     scalar_paths,
 )
 from hknob_cli.spec.messages import nearest
+from hknob_cli.spec.named_file import digest_of
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.spec.population import PopulationSpec
@@ -201,6 +201,7 @@ def _read_case(source: Source, name: str) -> tuple[float, str]:
     """C of the known case in a file, and the file's digest. Raises `SpecError` with the faults of either file."""
     path = _case_file(source, name)
     try:
+        digest = digest_of(path)
         case_source = yaml.read(path)
     except UsageError as error:
         if isinstance(error, SpecError):
@@ -210,7 +211,7 @@ def _read_case(source: Source, name: str) -> tuple[float, str]:
         case = Case.model_validate(case_source.value)
     except ValidationError as error:
         raise SpecError(faults_of(case_source, Case, error)) from None
-    return case.constant(), hashlib.sha256(path.read_bytes()).hexdigest()
+    return case.constant(), digest
 
 
 def _missing_axes(source: Source, scene: SceneSpec | None) -> list[Fault]:

@@ -6,8 +6,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from hknob_cli.errors import Fault, SpecError
+from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec.faults import faults_of
+from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
@@ -146,7 +147,7 @@ def validate_report(source: Source) -> ReportPlan:
         spec = ReportSpec.model_validate(source.value)
     except ValidationError as error:
         raise SpecError(faults_of(source, ReportSpec, error)) from None
-    faults = [*_same_names(source, spec), *_anchors(source, spec), *_names(source, spec)]
+    faults = [*_same_names(source, spec), *_anchors(source, spec), *_names(source, spec), *_ledger(source, spec)]
     if faults:
         raise SpecError(faults)
 
@@ -215,6 +216,17 @@ def _names(source: Source, spec: ReportSpec) -> list[Fault]:
             if figure.values:
                 faults += _placeholders(source, ("chapters", i, "figures", j), figure.caption, figure.values)
     return faults
+
+
+def _ledger(source: Source, spec: ReportSpec) -> list[Fault]:
+    """The fault of a ledger that cannot be read."""
+    if spec.claims is None:
+        return []
+    try:
+        with open_named(Path(source.name).parent / spec.claims):
+            return []
+    except UsageError as error:
+        return [source.fault(("claims",), str(error))]
 
 
 def _placeholders(source: Source, place: Path_, text: str, values: dict[str, ValueSpec]) -> list[Fault]:

@@ -4,7 +4,6 @@ Differences are relative to the sweep, (prediction - sweep) / sweep. The dissert
 describing functions with the *peak to peak* of its simulations (sec. 7.3), so that reading is computed, too.
 """
 
-import hashlib
 from collections.abc import Iterable, Iterator
 from math import isfinite, sqrt
 from pathlib import Path
@@ -18,6 +17,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.provenance import origin, scene_of
 from hknob_cli.spec.cells import Cells
+from hknob_cli.spec.named_file import digest_of, open_named
 from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
@@ -35,8 +35,9 @@ def sweep_file(folder: str) -> Path:
     """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
     path = Path(folder) / "cells.parquet"
     try:
-        found = origin(pq.read_schema(path).metadata)
-    except (OSError, pa.ArrowException):
+        with open_named(path) as stream:
+            found = origin(pq.read_schema(stream).metadata)
+    except (OSError, UsageError, pa.ArrowException):
         raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
     if found is None or found[0] != "sweep":
         raise UsageError(f"against: {path} is not the result of a sweep")
@@ -45,7 +46,7 @@ def sweep_file(folder: str) -> Path:
 
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
-    return hashlib.sha256(sweep_file(folder).read_bytes()).hexdigest()
+    return digest_of(sweep_file(folder))
 
 
 def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
@@ -75,6 +76,8 @@ def _said(value: Any) -> str:
 
 
 _INSIDE = "_in_domain"
+_MAY_LACK = ("p2p_rad", "frequency_hz")  # columns of a sweep that have no value where nothing moves
+_SWEPT = (*_MAY_LACK, "diverged_fraction", "undecided_fraction", "at_rest_fraction")
 
 
 class Against:
@@ -88,13 +91,12 @@ class Against:
         path = Path(folder)
         if table is None:
             path = sweep_file(folder)
-            with pq.ParquetFile(path) as file:
-                table = file.read()
+            table = _read(path)
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
         self._axes = list(axes)
-        rows = table.to_pylist()
+        rows = _numbers(table, self._axes, path)
         self._cells = {self._key(row): row for row in rows}
         if len(self._cells) < len(rows):
             raise UsageError(f"against: {path} has further axes, so a cell here is several there")
@@ -117,9 +119,31 @@ class Against:
         }
 
 
+def _read(path: Path) -> pa.Table:
+    try:
+        with pq.ParquetFile(path) as file:
+            return file.read()
+    except (OSError, pa.ArrowException):
+        raise UsageError(f"against: {path} cannot be read; run the sweep again") from None
+
+
+def _numbers(table: pa.Table, axes: list[str], path: Path) -> list[dict[str, Any]]:
+    """Rows of the axes and of what is compared, all numbers. Raises `UsageError` for a file that has others."""
+    columns = {}
+    for name in (*axes, *_SWEPT):
+        try:
+            columns[name] = table.column(name).cast(pa.float64())
+        except (KeyError, pa.ArrowException):
+            raise UsageError(f"against: {path} has no column {name} of numbers, as a sweep has it") from None
+        if columns[name].null_count and name not in _MAY_LACK:
+            raise UsageError(f"against: {path} has cells without a {name}")
+    rows: list[dict[str, Any]] = pa.table(columns).to_pylist()
+    return rows
+
+
 def cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
     """Mean peak to peak and frequency of the trials of a cell that cycle; the cell's own mean counts rest as 0."""
-    if row is None or row["p2p_rad"] is None:
+    if row is None or any(row[name] is None or not isfinite(row[name]) for name in _MAY_LACK):
         return None, None
     bounded = 1.0 - row["diverged_fraction"] - row["undecided_fraction"]
     cycling = bounded - row["at_rest_fraction"]
@@ -131,7 +155,8 @@ def cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
 def _relative(value: float | None, reference: float | None) -> float | None:
     if value is None or not isfinite(value) or not reference:
         return None
-    return (value - reference) / reference
+    found = (value - reference) / reference
+    return found if isfinite(found) else None
 
 
 class Statistics(NamedTuple):

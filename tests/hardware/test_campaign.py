@@ -336,7 +336,7 @@ def test_what_the_device_cannot_do_is_said_before_the_first_trial(tmp_path: Path
     with pytest.raises(UsageError, match="'coarse' cannot do that: counts_per_rev must be from 1 to 300, got 512"):
         campaign(tmp_path, device).run()
     assert not [call for call in device.calls if call != "release"]
-    assert {path.name for path in (tmp_path / "recording").iterdir()} == {"campaign.json"}
+    assert not (tmp_path / "recording").exists()
 
 
 @pytest.mark.parametrize("damage", ["cut", "another"])

@@ -209,6 +209,18 @@ def test_files_that_cannot_be_replayed(trials: list[tuple[Settings, Block]], tmp
     pq.write_table(holes, tmp_path / "holes.parquet")
     with pytest.raises(UsageError, match="angle_counts: nothing in 1 rows"):
         ReplayDevice([tmp_path / "holes.parquet"])
+    for name, value in (("sample", -1), ("device_time_us", 2**62), ("counts_per_rev", 0), ("angle_counts", -(2**60))):
+        column = pa.array(np.full(rows.num_rows, value, dtype=np.int64))
+        pq.write_table(rows.set_column(rows.column_names.index(name), name, column), tmp_path / "odd.parquet")
+        with pytest.raises(UsageError, match=f"row 1: {name}: must be from .* to .*, got"):
+            ReplayDevice([tmp_path / "odd.parquet"])
+    column = pa.array(np.full(rows.num_rows, 0.0))
+    pq.write_table(rows.set_column(rows.column_names.index("angle_rad"), "angle_rad", column), tmp_path / "odd.parquet")
+    with pytest.raises(UsageError, match="angle_counts where angle_rad is 0: no encoder has so many"):
+        ReplayDevice([tmp_path / "odd.parquet"])
+    pq.write_table(rows.append_column(" sample", rows.column("sample")), tmp_path / "twice.parquet")
+    with pytest.raises(UsageError, match="sample: column is there 2 times"):
+        ReplayDevice([tmp_path / "twice.parquet"])
     pq.write_table(rows, tmp_path / "campaign.parquet")
     plain = rows.drop_columns(["angle_counts"])
     other = plain.set_column(plain.column_names.index("trial"), "trial", pa.array(np.full(rows.num_rows, 9)))

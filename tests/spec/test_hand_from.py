@@ -129,6 +129,8 @@ def test_the_apparatus_is_subtracted_once(hand) -> None:
         (condition((None, 1e-4, 0.1)), "has no inertia_kg_m2"),
         (condition((1e-7, float("nan"), 0.1)), "has no damping_nm_s_per_rad"),
         (condition((1e-7, 1e-4, -0.1)), "has a stiffness_nm_per_rad of -0.1, which is below 0"),
+        (condition((1e-7, 1e-4, 1e15)), r"has a stiffness_nm_per_rad of 1e\+15, which is above 1e\+12"),
+        (condition((1e-7, 1e-4, 0.1), grip_target_n=None), "conditions.parquet: grip_target_n: nothing in a row"),
         (condition((-2e-6, 1e-4, 0.1)), "must leave an inertia above 0"),
     ],
 )
@@ -156,6 +158,24 @@ def test_files_that_are_no_conditions_are_faults(tmp_path, spec_file) -> None:
     pq.write_table(pa.table({"level": ["all"]}), tmp_path / "results" / "conditions.parquet")
     with pytest.raises(SpecError, match=r"has no column experiment, .*sysid writes such a file"):
         load(path)
+
+
+@pytest.mark.parametrize("column", ["grip_target_n", "stiffness_nm_per_rad", "experiment", "flags"])
+def test_columns_of_another_type_are_faults(tmp_path, spec_file, column: str) -> None:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    path = write_conditions(tmp_path / "results" / "conditions.parquet")
+    table = pq.read_table(path)
+    pq.write_table(table.set_column(table.column_names.index(column), column, [[[1.0]] * table.num_rows]), path)
+    with pytest.raises(SpecError, match=rf"5:16: scene.hand.from: .*: {column}: must be (numbers|text), is list"):
+        load(spec_file(spec()))
+    pq.write_table(table.append_column(column, table.column(column)), path)
+    with pytest.raises(SpecError, match=f"has several columns {column}"):
+        load(spec_file(spec()))
+    pq.write_table(table.set_column(0, "level", pa.array(["all"] * table.num_rows).dictionary_encode()), path)
+    with pytest.raises(SpecError, match=r"scene.hand.subject: missing"):
+        load(spec_file(spec()))
 
 
 def test_a_flagged_row_is_used_and_said(hand) -> None:

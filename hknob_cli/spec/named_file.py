@@ -1,0 +1,31 @@
+"""A file that a spec names: opened only where it is a file, for a device or a pipe could be read for ever."""
+
+import hashlib
+from io import BufferedReader
+from pathlib import Path
+
+from hknob_cli.errors import UsageError
+
+
+def open_named(path: Path) -> BufferedReader:
+    """A file, to be read. Raises `UsageError` where it is none, or cannot be read."""
+    try:
+        if path.exists() and not path.is_file():
+            raise UsageError(f"{path}: is not a file")
+        return path.open("rb")
+    except OSError as error:  # a name that is too long is one, too
+        raise UsageError(f"{path}: {error.strerror or error}") from None
+
+
+def inside(path: Path, name: str) -> Path:
+    """The file of that name where ``path`` is a folder, else ``path`` itself. Raises `UsageError`."""
+    try:
+        return path / name if path.is_dir() else path
+    except OSError as error:  # a name that is too long
+        raise UsageError(f"{path}: {error.strerror or error}") from None
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file. Raises as `open_named`."""
+    with open_named(path) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
