@@ -68,6 +68,9 @@ def test_floats_must_be_numbers(bad: float) -> None:
         spoilt = bytearray(body)
         spoilt[23 + offset : 27 + offset] = struct.pack("<f", bad)
         assert decode(bytes(spoilt)) is None
+    spoilt = bytearray(body)
+    spoilt[31:35] = bytes.fromhex("0100807f")  # a NaN that signals, which numpy would warn of
+    assert decode(bytes(spoilt)) is None
     body = bytearray(encode(GOLDEN["ack_of_simulate"]))
     body[-8:] = struct.pack("<d", bad)
     assert decode(bytes(body)) is None

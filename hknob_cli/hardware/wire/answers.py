@@ -145,12 +145,14 @@ def _unpack_block(data: bytes) -> Samples:
     if not 1 <= count <= MOST_SAMPLES or len(data) != BLOCK.size + count * SAMPLE.itemsize:
         raise ValueError("length")
     rows = np.frombuffer(data, SAMPLE, offset=BLOCK.size)
+    with np.errstate(invalid="ignore"):  # a NaN that signals; what is no number is refused when all is unpacked
+        torque_nm, grip_n = rows["torque_nm"].astype(np.float64), rows["grip_n"].astype(np.float64)
     samples = Block(
         first,
         rows["time_us"].astype(np.int64),
         rows["angle"].astype(np.int64),
-        rows["torque_nm"].astype(np.float64),
-        rows["grip_n"].astype(np.float64),
+        torque_nm,
+        grip_n,
         (rows["flags"] & RUNNING_FLAG).astype(np.bool_),
         overruns,
     )
