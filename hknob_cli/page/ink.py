@@ -10,6 +10,8 @@ import io
 import re
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.report.picture import as_it_comes
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -66,7 +68,7 @@ def svg(drawn: "Figure", *, name: str, title: str, mark: str = "") -> str:
     import matplotlib as mpl
 
     stream = io.StringIO()
-    with mpl.rc_context({**_SETTINGS, "svg.hashsalt": name, "svg.id": None}):
+    with mpl.rc_context({**_SETTINGS, "svg.hashsalt": name, "svg.id": None}), as_it_comes():
         drawn.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     text = stream.getvalue()
     text = text[text.index("<svg") :]

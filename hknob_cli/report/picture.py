@@ -4,6 +4,9 @@ Over two axes: two maps with their values written in. Over one: every orbit as a
 trials, which shows steps and coexistence that a line through means would hide.
 """
 
+import contextlib
+import warnings
+from collections.abc import Iterator
 from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -68,11 +71,22 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     """
     half = partial(path)
     try:
-        figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
+        with as_it_comes():
+            figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
         half.replace(path)
     except OSError as error:
-        half.unlink(missing_ok=True)
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        half.unlink(missing_ok=True)
+
+
+@contextlib.contextmanager
+def as_it_comes() -> Iterator[None]:
+    """Draw, whatever comes of it: labels too wide for their panels, letters that the font lacks; they are seen."""
+    with warnings.catch_warnings():
+        for said in ("constrained_layout not applied", "Glyph .* missing from"):
+            warnings.filterwarnings("ignore", message=said, category=UserWarning)
+        yield
 
 
 def axis_name(axis: str) -> str:
