@@ -1,6 +1,6 @@
 """The five experiments, recorded: subjects, grips, blocks and trials as in Chapters 4 and 5."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Literal
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder, split
@@ -26,24 +26,23 @@ def record_experiments(
     grips: Sequence[float] | None = None,
     variation: Variation | None = None,
     model: Literal["second", "fourth"] = "second",
+    progress: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> list[Trial]:
     """Record trials, ordered by experiment, subject, block, grip (the lightest first) and trial, as they were run.
 
     ``subjects``: how many in every experiment, or their numbers from 1; by default as printed, 9 in the first and 5 in
     the others. ``grips`` (N): of those in the tables; by default all six. ``model``: "fourth" gives the hand finger and
     fingerpad of its own (`split`). What is left out changes nothing of the rest. Raises `UsageError` for what is not in
-    the tables, or numbers below 1.
+    the tables, or numbers below 1. ``progress`` is told of the trials recorded, and of how many.
     """
-    return [
-        record_trial(
-            rig,
-            _held(trial_hand(place, seed=seed, variation=variation), place, rig, model),
-            scaled_pulse(place.experiment, place.grip_n),
-            key_of(place),
-            stream(seed, Purpose.RECORDING, *numbers(place)),
-        )
-        for place in places(experiments, subjects, blocks, trials, grips)
-    ]
+    every = list(places(experiments, subjects, blocks, trials, grips))
+    recorded: list[Trial] = []
+    for place in every:
+        progress(len(recorded), len(every))
+        hand = _held(trial_hand(place, seed=seed, variation=variation), place, rig, model)
+        chance = stream(seed, Purpose.RECORDING, *numbers(place))
+        recorded.append(record_trial(rig, hand, scaled_pulse(place.experiment, place.grip_n), key_of(place), chance))
+    return recorded
 
 
 def truths(

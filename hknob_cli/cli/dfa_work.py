@@ -4,9 +4,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.dfa import describe_dfa, dfa_text
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import DfaStage
 
@@ -38,7 +40,8 @@ class DfaWork(Work):
         """The tables of `files`."""
         if job.plan.against:
             compare_scenes(job)
-        table = DfaStage(job.plan, notify=partial(note, job)).run()
+        with progress_bar(len(cells_of(job.plan)), show=not job.quiet) as progress:
+            table = DfaStage(job.plan, notify=partial(note, job)).run(progress)
         if not job.plan.against:
             return (table,)
         rows, axes = table.to_pylist(), list(job.plan.axes)

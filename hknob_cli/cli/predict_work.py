@@ -3,9 +3,11 @@
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
+from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.predict import predict
 
@@ -40,7 +42,8 @@ class PredictWork(Work):
         """The tables of `files`."""
         if job.plan.against:
             compare_scenes(job)
-        predictions, passivity = predict(job.plan)
+        with progress_bar(len(cells_of(job.plan)), show=not job.quiet) as progress:
+            predictions, passivity = predict(job.plan, progress)
         if not job.plan.against:
             return predictions, passivity
         rows = predictions.to_pylist()

@@ -1,6 +1,5 @@
 """The work of ``hknob sysid``."""
 
-import hashlib
 import time
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.errors import UsageError
 from hknob_cli.report.study import study_text
 from hknob_cli.report.sysid import describe_sysid, sysid_text
+from hknob_cli.spec.named_file import digest_of
 from hknob_cli.stages.sysid import SysidStage, kept_recordings
 from hknob_cli.stages.sysid_calibration import calibrate
 from hknob_cli.stages.sysid_study import levels_of, study_bias, study_hidden
@@ -87,7 +87,8 @@ class SysidWork(Work):
             return calibrate(job.plan)
         begin = time.perf_counter()
         stage = SysidStage(job.plan)
-        trials = stage.trials()
+        with progress_bar(0, show=not job.quiet and job.plan.virtual is not None, what="recordings") as progress:
+            trials = stage.trials(progress)
         read = time.perf_counter()
         with progress_bar(len(trials), show=not job.quiet, what="fits") as progress:
             tables = stage.run(trials, progress)
@@ -133,14 +134,11 @@ class SysidWork(Work):
 
 
 def _digest(path: Path) -> str:
-    """Of a file's bytes. Raises `UsageError` for what is none: a device would be read without end."""
+    """Of a file's bytes. Raises `UsageError`."""
     try:
-        if path.exists() and not path.is_file():
-            raise UsageError(f"recordings: {path}: is not a file; must be CSV or Parquet")
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
-    except OSError as error:
-        raise UsageError(f"recordings: {path}: {error.strerror or error}") from None
+        return digest_of(path)
+    except UsageError as error:
+        raise UsageError(f"recordings: {error}") from None
 
 
 def _studies(job: Job) -> tuple[str, ...]:
@@ -161,11 +159,12 @@ def _study(job: Job) -> Tables:
     bias, hidden = job.plan.study
     tables = []
     if bias is not None:
-        count = len(bias.grips_n) * sum(map(len, levels_of(bias).values()))
-        with progress_bar(count, show=not job.quiet, what="levels") as progress:
+        count = len(bias.grips_n) * sum(map(len, levels_of(bias).values())) * bias.repeats
+        with progress_bar(count, show=not job.quiet, what="conditions") as progress:
             tables.append(study_bias(bias, progress))
     if hidden is not None:
-        tables.append(study_hidden(hidden))
+        with progress_bar(len(hidden.ratios), show=not job.quiet, what="ratios") as progress:
+            tables.append(study_hidden(hidden, progress))
     return tuple(tables)
 
 

@@ -59,16 +59,19 @@ def bias_study(
 
     ``table``, ``grips_n``: whose mean hands are true. ``nuisances``: levels by name, of `NUISANCES` (``lag_s``: time
     constant; ``counts_per_rev`` 0: no counts). The least squares get the angle smoothed and differentiated; output
-    error gets it as averaged. ``progress`` is told of the levels done, and of how many. Raises `UsageError` for a grip
-    that is not in the table.
+    error gets it as averaged. ``progress`` is told of the conditions done, and of how many. Raises `UsageError` for a
+    grip that is not in the table.
     """
     chosen = NUISANCES if nuisances is None else nuisances
     jobs = [(grip_n, name, level) for grip_n in grips_n for name, levels in chosen.items() for level in levels]
     found = []
-    for done, (grip_n, nuisance, level) in enumerate(jobs, 1):
+    for done, (grip_n, nuisance, level) in enumerate(jobs):
         plant = Plant(*mean_hand(table, grip_n))
-        found += _at(grip_n, plant, nuisance, float(level), repeats, np.random.default_rng(seed))
-        progress(done, len(jobs))
+
+        def tick(repeat: int, before: int = done * repeats) -> None:
+            progress(before + repeat, len(jobs) * repeats)
+
+        found += _at(grip_n, plant, nuisance, float(level), repeats, np.random.default_rng(seed), tick)
     return found
 
 
@@ -108,14 +111,23 @@ def differentiated(motion: Motion, factor: int) -> Motion:
     )
 
 
-def _at(grip_n: float, plant: Plant, nuisance: str, level: float, repeats: int, rng: np.random.Generator) -> list[Bias]:
+def _at(
+    grip_n: float,
+    plant: Plant,
+    nuisance: str,
+    level: float,
+    repeats: int,
+    rng: np.random.Generator,
+    tick: Callable[[int], None],
+) -> list[Bias]:
     noise = {"noise_rad": level, "decimation": QUIET_RAD}.get(nuisance, 0.0)
     factor = int(level) if nuisance == "decimation" else DECIMATION
     lag_s, counts = (level if nuisance == name else rest for name, rest in (("lag_s", 0.0), ("counts_per_rev", COUNTS)))
     true = plant._replace(coulomb=level if nuisance == "coulomb_nm" else 0.0)
     kept = slice(MARGIN, -MARGIN)
     errors: dict[tuple[str, str], list[float]] = {}
-    for _ in range(repeats):
+    for repeat in range(repeats):
+        tick(repeat)
         raw = pulsed(true, noise, rng, lag_s=lag_s, counts_per_rev=counts)
         cut = raw._replace(torque_nm=raw.torque_nm[kept], angle_rad=raw.angle_rad[kept])
         smoothed = differentiated(raw, factor)
@@ -131,6 +143,7 @@ def _at(grip_n: float, plant: Plant, nuisance: str, level: float, repeats: int, 
                 truth = getattr(true, name)
                 error = 100.0 * (one.value / truth - 1.0) if truth else nan
                 errors.setdefault((fit.estimator, name), []).append(error)
+    tick(repeats)
     rows = []
     for (estimator_name, parameter), values in errors.items():
         if np.all(np.isfinite(values)):

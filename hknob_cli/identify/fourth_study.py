@@ -5,7 +5,7 @@ of finger and pad stays what it is, so only the split changes along the curve. W
 1/(1 + r) of what the knob does, and adds J1/(1 + r)^2 to it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -43,6 +43,7 @@ def hidden_inertia(
     pulse_s: float = 0.02,
     window_s: float = 0.03,
     dt_s: float = 1e-4,
+    progress: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> list[Hidden]:
     """Second-order fits of noiseless pulse responses of the fourth-order hand, by least squares and output error.
 
@@ -59,7 +60,8 @@ def hidden_inertia(
     torque = np.zeros(round(window_s / dt_s) + 1)
     torque[: round(pulse_s / dt_s)] = 1.0
     found = []
-    for ratio in ratios:
+    for done, ratio in enumerate(ratios):
+        progress(done, len(ratios))
         parts = {"inertia": inertia, "finger_inertia": finger_inertia, **split(damping, stiffness, ratio)}
         torque_nm = torque * (0.08 / float(np.max(respond_fourth(parts, torque, dt_s))))
         motion = _motion(parts, torque_nm, dt_s)

@@ -40,6 +40,7 @@ from hknob_cli.spec.trial_quantity import (
 )
 
 MOST_TRIALS = 1000
+MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole: a quarter of an hour at 20 kHz
 
 
 Text = Annotated[str, Field(min_length=1, max_length=80)]
@@ -259,6 +260,13 @@ def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
         elif spec.limits.watchdog < 2.0 / rate and spec.device.driver == SERIAL:
             text = f"must be two samples at least, {2.0 / rate:g} s at {rate:g} Hz, got {spec.limits.watchdog:g}"
             found.append((("limits", "watchdog"), text))
+    longest = spec.trial.zero + spec.trial.longest
+    for rate in axes.get(RATE, ()):
+        if rate * longest > MOST_SAMPLES:
+            text = (
+                f"must be shorter: {rate * longest:.2g} samples in a trial at {rate:g} Hz, at most {MOST_SAMPLES:.0e}"
+            )
+            found.append((("trial", "longest"), text))
     count = len(axes.get(RATE, ())) * len(axes.get(COUNTS, ())) * spec.repeats
     if count > MOST_TRIALS:
         found.append((("grid",), f"must be at most {MOST_TRIALS} trials with repeats, got {count}"))

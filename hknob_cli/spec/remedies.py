@@ -3,6 +3,7 @@
 A change is a JSON merge patch (RFC 7396) of the base: mappings are merged, null removes a key, anything else replaces.
 """
 
+from math import prod
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
@@ -11,15 +12,15 @@ from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.bench import merged
 from hknob_cli.spec.derived import derived_sweep
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.grid import Counts
+from hknob_cli.spec.grid import MAX_CELLS, Counts
 from hknob_cli.spec.hand import HandSpec
 from hknob_cli.spec.perceive import PerceiveSpec
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
 from hknob_cli.spec.quantity import PositiveSeconds, SampleRate, Torque, Velocity
-from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
+from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
-from hknob_cli.spec.sweep import Name
+from hknob_cli.spec.sweep import MOST_ROWS, Name
 
 # Where what a derived sweep is made of stands in the spec.
 PLACES: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",)}
@@ -100,6 +101,7 @@ def validate_remedies(source: Source) -> RemediesPlan:
         if faults:
             continue
         remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
+    faults = faults or _too_much(source, spec, remedies)
     if faults:
         raise SpecError(faults)
     return RemediesPlan(
@@ -135,6 +137,21 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
             faults.append(source.fault(("hands", name), "must be a table's or by inertia, damping and stiffness"))
     if spec.press.torques[0] >= spec.press.torques[1]:
         faults.append(source.fault(("press", "torques"), "must be two pushes, the smaller first"))
+    return faults
+
+
+def _too_much(source: Source, spec: RemediesSpec, remedies: list[Remedy]) -> list[Fault]:
+    """Faults of what is too large to be held: the grid with all hands, and the knocks."""
+    faults = []
+    cells = max(prod(map(len, one.grid.axes.values())) for one in remedies)
+    if cells > MAX_CELLS:
+        text = f"must span at most {MAX_CELLS} cells with the grid, got {cells}"
+        faults.append(source.fault(("hands",), text, at_key=True))
+    rates = [case.axes[RATE][0] for one in remedies for case in one.cases]
+    rows = KNOCKS * len(spec.hands) * 2.0 * spec.press.duration * max(rates, default=0.0)
+    if rows > MOST_ROWS:
+        text = f"must be shorter: {rows:.2g} samples of a knock at {max(rates):g} Hz, at most {MOST_ROWS}"
+        faults.append(source.fault(("press", "duration"), text))
     return faults
 
 

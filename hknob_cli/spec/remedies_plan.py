@@ -4,6 +4,8 @@ from typing import Any, NamedTuple
 
 from hknob_cli.spec.perception import Perceive
 
+KNOCKS = 4  # trials of a knock on the wall, their sample clocks spread over an interval
+
 
 class Remedy(NamedTuple):
     """A remedy: what it ``needs``, its sweep over the ``grid``, and over each of the ``cases``; persons are the hands.

@@ -13,6 +13,7 @@ from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import Inertia, Unit
 from hknob_cli.spec.source import Source
 
+MOST_LEVELS = 1000  # of a nuisance, or ratios: each is a campaign of its own
 Table = Annotated[Literal[1, 2, 3, 4, 5], Field(description="whose printed mean hands are the truth")]
 _SMALL = Field(strict=True, ge=0, le=0.1, allow_inf_nan=False)
 _KINDS: dict[str, Any] = {
@@ -109,6 +110,8 @@ def _levels(source: Source, place: tuple[str, ...], axis: Any, kind: Any) -> tup
         found = levels(axis, kind)
     except AxisError as error:
         return (), [source.fault((*place, *error.steps), str(error))]
+    if len(found) > MOST_LEVELS:
+        return (), [source.fault(place, f"must have at most {MOST_LEVELS} values, got {len(found)}")]
     return (tuple(map(float, map(round, found))) if kind in _WHOLE else found), []
 
 

@@ -21,6 +21,8 @@ Number = Annotated[int, Field(strict=True, ge=1, le=5)]
 Radius = Annotated[float, Field(strict=True, gt=0, le=1.0, allow_inf_nan=False), Unit("m")]
 Noise = Annotated[float, Field(strict=True, ge=0, le=1.0, allow_inf_nan=False), Unit("rad")]
 ALL = ""
+MOST_TRIALS = 50_000  # on the virtual apparatus: 20 kB each; the dissertation has 1566
+_PRINTED = {1: 9}  # subjects of an experiment where that is not 5
 T = TypeVar("T")
 
 
@@ -144,6 +146,8 @@ def validate_sysid(source: Source) -> SysidPlan:
     if spec.counts_per_rev is not None and spec.virtual is not None:
         text = "must be absent where recordings are virtual; the encoder's is virtual.rig.counts_per_rev"
         faults.append(source.fault(("counts_per_rev",), text, at_key=True))
+    if spec.virtual is not None:
+        faults += _too_many(source, spec.virtual, spec.what)
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
@@ -163,6 +167,18 @@ def validate_sysid(source: Source) -> SysidPlan:
         values=source.value,
         study=study,
     )
+
+
+def _too_many(source: Source, virtual: VirtualSpec, what: str) -> list[Fault]:
+    """The fault of more trials than can be kept in memory."""
+    count = virtual.trials
+    if what == "hand":
+        people = sum(virtual.subjects or _PRINTED.get(one, 5) for one in set(virtual.experiments))
+        count *= people * virtual.blocks * len(set(virtual.grips or range(6)))
+    if count <= MOST_TRIALS:
+        return []
+    text = f"must make at most {MOST_TRIALS} trials with these subjects, blocks and grips, got {count}"
+    return [source.fault(("virtual",), text, at_key=True)]
 
 
 def _by_experiment(given: float | dict[str, float] | None) -> dict[str, float]:

@@ -30,6 +30,8 @@ SAMPLED = (
     Column("samples_inside", pa.int64(), "sample", "how many of them see the lower level"),
 )
 
+Progress = Callable[[int, int], None]
+
 
 class DfaStage:
     """An analysis that is ready to run."""
@@ -41,16 +43,18 @@ class DfaStage:
         self.against = compare.Against(plan.against, plan.axes) if plan.against else None
         self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
 
-    def run(self) -> pa.Table:
-        """Rows for every cell, method and cycle. Raises `ComputationError`."""
+    def run(self, progress: Progress = lambda _done, _total: None) -> pa.Table:
+        """Rows for every cell, method and cycle; ``progress`` is told of the cells. Raises `ComputationError`."""
         columns = [axis_column(name, self.plan.units[name]) for name in self.plan.axes]
         columns += [*COLUMNS, *(SAMPLED if "sampled" in self.plan.methods else ())]
         columns += compare.COLUMNS if self.against else ()
-        return build_table(columns, list(self._rows()))
+        return build_table(columns, list(self._rows(progress)))
 
-    def _rows(self) -> Iterator[dict[str, Any]]:
+    def _rows(self, progress: Progress) -> Iterator[dict[str, Any]]:
         blank = {column.name: None for column in (*COLUMNS, *SAMPLED)}
-        for cell in cells_of(self.plan):
+        every = cells_of(self.plan)
+        for done, cell in enumerate(every):
+            progress(done, len(every))
             scene = scene_at(self.plan.scene, cell)
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
             for method in self.plan.methods:

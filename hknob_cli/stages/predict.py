@@ -25,6 +25,7 @@ from hknob_cli.theory.laws import (
 from hknob_cli.theory.passivity import Verdict, verdict
 from hknob_cli.theory.working_edge import WorkingEdge, working_edge
 
+Progress = Callable[[int, int], None]
 Law = Callable[[WorkingEdge], Prediction]
 
 
@@ -35,8 +36,11 @@ class PredictResult(NamedTuple):
     passivity: pa.Table
 
 
-def predict(plan: PredictPlan) -> PredictResult:
-    """Evaluate every law in every cell. Raises `ComputationError`, and `UsageError` for a sweep that is not there."""
+def predict(plan: PredictPlan, progress: Progress = lambda _done, _total: None) -> PredictResult:
+    """Evaluate every law in every cell; ``progress`` is told of the cells.
+
+    Raises `ComputationError`, and `UsageError` for a sweep that is not there.
+    """
     all_laws: dict[str, Law] = {
         "quantum_period": partial(quantum_period, constant=plan.constant),
         "describing_function": describing_function,
@@ -46,7 +50,9 @@ def predict(plan: PredictPlan) -> PredictResult:
     against = compare.Against(plan.against, plan.axes) if plan.against else None
     predictions: list[dict[str, Any]] = []
     limits: list[dict[str, Any]] = []
-    for cell in cells_of(plan):
+    every = cells_of(plan)
+    for done, cell in enumerate(every):
+        progress(done, len(every))
         try:
             edge = working_edge(scene_at(plan.scene, cell), cell)
             predictions += _prediction_rows(cell, edge, laws, against)

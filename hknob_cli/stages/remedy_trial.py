@@ -4,12 +4,11 @@ from math import nan
 from typing import Any
 
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Bias, Record, Starts, SweepPlan
-from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
+from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.remedy_levels import level_columns
 from hknob_cli.stages.sweep import SweepStage
 
-KNOCKS = 4  # their sample clocks spread over an interval
 SHARES = ("p2p_rad", "frequency_hz", "certified_fraction", "at_rest_fraction", "diverged_fraction")
 
 Rows = list[dict[str, Any]]

@@ -70,8 +70,8 @@ class SysidStage:
             given |= {"finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness"}
         return tuple(name for name in columns.PARAMETERS if name in given)
 
-    def trials(self) -> list[Trial]:
-        """The recordings. Raises `RecordingError`, `UsageError`."""
+    def trials(self, progress: Progress = lambda _done, _total: None) -> list[Trial]:
+        """The recordings; ``progress`` is told of those that are made. Raises `RecordingError`, `UsageError`."""
         plan = self.plan
         if plan.virtual is None:
             return read(plan.recordings)
@@ -88,6 +88,7 @@ class SysidStage:
             seed=virtual.seed,
             grips=virtual.grips,
             model="fourth" if virtual.model == "fourth" else "second",
+            progress=progress,
         )
 
     @property

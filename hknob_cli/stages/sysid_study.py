@@ -36,12 +36,17 @@ def study_bias(plan: BiasPlan, progress: Progress = lambda _done, _total: None) 
     return build_table(columns.BIAS, rows)
 
 
-def study_hidden(plan: HiddenPlan) -> pa.Table:
+def study_hidden(plan: HiddenPlan, progress: Progress = lambda _done, _total: None) -> pa.Table:
     """Second-order fits of the fourth-order hand, over the ratio of finger to pad."""
     hand = mean_hand(plan.table, plan.grip_n)
     knob = apparatus_inertia(plan.table)
     found = hidden_inertia(
-        hand.damping, hand.stiffness, inertia=knob, finger_inertia=plan.finger_inertia, ratios=plan.ratios
+        hand.damping,
+        hand.stiffness,
+        inertia=knob,
+        finger_inertia=plan.finger_inertia,
+        ratios=plan.ratios,
+        progress=progress,
     )
     rows = [
         {

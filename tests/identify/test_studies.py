@@ -12,9 +12,14 @@ MOTOR_INERTIA = 19.8e-7  # Appendix C
 
 @pytest.fixture(scope="module")
 def biases():
+    told: list[tuple[int, int]] = []
     rows = bias_study(
-        12, nuisances={"noise_rad": (0.0, 1e-3), "coulomb_nm": (5.6e-4,), "decimation": (1.0, 10.0, 40.0)}
+        12,
+        nuisances={"noise_rad": (0.0, 1e-3), "coulomb_nm": (5.6e-4,), "decimation": (1.0, 10.0, 40.0)},
+        progress=lambda *done: told.append(done),
     )
+    assert {total for _, total in told} == {144}  # 12 conditions at 6 levels and 2 grips
+    assert [done for done, _ in told if done % 12] == [done for done in range(144) if done % 12]
     return {(row.grip_n, row.nuisance, row.level, row.estimator, row.parameter): row for row in rows}
 
 
