@@ -14,7 +14,7 @@ from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
 from hknob_cli.spread.ranges import Range, Ranges
 from hknob_cli.stages.assembly import Assembly
-from hknob_cli.stages.piece import PieceFinder
+from hknob_cli.stages.piece import PieceFinder, unit_of
 from hknob_cli.stages.sweep import SweepStage
 
 
@@ -24,7 +24,7 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
     try:
         assembly = Assembly(Staging(job.out, stamp), total, stamp)
         done = assembly.begin(afresh=job.force)
-        left = Ranges(total, done=done, part=assembly.part)
+        left = Ranges(total, done=done, part=assembly.part, unit=unit_of(job.plan))
         if done and left:
             notify(f"{total - len(left)} of {total} cells are there from an earlier run")
         if left:

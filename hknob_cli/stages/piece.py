@@ -55,9 +55,20 @@ class PieceFinder:
             raise ComputationError(f"a worker has other versions, so its results would differ: {'; '.join(other)}")
 
 
+def unit_of(plan: SweepPlan) -> int:
+    """Cells that stay together, however a sweep is cut."""
+    if plan.scene.controller is None:
+        return 1
+    from hknob_cli.stages.remedied import block_of
+
+    return block_of(plan)
+
+
 def find_piece(stage: SweepStage, start: int, stop: int) -> Piece:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
-    found = stage.find(list(cells_of(stage.plan).run(start, stop)))
+    grid, unit = cells_of(stage.plan), unit_of(stage.plan)
+    step = unit if unit > 1 else max(1, stop - start)
+    found = [one for a in range(start, stop, step) for one in stage.find(list(grid.run(a, min(stop, a + step))))]
     return Piece(cells_table(stage.plan, found), orbits_table(stage.plan, found), sum(one.samples for one in found))
 
 

@@ -21,9 +21,20 @@ from hknob_cli.stages.cell import CellResult
 MOST_LANES = 4096  # side by side
 
 
+def block_of(plan: SweepPlan) -> int:
+    """Cells of a grid that are found together; it is fixed which, for rounding depends on what is side by side."""
+    most = max(1, MOST_LANES // plan.starts.phases)
+    return 1 << (most.bit_length() - 1)
+
+
 def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
     """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
-    every = list(cells_of(plan) if some is None else some)
+    if some is None:
+        grid, block = cells_of(plan), block_of(plan)
+        for start in range(0, len(grid), block):
+            yield from remedied_results(plan, list(grid.run(start, min(len(grid), start + block))))
+        return
+    every = list(some)
     done: dict[int, CellResult] = {}
     for i in range(len(every)):
         if i not in done:
