@@ -1,6 +1,5 @@
 """The work of ``hknob report``."""
 
-import hashlib
 import re
 from collections import Counter
 from html import escape, unescape
@@ -17,6 +16,7 @@ from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
+from hknob_cli.results.digest import digest
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import showing_versions
@@ -133,10 +133,10 @@ def _evidence(job: Job) -> Evidence:
 
 
 def _sha256(path: Path) -> str:
-    try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror or error}") from None
+    found = digest(path)
+    if found is None:
+        raise UsageError(f"{path}: cannot be read")
+    return found
 
 
 def _why_missing(path: Path) -> str:

@@ -11,7 +11,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.pipeline.step import digest
+from hknob_cli.results.digest import digest
 from hknob_cli.results.versions import showing_versions
 
 RECORD = "pipeline.json"

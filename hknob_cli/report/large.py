@@ -58,17 +58,20 @@ def large_text(summary: dict[str, Any]) -> str:
     counts = ", ".join(f"{number:,} {kind}" for kind, number in summary["orbits"].items() if number)
     proven = summary["certified_fraction"]
     stale = " (up to date)" if summary["status"] == "up to date" else ""
-    rest, diverged, undecided = (f"{100 * summary[name]:.4g} %" for name in SHARES[1:])
+    ends = {"come to rest": SHARES[1], "diverge": SHARES[2], "undecided": SHARES[3]}
+    found = [f"{100 * summary[name]:.4g} % {text}" for text, name in ends.items() if summary[name]]
     lines = [
         f"{summary['name']}: {summary['cell_count']:,} cells{stale}",
         f"attractors: {counts}; " + ("all proven" if proven == 1.0 else f"{100 * proven:.6g} % of trials proven"),
-        f"trials: {rest} come to rest, {diverged} diverge, {undecided} undecided",
-        f"cells where all trials come to rest: {summary['cells_at_rest']:,}",
     ]
+    lines += [f"trials: {', '.join(found)}"] if found else []
+    if summary["cells_at_rest"]:
+        lines.append(f"cells where every trial comes to rest: {summary['cells_at_rest']:,}")
     names = {"p2p_rad": ("peak to peak", 1e3, "mrad"), "frequency_hz": ("frequency", 1.0, "Hz")}
+    words = {"least": "least", "most": "greatest"}
     for key, row in summary["extremes"].items():
         which, name = key.split("_", 1)
         what, scale, unit = names[name]
         where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis != name)
-        lines.append(f"{which} {what}: {short(scale * row[name])} {unit}, at {where}")
+        lines.append(f"{words[which]} {what}: {short(scale * row[name])} {unit}, at {where}")
     return "\n".join(lines)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
+from hknob_cli.results.parted import read_result
 from hknob_cli.results.provenance import KEY
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, Scene
 
@@ -43,8 +43,7 @@ class Result:
                 self._tables[file] = self._cells_of_trials()
                 return self._tables[file]
             try:
-                with pq.ParquetFile(self.folder / file) as parquet:
-                    self._tables[file] = parquet.read()
+                self._tables[file] = read_result(self.folder / file)
             except (OSError, pa.ArrowException):
                 raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
         return self._tables[file]

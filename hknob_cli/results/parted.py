@@ -47,6 +47,22 @@ class Parted(NamedTuple):
         return list(pq.read_schema(self.folder / part_name(0)).names)
 
 
+def read_result(path: Path) -> pa.Table:
+    """A result table, of one file or of parts, as a whole. Raises `OSError`, `pa.ArrowException`."""
+    if path.is_dir():
+        parted = read_parted(path)
+        if parted is None:
+            raise FileNotFoundError(path)
+        return parted.table()
+    with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
+        return file.read()
+
+
+def result_metadata(path: Path) -> dict[bytes, bytes]:
+    """What a result table says of itself, of one file or of parts. Raises `OSError`, `pa.ArrowException`."""
+    return pq.read_schema(path / part_name(0) if path.is_dir() else path).metadata or {}
+
+
 def part_name(number: int) -> str:
     """Name of a part's file."""
     return f"part-{number:06d}.parquet"
@@ -91,7 +107,7 @@ def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
         count = int(first[PART].split()[-1])
     except (KeyError, ValueError, IndexError):
         return None
-    wanted = first[KEY] if provenance is None else provenance
+    wanted = first.get(KEY, b"") if provenance is None else provenance
     rows = 0
     for number in range(count):
         if not is_written(folder, number, count, wanted):

@@ -9,7 +9,7 @@ import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.marked import is_marked, marked_origin
-from hknob_cli.results.parted import Parted, clear_aside, parted_origin, put_parted, read_parted, set_aside
+from hknob_cli.results.parted import Parted, clear_aside, parted_origin, put_parted, read_parted, read_result, set_aside
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
@@ -78,8 +78,7 @@ def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table | Parte
                 continue
             if not path.is_file():
                 return None
-            with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
-                table = file.read()
+            table = read_result(path)
         except (OSError, pa.ArrowException):
             return None
         if (table.schema.metadata or {}).get(KEY) != provenance:

@@ -4,18 +4,18 @@ Differences are relative to the sweep, (prediction - sweep) / sweep. The dissert
 describing functions with the *peak to peak* of its simulations (sec. 7.3), so that reading is computed, too.
 """
 
-import hashlib
 from collections.abc import Iterable, Iterator
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
+from hknob_cli.results.digest import digest as file_digest
+from hknob_cli.results.parted import read_result, result_metadata
 from hknob_cli.results.provenance import origin, scene_of
 from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import Axes, Cell, Scene
@@ -35,7 +35,7 @@ def sweep_file(folder: str) -> Path:
     """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
     path = Path(folder) / "cells.parquet"
     try:
-        found = origin(pq.read_schema(path).metadata)
+        found = origin(result_metadata(path))
     except (OSError, pa.ArrowException):
         raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
     if found is None or found[0] != "sweep":
@@ -45,7 +45,7 @@ def sweep_file(folder: str) -> Path:
 
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
-    return hashlib.sha256(sweep_file(folder).read_bytes()).hexdigest()
+    return file_digest(sweep_file(folder)) or ""
 
 
 def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
@@ -53,8 +53,7 @@ def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
 
     The bias is what describing functions and laws assume, whatever the sweep's is. Raises `UsageError`.
     """
-    with pq.ParquetFile(sweep_file(folder)) as file:
-        theirs = scene_of(file.schema_arrow.metadata)
+    theirs = scene_of(result_metadata(sweep_file(folder)))
     return list(_differences(theirs, scene, "", {*axes, "bias"})) if theirs is not None else []
 
 
@@ -88,8 +87,7 @@ class Against:
         path = Path(folder)
         if table is None:
             path = sweep_file(folder)
-            with pq.ParquetFile(path) as file:
-                table = file.read()
+            table = read_result(path)
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
