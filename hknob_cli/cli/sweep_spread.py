@@ -20,9 +20,9 @@ from hknob_cli.stages.sweep import SweepStage
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:
     """Cells and orbits of a sweep whose results will have the provenance ``stamp``. Raises `ComputationError`."""
-    total = stage.cell_count
+    total, staging = stage.cell_count, Staging(job.out, stamp)
     try:
-        assembly = Assembly(Staging(job.out, stamp), total, stamp)
+        assembly = Assembly(staging, total, stamp)
         done = assembly.begin(afresh=job.force)
         left = Ranges(total, done=done, part=assembly.part, unit=unit_of(job.plan))
         if done and left:
@@ -33,6 +33,8 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
     except OSError as error:
         kept = "what is finished is kept, run the same command again"
         raise ComputationError(f"{job.out}: cannot be written: {error.strerror or error}; {kept}") from None
+    finally:
+        staging.leave()
 
 
 def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notify: Callable[[str], None]) -> None:

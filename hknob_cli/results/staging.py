@@ -4,6 +4,7 @@ Pieces are named by the items they hold, and the folder by the provenance that t
 or another version of the program has finished is never taken for this one's.
 """
 
+import contextlib
 import hashlib
 import re
 import shutil
@@ -33,6 +34,12 @@ class Staging:
         self.folder.mkdir(exist_ok=True)
         for half in self.folder.glob("*.half"):
             half.unlink()
+
+    def leave(self) -> None:
+        """Remove the folder if nothing has been finished."""
+        for folder in (*self.folder.glob("*/"), self.folder):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
     def pieces(self) -> list[tuple[int, int]]:
         """Items of the pieces that are there, in order, none twice; what is damaged is removed."""

@@ -1,5 +1,6 @@
 """Workers of a Dask cluster, behind the interface of `concurrent.futures`."""
 
+import json
 import logging
 import pickle
 import time
@@ -7,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import ComputationError, UsageError
@@ -18,7 +20,7 @@ _LOOK = 2.0  # s between two looks at how many workers there are
 
 
 class Cluster:
-    """The workers of the scheduler at ``address``, which do ``work``; each has this program of this version.
+    """The workers of the scheduler at ``address``, or in that JSON file of it; each has this program of this version.
 
     A piece whose worker dies is done again by the scheduler, on another; a scheduler that goes and comes back costs
     what was handed out.
@@ -83,6 +85,13 @@ class Cluster:
         except Exception:  # it is gone already, however
             return
 
+    def _place(self) -> str:
+        """The address itself, which a file may hold. Raises `OSError` or `ValueError`."""
+        if not self._address.endswith(".json"):
+            return self._address
+        found = json.loads(Path(self._address).read_text(encoding="utf-8"))
+        return str(found["address"] if isinstance(found, dict) and "address" in found else found)
+
     def _connect(self, patience: float) -> None:
         from distributed import Client
 
@@ -91,7 +100,7 @@ class Cluster:
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore")  # of other versions: each worker checks its own
-                    self._client = Client(self._address, timeout=5, set_as_default=False)  # type: ignore[no-untyped-call]
+                    self._client = Client(self._place(), timeout=5, set_as_default=False)  # type: ignore[no-untyped-call]
                 self._executor = self._client.get_executor(pure=False)
             except (OSError, TimeoutError, ValueError) as error:
                 self.close()
