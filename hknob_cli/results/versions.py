@@ -11,6 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from hknob_cli import __version__
+from hknob_cli.spec.points_plan import Points
+from hknob_cli.spec.unit_points import RANDOM
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = (
@@ -59,6 +61,11 @@ def computing_versions() -> dict[str, str]:
         "numpy": version("numpy"),
         "pyarrow": version("pyarrow"),
     }
+
+
+def design_versions(points: Points | None) -> dict[str, str]:
+    """Version of the library that drew the points of a design, by name; none without a design, or where numpy drew."""
+    return {"scipy": version("scipy")} if points and points.method != RANDOM else {}
 
 
 @cache
