@@ -9,7 +9,7 @@ from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
-from hknob_cli.results.versions import computing_versions, design_versions
+from hknob_cli.results.versions import grid_versions
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -50,7 +50,7 @@ class Work:
 
     def versions(self, job: Job) -> dict[str, str]:
         """Versions that the result depends on."""
-        return {**computing_versions(), **design_versions(getattr(job.plan, "points", None))}
+        return grid_versions(getattr(job.plan, "points", None))
 
     def refuse(self, job: Job) -> None:
         """Raise `RefusedError` where what is there must not be replaced by this job."""

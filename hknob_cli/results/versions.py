@@ -63,9 +63,10 @@ def computing_versions() -> dict[str, str]:
     }
 
 
-def design_versions(points: Points | None) -> dict[str, str]:
-    """Version of the library that drew the points of a design, by name; none without a design, or where numpy drew."""
-    return {"scipy": version("scipy")} if points and points.method != RANDOM else {}
+def grid_versions(points: Points | None) -> dict[str, str]:
+    """The same of results over a grid, and of the library that draws the points of its design, where numpy does not."""
+    drawn = {"scipy": version("scipy")} if points and points.method != RANDOM else {}
+    return {**computing_versions(), **drawn}
 
 
 @cache

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.spec.plan import COUNTS, PERSON, Axes, Cell, DfaPlan, PredictPlan, SweepPlan
 from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.spacing import log_between
-from hknob_cli.spec.unit_points import UnitPoints
+from hknob_cli.spec.unit_points import unit_points
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,7 +76,7 @@ class DesignCells(Cells):
         self.points = points
         self._varied = [name for name, values in axes.items() if name != PERSON and len(values) > 1]
         dimensions = len(self._varied)
-        self._unit = UnitPoints(points.method, count=points.number, dimensions=dimensions, seed=points.seed)
+        self._unit = unit_points(points.method, count=points.number, dimensions=dimensions, seed=points.seed)
         self._people = len(axes.get(PERSON, [0]))
 
     def __len__(self) -> int:

@@ -4,6 +4,7 @@ Sobol and Halton sequences and the Latin hypercube are scipy.stats.qmc's, scramb
 of numpy's PCG64. Point i of a sequence does not depend on how many points follow it.
 """
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -12,6 +13,12 @@ if TYPE_CHECKING:
 SOBOL, HALTON, LATIN, RANDOM = "sobol", "halton", "latin_hypercube", "random"
 # There are 2**30 points of a Sobol sequence; a Latin hypercube is kept whole; a sweep may span as many as the others.
 MOST_POINTS = {SOBOL: 10**9, HALTON: 10**13, LATIN: 1_000_000, RANDOM: 10**13}
+
+
+@lru_cache(maxsize=4)
+def unit_points(method: str, *, count: int, dimensions: int, seed: int) -> "UnitPoints":
+    """The points of a design, the same object for all who ask: where it stands, the next run begins at once."""
+    return UnitPoints(method, count=count, dimensions=dimensions, seed=seed)
 
 
 class UnitPoints:

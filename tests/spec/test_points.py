@@ -122,3 +122,11 @@ def test_people_are_crossed_with_the_points_fastest() -> None:
     assert points[0::3] == points[1::3] == points[2::3]
     assert list(cells.run(4, 9)) == listed[4:9]
     assert list(plan.axes)[-1] == PERSON
+
+
+def test_pieces_go_on_where_the_last_stood() -> None:
+    plan = loaded(DESIGN)
+    first, second = cells_of(plan), cells_of(plan)
+    assert isinstance(first, DesignCells)
+    assert isinstance(second, DesignCells)
+    assert first._unit is second._unit
