@@ -178,7 +178,7 @@ def _step(
         writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
         values={
             "settings": json.dumps(job.overrides),
-            "program": json.dumps({**work.versions(), **work.surroundings()}, sort_keys=True),
+            "program": json.dumps({**work.versions(job), **work.surroundings()}, sort_keys=True),
         },
         root=root,
         run=run,

@@ -9,7 +9,7 @@ from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
-from hknob_cli.results.versions import computing_versions
+from hknob_cli.results.versions import grid_versions
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -48,9 +48,9 @@ class Work:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
         return {}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """Versions that the result depends on."""
-        return computing_versions()
+        return grid_versions(getattr(job.plan, "points", None))
 
     def refuse(self, job: Job) -> None:
         """Raise `RefusedError` where what is there must not be replaced by this job."""
@@ -143,7 +143,7 @@ def stamp_of(job: Job, work: Work) -> bytes:
         values=job.plan.values,
         overrides=job.overrides,
         inputs={**hand_inputs(job.plan), **work.inputs(job)},
-        versions=work.versions(),
+        versions=work.versions(job),
     )
 
 

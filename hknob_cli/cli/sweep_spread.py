@@ -8,7 +8,7 @@ from hknob_cli.cli.job import Job
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.matrix import short
 from hknob_cli.results.staging import Staging
-from hknob_cli.results.versions import computing_versions
+from hknob_cli.results.versions import grid_versions
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
@@ -38,7 +38,7 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
 
 
 def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notify: Callable[[str], None]) -> None:
-    finder = PieceFinder(job.plan, computing_versions())
+    finder = PieceFinder(job.plan, grid_versions(job.plan.points))
     with spread_progress(assembly.total, show=not job.quiet, done=assembly.total - len(left)) as progress:
 
         def deliver(start: int, stop: int, data: bytes) -> None:

@@ -8,6 +8,7 @@ there is nothing to do.
 import json
 import os
 import tomllib
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,8 @@ LOCK = "pytask.lock"
 
 def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     """What a run depends on beside the files of its steps."""
-    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": showing_versions()}
+    versions = {**showing_versions(), "scipy": version("scipy")}  # which identifies hands, and draws designs
+    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": versions}
 
 
 def relative(path: Path, root: Path) -> str:

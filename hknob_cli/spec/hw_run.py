@@ -161,6 +161,10 @@ class HwRunSpec(Part):
 
 def validate_hw_run(source: Source) -> HwRunPlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
+    grid = source.value.get("grid")
+    if isinstance(grid, dict) and "design" in grid:
+        text = "must be absent: trials are run for every combination of the axes"
+        raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
     try:
         spec = HwRunSpec.model_validate(source.value)
     except ValidationError as error:

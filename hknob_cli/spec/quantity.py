@@ -7,7 +7,7 @@ import re
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 MAX_LENGTH = 60
@@ -86,6 +86,14 @@ class Unit:
         number = handler(schema)
         text = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": f"number with a unit, as {self.name}"}
         return {"anyOf": [number, text], "x-unit": self.name}
+
+
+def _whole(value: Any) -> Any:
+    """A float that is a whole number as one: YAML reads ``1e7`` as a float; anything else unchanged."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+MayBeFloat = BeforeValidator(_whole)  # annotation of a strict whole number that a large one of is written as 1e7
 
 
 class Fixed:

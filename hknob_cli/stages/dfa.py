@@ -38,7 +38,7 @@ class DfaStage:
         """Make ready. Raises `UsageError` if there is no sweep to compare with where one is named."""
         self.plan = plan
         self.notify = notify
-        self.against = compare.Against(plan.against, plan.axes) if plan.against else None
+        self.against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
         self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
 
     def run(self) -> pa.Table:

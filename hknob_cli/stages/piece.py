@@ -46,9 +46,9 @@ class PieceFinder:
 
     def _check(self) -> None:
         from hknob_cli.errors import ComputationError
-        from hknob_cli.results.versions import computing_versions
+        from hknob_cli.results.versions import grid_versions
 
-        here = computing_versions()
+        here = grid_versions(self.plan.points)
         if other := [
             f"{name} {here.get(name)}, not {value}" for name, value in self.versions.items() if here.get(name) != value
         ]:
