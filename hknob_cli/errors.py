@@ -4,6 +4,7 @@ Every error a user can meet is an `HknobError`; the command line prints its mess
 its code.
 """
 
+import errno
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
@@ -28,6 +29,15 @@ class HknobError(Exception):
 
 class ComputationError(HknobError):
     """The computation or a check failed."""
+
+
+def unwritable(place: object, error: OSError, *, kept: bool = False) -> ComputationError:
+    """What to say, and to do, where a file cannot be written; ``kept``: what the run has finished so far is."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    advice = ["what is finished is kept"] if kept else []
+    if full or kept:
+        advice.append("make room there, and run the same command again" if full else "run the same command again")
+    return ComputationError("; ".join([f"{place}: cannot be written: {error.strerror or error}", *advice]))
 
 
 class UsageError(HknobError):

@@ -100,8 +100,12 @@ class HwRunWork(Work):
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
         return campaign_tables(done, job.plan.course)
 
+    def scaffold(self, job: Job) -> list[Path]:
+        """Single trials of a simulation."""
+        return self._archive(job).scaffold()
+
     def finish(self, job: Job) -> None:
-        """Single trials of a simulation, once all are in the results."""
+        """Remove those, once all are in the results."""
         self._archive(job).leave()
 
     def _archive(self, job: Job) -> Archive:

@@ -59,8 +59,12 @@ class Work:
         """Result tables. Raises `ComputationError`."""
         raise NotImplementedError
 
+    def scaffold(self, _job: Job) -> list[Path]:
+        """What is there of that which is needed only until the results are in place."""
+        return []
+
     def finish(self, job: Job) -> None:
-        """Clear away what was needed only until the results were in place."""
+        """Clear it away."""
 
     def folders(self, _job: Job) -> tuple[str, ...]:
         """Names of folders in which `compose` writes more than `texts`."""
@@ -118,7 +122,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
     ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
-    if current is not None and not job.plot and not store.leftovers(ours):
+    if current is not None and not job.plot and not store.leftovers(ours) and not work.scaffold(job):
         return current, paths, False
     with store.hold(job.out, ours):
         # Once more: another run may have been here since.
@@ -128,10 +132,11 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             for folder in work.folders(job):
                 (job.out / folder).mkdir(exist_ok=True)
-            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
-            work.finish(job)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
+            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+        if current is None or work.scaffold(job):  # a run may have been killed just before it cleared up
+            work.finish(job)
         drawn = work.draw(job, tables, pictures) if job.plot else []
     return tables, [*paths, *drawn], current is None
 

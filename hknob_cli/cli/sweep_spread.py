@@ -5,7 +5,7 @@ from typing import Any
 
 from hknob_cli.cli.console import heed, spread_progress
 from hknob_cli.cli.job import Job
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import unwritable
 from hknob_cli.report.matrix import short
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
@@ -31,8 +31,7 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
             _gather(job, stage, assembly, left, notify)
         return assembly.tables()
     except OSError as error:
-        kept = "what is finished is kept, run the same command again"
-        raise ComputationError(f"{job.out}: cannot be written: {error.strerror or error}; {kept}") from None
+        raise unwritable(job.out, error, kept=True) from None
     finally:
         staging.leave()
 

@@ -11,7 +11,7 @@ from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import PART_CELLS, Parted
-from hknob_cli.results.staging import clear_staged
+from hknob_cli.results.staging import clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
@@ -54,6 +54,10 @@ class SweepWork(Work):
             how = "compiled" if stage.compiled else "interpreted"
             note(job, f"{stage.cell_count} cells, {result.samples} trial-samples, {how}, {seconds:.2f} s")
         return result.cells, result.orbits, *_recorded(job)
+
+    def scaffold(self, job: Job) -> list[Path]:
+        """Finished pieces and parts."""
+        return staged(job.out)
 
     def finish(self, job: Job) -> None:
         """Remove what this run, or one of another spec that was cut short, had finished."""

@@ -123,6 +123,14 @@ class Archive:
     def _path(self, trial: Trial, ending: str) -> Path:
         return self.folder / f"{trial.label}.{ending}"
 
+    def scaffold(self) -> list[Path]:
+        """What `leave` would clear away, where it is this campaign's."""
+        if self._is_source:
+            return []
+        about = read_about(self.folder)
+        ours = about is not None and not about["source"] and about["identity"] == self._identity
+        return [path for path, there in ((self.folder, ours), (partial(self.folder), True)) if there and path.exists()]
+
     def leave(self) -> None:
         """Clear away what can be computed again, once the results are in place."""
         if not self._is_source:

@@ -12,7 +12,7 @@ import zlib
 from pathlib import Path
 from struct import Struct
 
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import ComputationError, RefusedError
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
@@ -27,11 +27,14 @@ class Staging:
         self.folder = out / f"{_PREFIX}{hashlib.sha256(provenance).hexdigest()[:16]}"
 
     def begin(self, *, afresh: bool = False) -> None:
-        """Make the folder, and remove those of other runs; ``afresh``: and what is in it."""
+        """Make the folder, and remove those of other runs; ``afresh``: and what is in it.
+
+        Raises `RefusedError` if something else is in the way.
+        """
         for other in staged(self.folder.parent):
             if other != self.folder or afresh:
                 shutil.rmtree(other)
-        self.folder.mkdir(exist_ok=True)
+        self.make(self.folder)
         for half in self.folder.glob("*.half"):
             half.unlink()
 
@@ -41,10 +44,24 @@ class Staging:
             with contextlib.suppress(OSError):
                 folder.rmdir()
 
+    @staticmethod
+    def make(folder: Path) -> None:
+        """Make a folder, or go on with it. Raises `RefusedError` if it is a file, or a link to elsewhere."""
+        with contextlib.suppress(FileExistsError):
+            folder.mkdir()
+        if folder.is_symlink() or not folder.is_dir():
+            raise _not_ours(folder)
+
     def pieces(self) -> list[tuple[int, int]]:
-        """Items of the pieces that are there, in order, none twice; what is damaged is removed."""
+        """Items of the pieces that are there, in order, none twice; what is damaged is removed.
+
+        Raises `RefusedError` for what cannot be a piece.
+        """
         apart: list[tuple[int, int]] = []
         found = [_NAME.fullmatch(path.name) for path in self.folder.iterdir()]
+        for match in found:
+            if match and ((path := self.folder / match[0]).is_symlink() or not path.is_file()):
+                raise _not_ours(path)
         for start, stop in sorted((int(match[1]), int(match[2])) for match in found if match):
             if (apart and start < apart[-1][1]) or self._read(start, stop) is None:
                 self.drop(start, stop)
@@ -83,6 +100,10 @@ class Staging:
 
     def _path(self, start: int, stop: int) -> Path:
         return self.folder / f"{start}-{stop}.piece"
+
+
+def _not_ours(path: Path) -> RefusedError:
+    return RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
 
 
 def staged(out: Path) -> list[Path]:
