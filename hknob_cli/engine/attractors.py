@@ -12,6 +12,8 @@ from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.orbit import cycle as plain_cycle
+from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 
@@ -111,8 +113,28 @@ class NeedsCompilerError(Exception):
         self.group = group
 
 
+class CycleMeasures(NamedTuple):
+    """Measures of one period of an orbit, in counts and samples.
+
+    ``cycles``: local maxima; ``swing``: their mean less that of the minima; ``lowest``, ``highest``: extremes of the
+    position, and ``rms`` about its mean. In units of J (counts per sample)²: ``wall_work``, ``damping_loss``, and the
+    work of the wall by when it is done (`engine.orbit.leak`).
+    """
+
+    cycles: int
+    swing: float
+    lowest: float
+    highest: float
+    rms: float
+    wall_work: float
+    damping_loss: float
+    late_entry: float
+    late_exit: float
+    staircase: float
+
+
 class Engine:
-    """The ensemble kernel and its work space, plain or compiled; one per thread."""
+    """The ensemble kernel, what its orbits are measured by, and work space, plain or compiled; one per thread."""
 
     def __init__(
         self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
@@ -122,6 +144,7 @@ class Engine:
         self.compiled = functions is not None
         self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
         self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
+        self._measure: Callable[..., Any] = functions["orbit.measure_cycle"] if functions else plain_cycle.measure_cycle
 
     def _zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
@@ -183,11 +206,33 @@ class Engine:
 
     def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
         """One period of an orbit: states at its samples (n + 1 each), older and newer drives (n each)."""
-        n = orbit.period
-        ring = np.array(orbit.line) if self.compiled else list(orbit.line)
-        out = [self._zeros(n + 1), self._zeros(n + 1), self._zeros(n), self._zeros(n)]
-        self._trace(orbit.x, orbit.v, ring, 0, n, loop, *out)
-        return tuple(np.asarray(values) for values in out)
+        xs, vs, drive = self.holds(loop, orbit)
+        kinds = plain_trace.holds_per_sample(loop)
+        return xs[::kinds], vs[::kinds], drive[::kinds], drive[kinds - 1 :: kinds]
+
+    def holds(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
+        """One period of an orbit: states at the start of its holds and at its end (m + 1 each), drives in them (m)."""
+        room = self._room(loop, orbit)
+        self._trace(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, *room)
+        return tuple(np.asarray(values) for values in room)
+
+    def measure(self, loop: Loop, orbit: Attractor, parts: Any = None) -> CycleMeasures:
+        """Measures of a cycle; ``parts``: what `hold_space` gave for this loop, so that it is filled in once."""
+        parts = self.hold_space() if parts is None else parts
+        room = self._room(loop, orbit)
+        return CycleMeasures(*self._measure(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, parts, *room))
+
+    def hold_space(self) -> Any:
+        """Room for the numbers of the holds of a loop."""
+        return self._zeros(2 * PART)
+
+    def _room(self, loop: Loop, orbit: Attractor) -> list[Any]:
+        """Room for one period: states and drives of its holds."""
+        count = orbit.period * plain_trace.holds_per_sample(loop)
+        return [self._zeros(count + 1), self._zeros(count + 1), self._zeros(count)]
+
+    def _ring(self, orbit: Attractor) -> Any:
+        return np.array(orbit.line) if self.compiled else list(orbit.line)
 
 
 def whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:

@@ -16,9 +16,11 @@ from pathlib import Path
 from typing import Any
 
 # In the order of use: a module's functions are compiled before those that call them.
-PLAIN = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace", "relay_cycles")
+MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
+ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "moments", "energy", "leak", "cycle"))
+PLAIN = (*MOTION, *ORBIT, "relay_cycles")
 GENERAL = (
-    *PLAIN[:-1],
+    *MOTION,
     "general.controller",
     "general.body",
     "general.slide_two",
@@ -32,7 +34,7 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
-BOUNCES = (*PLAIN[:-1], "bounces")
+BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
     "loop",
