@@ -11,23 +11,28 @@ def holds_per_sample(loop):
 def trace(x, v, ring, head, n, loop, xs, vs, drive):
     """Fill in the holds of ``n`` samples from ``(x, v)``: the state at the start of each, and the drive in it.
 
-    ``drive`` takes n times `holds_per_sample` entries, ``xs`` and ``vs`` one more: the last closes the period.
+    ``drive`` takes n times `holds_per_sample` entries, ``xs`` and ``vs`` one more: the last closes the period. Returns
+    the sums of the positions at which holds start, and of the drives.
     """
     delay = len(ring)
     line = ring.copy()
     at, hold = head, 0
     split = loop.split > 0.0
+    places, drives = 0.0, 0.0
     for _ in range(n):
         older, newer = push(level_of(x, loop.sense), line, at, loop)
         if split:
             xs[hold], vs[hold], drive[hold] = x, v, older
+            places, drives = places + x, drives + older
             hold += 1
             y = older - loop.beta * x
             x, v = x + (loop.s1 * v + loop.g1 * y), loop.f1 * v + loop.s1 * y
         xs[hold], vs[hold], drive[hold] = x, v, newer
+        places, drives = places + x, drives + newer
         hold += 1
         y = newer - loop.beta * x
         x, v = x + (loop.s2 * v + loop.g2 * y), loop.f2 * v + loop.s2 * y
         if delay > 0:
             at = (at + 1) % delay
     xs[hold], vs[hold] = x, v
+    return places, drives

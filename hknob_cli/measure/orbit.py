@@ -3,7 +3,8 @@
 from math import nan
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.attractors import Attractor, CycleMeasures, Engine
+from hknob_cli.engine.attractors import Attractor, Engine
+from hknob_cli.engine.orbit.cycle import CycleMeasures
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_holds, scaled
 from hknob_cli.scene.sampled_knob import SampledKnob

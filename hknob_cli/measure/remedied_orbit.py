@@ -1,7 +1,7 @@
 """The measures of what a trial under a controller settles to."""
 
 from collections.abc import Sequence
-from math import nan
+from math import fsum, nan
 
 import numpy as np
 
@@ -29,9 +29,9 @@ def measure_settled(knob: SampledKnob, parts: Sequence[float], settled: Settled)
     for kind, length in enumerate(parts):
         fill_part(numbers, kind, loop.alpha, loop.beta, length)
     samples = len(settled.drive) // kinds
-    motion = settled.x.tolist(), settled.v.tolist(), settled.drive.tolist()
+    x, v, drive = settled.x.tolist(), settled.v.tolist(), settled.drive.tolist()
     cycles, swing, lowest, highest, rms, work, loss = measure_holds(
-        *motion, samples, numbers, kinds, loop.alpha, loop.beta
+        x, v, drive, samples, numbers, kinds, loop.alpha, loop.beta, fsum(x[:-1]), fsum(drive)
     )
     if cycles == 0:
         return OrbitMeasures()

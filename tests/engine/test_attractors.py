@@ -4,7 +4,8 @@ from collections import Counter
 
 import pytest
 
-from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search, sample_limit, settling_samples
+from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search
+from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate

@@ -1,6 +1,7 @@
 """The measures of one period of an orbit, in counts and samples: how far it swings, and what it does with energy."""
 
 from math import sqrt
+from typing import NamedTuple
 
 from hknob_cli.engine.orbit.energy import wall_work
 from hknob_cli.engine.orbit.extrema import find_extrema
@@ -10,19 +11,35 @@ from hknob_cli.engine.orbit.moments import find_moments
 from hknob_cli.engine.trace import holds_per_sample, trace
 
 
-def measure_holds(x, v, drive, n, parts, kinds, alpha, beta):
+class CycleMeasures(NamedTuple):
+    """Measures of one period of an orbit, in counts and samples.
+
+    ``cycles``: local maxima; ``swing``: their mean less that of the minima; ``lowest``, ``highest``: extremes of the
+    position, and ``rms`` about its mean. In units of J (counts per sample)²: ``wall_work``, ``damping_loss``, and the
+    work of the wall by when it is done (`engine.orbit.leak`).
+    """
+
+    cycles: int
+    swing: float
+    lowest: float
+    highest: float
+    rms: float
+    wall_work: float
+    damping_loss: float
+    late_entry: float
+    late_exit: float
+    staircase: float
+
+
+def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
     """Measures of ``n`` samples of ``kinds`` holds each, whose end is their start.
 
     ``x``, ``v``: state at the start of each hold and, last, at the end; ``drive``: the constant acceleration in each;
-    ``parts``: numbers of the kinds of holds, `orbit.holds`. Returns ``(cycles, swing, lowest, highest, rms, work,
-    loss)``: local maxima; their mean less that of the minima; least and largest position; root mean square about the
-    mean; work of the wall and loss in the damping, in units of J (counts per sample)². Nothing turns: no cycles.
+    ``places``, ``drives``: sums of the ``x``, but for the last, and of the ``drive``; ``parts``: numbers of the kinds
+    of holds, `orbit.holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
     """
     count = n * kinds
-    reference = 0.0
-    for i in range(count):
-        reference += x[i]
-    reference /= count
+    reference = places / count
     peaks, peak_sum, highest, troughs, trough_sum, lowest = find_extrema(
         x, v, drive, count, parts, kinds, alpha, beta, reference
     )
@@ -37,21 +54,21 @@ def measure_holds(x, v, drive, n, parts, kinds, alpha, beta):
         reference + lowest,
         reference + highest,
         sqrt(max(square / n - mean * mean, 0.0)),
-        wall_work(x, v, drive, count, parts, kinds, beta),
+        wall_work(x, v, drive, count, parts, kinds, beta, drives / count),
         alpha * speed,
     )
 
 
 def measure_cycle(x, v, ring, head, n, loop, parts, xs, vs, drive):
-    """Measures of the orbit of ``n`` samples through ``(x, v)``, as `measure_holds`, and the leak, as `find_leak`.
+    """Numbers of `CycleMeasures` of the orbit of ``n`` samples through ``(x, v)``.
 
     ``ring``, ``head``: the delay line there. ``parts`` is filled in if it is empty, its first number 0; ``xs``, ``vs``
     and ``drive`` are work space, as `trace` takes it.
     """
     if parts[LENGTH] == 0.0:
         fill_parts(parts, loop)
-    trace(x, v, ring, head, n, loop, xs, vs, drive)
+    places, drives = trace(x, v, ring, head, n, loop, xs, vs, drive)
     kinds = holds_per_sample(loop)
-    found = measure_holds(xs, vs, drive, n, parts, kinds, loop.alpha, loop.beta)
+    found = measure_holds(xs, vs, drive, n, parts, kinds, loop.alpha, loop.beta, places, drives)
     edge = 0.0 if loop.sense > 0.0 else -1.0
     return (*found, *find_leak(xs, drive, n * kinds, loop.gamma, edge, loop.kappa, loop.offset, False))

@@ -7,15 +7,11 @@ integral of v²; the two are computed independently, so that their difference ch
 from hknob_cli.engine.orbit.holds import PART, G, S
 
 
-def wall_work(x, v, drive, count, parts, kinds, beta):
+def wall_work(x, v, drive, count, parts, kinds, beta, mean):
     """Work of the wall torque over ``count`` holds, in units of J (counts per sample)²: sum of torque times distance.
 
-    The mean torque does no work over a period; without it the sum keeps its digits however deep the knob is pushed.
+    The ``mean`` drive does no work over a period; without it the sum keeps its digits however deep the knob is pushed.
     """
-    mean = 0.0
-    for i in range(count):
-        mean += drive[i]
-    mean /= count
     work = 0.0
     for i in range(count):
         base = i % kinds * PART

@@ -11,11 +11,11 @@ from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
 
 
-def direction(v, y):
-    """Which way the knob moves just after a start at ``v`` with ``y = drive - beta x``; 0.0 if it stays."""
+def direction(x, v, drive, beta):
+    """Which way the knob moves just after it was at ``(x, v)`` under a ``drive``: 1, -1, or 0 if it stays."""
     if v == 0.0:
-        v = y
-    return 1.0 if v > 0.0 else (-1.0 if v < 0.0 else 0.0)
+        v = drive - beta * x
+    return 1 if v > 0.0 else (-1 if v < 0.0 else 0)
 
 
 def turns_within(first, span, spacing, odd):
@@ -40,25 +40,22 @@ def find_extrema(x, v, drive, count, parts, kinds, alpha, beta, reference):
     peaks, peak_sum, highest = 0, 0.0, -float("inf")
     troughs, trough_sum, lowest = 0, 0.0, float("inf")
     # A knob that stays where it is for a hold moves as it did before; so does the first hold of a period.
-    going = 0.0
-    for back in range(count):
-        going = direction(v[count - 1 - back], drive[count - 1 - back] - beta * x[count - 1 - back])
-        if going != 0.0:
-            break
-    first = direction(v[0], drive[0] - beta * x[0])
-    first = going if first == 0.0 else first
+    first, last = direction(x[0], v[0], drive[0], beta), count
+    while first == 0 and last > 0:
+        last -= 1
+        first = direction(x[last], v[last], drive[last], beta)
     going = first
     for i in range(count):
         following = first
         if i + 1 < count:
-            following = direction(v[i + 1], drive[i + 1] - beta * x[i + 1])
-            following = going if following == 0.0 else following
+            following = direction(x[i + 1], v[i + 1], drive[i + 1], beta)
+            following = going if following == 0 else following
         span = parts[i % kinds * PART + LENGTH]
         odd = 1 if following != going else 0
         if odd == 1 or spacing < span:
             y = drive[i] - beta * x[i]
             at = first_zero(v[i], y, alpha, beta)
-            up = going > 0.0
+            up = going > 0
             for turn in range(turns_within(at, span, spacing, odd)):
                 # Not ``turn * spacing`` alone: an infinite spacing times 0 is no number.
                 t = min(at + turn * spacing, span) if turn > 0 else min(at, span)

@@ -52,7 +52,7 @@ def hold_forms(alpha, beta, duration):
     """Forms over a hold: of x (3 numbers), of its square (6), and of the square of the velocity (6), in one tuple."""
     h, doublings = duration, 0
     pace = max(alpha, sqrt(beta))
-    while pace * h > 0.5:
+    while pace * h > 1.0:
         h *= 0.5
         doublings += 1
     mx, mv, mu = 0.0, 0.0, 0.0
