@@ -12,6 +12,7 @@ from pathlib import Path
 from struct import Struct
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.results.place import create, make_folder
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
@@ -30,7 +31,7 @@ class Staging:
         for other in staged(self.folder.parent):
             if other != self.folder or afresh:
                 shutil.rmtree(other)
-        self.folder.mkdir(exist_ok=True)
+        make_folder(self.folder)
         for half in self.folder.glob("*.half"):
             half.unlink()
 
@@ -50,7 +51,7 @@ class Staging:
         path = self._path(start, stop)
         half = path.with_suffix(".half")
         try:
-            with half.open("wb") as stream:
+            with create(half) as stream:
                 stream.write(_HEAD.pack(_MARK, zlib.crc32(data), len(data)))
                 stream.write(data)
             half.replace(path)
@@ -66,6 +67,8 @@ class Staging:
         return data
 
     def _read(self, start: int, stop: int) -> bytes | None:
+        if not self._path(start, stop).is_file():  # a device or pipe may have no end
+            return None
         stored = self._path(start, stop).read_bytes()
         data = stored[_HEAD.size :]
         return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None

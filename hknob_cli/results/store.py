@@ -10,6 +10,7 @@ import pyarrow.parquet as pq
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.marked import is_marked, marked_origin
 from hknob_cli.results.parted import Parted, clear_aside, parted_origin, put_parted, read_parted, read_result, set_aside
+from hknob_cli.results.place import create, make_folder
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
@@ -160,11 +161,13 @@ def write(
     place = next(iter((*halves, *parted))).parent
     try:
         for path, text in (texts or {}).items():
-            path.parent.mkdir(exist_ok=True)
-            halves[path].write_text(text, encoding="utf-8")
+            if path.parent != place:
+                make_folder(path.parent)
+            with create(halves[path]) as stream:
+                stream.write(text.encode())
         for path, table in whole.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
-            with halves[path].open("wb") as stream:
+            with create(halves[path]) as stream:
                 pq.write_table(stamped, stream, compression="zstd")
         for path, half in halves.items():
             if path.is_dir():  # of parts, where the same name was of more cells

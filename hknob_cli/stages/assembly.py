@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.results.parted import PART_CELLS, is_written, read_parted, write_part
+from hknob_cli.results.place import make_folder
 from hknob_cli.results.staging import Staging
 from hknob_cli.stages.piece import decode
 
@@ -29,7 +30,7 @@ class Assembly:
         """Make ready, and go on from what an earlier run has finished: which cells that is."""
         self.staging.begin(afresh=afresh)
         for name in TABLES if self.parted else ():
-            (self.staging.folder / name).mkdir(exist_ok=True)
+            make_folder(self.staging.folder / name)
         done = [self._range(number) for number in range(self._parts) if self.parted and self._is_written(number)]
         for start, stop in self.staging.pieces():
             if any(one[0] <= start and stop <= one[1] for one in done) or not self._fits(start, stop):
