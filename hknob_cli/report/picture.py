@@ -14,6 +14,7 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
 from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.perceived import level_limits, perceived_levels
+from hknob_cli.results.place import create
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -69,7 +70,8 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     """
     half = partial(path)
     try:
-        figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
+        with create(half) as stream:
+            figure.savefig(stream, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
         half.replace(path)
     except OSError as error:
         half.unlink(missing_ok=True)

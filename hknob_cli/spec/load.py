@@ -14,6 +14,7 @@ from hknob_cli.spec.cells import cells_over
 from hknob_cli.spec.faults import fault_at
 from hknob_cli.spec.grid import MAX_CELLS, Grid
 from hknob_cli.spec.grid_axes import Limit, resolve_axes, too_many
+from hknob_cli.spec.messages import shown
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.spec.population import PopulationSpec
@@ -76,7 +77,7 @@ def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
     _apply(source, overrides, "--set ")
     if kind != PIPELINE:
         allowed = f"must be {PIPELINE} or a kind of stage ({', '.join(KINDS)})"
-        raise SpecError([source.fault(("kind",), f"{allowed}, got {kind!r}" if kind else f"missing; {allowed}")])
+        raise SpecError([source.fault(("kind",), f"{allowed}, got {shown(kind)}" if kind else f"missing; {allowed}")])
     from hknob_cli.spec.pipeline import validate_pipeline
 
     return validate_pipeline(source)
@@ -110,7 +111,7 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
         allowed = [kind] if kind else list(KINDS)
-        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
+        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {shown(given)}")])
     if given == "bench":
         from hknob_cli.spec.bench import validate_bench
 

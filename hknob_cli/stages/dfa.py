@@ -127,8 +127,8 @@ class DfaStage:
 
     @cached_property
     def _functions(self) -> dict[str, Any]:
-        from hknob_cli.engine.jit import compiled, is_cached
+        from hknob_cli.engine.jit import compiled, waiting
 
-        if not is_cached():
-            self.notify("compiling the engine for this machine; only the first long run waits for it")
+        if text := waiting():
+            self.notify(text)
         return compiled()

@@ -140,12 +140,12 @@ class SweepStage:
             return self._finder().find(self.plan, cell)
 
     def _compile(self, group: str) -> None:
-        from hknob_cli.engine.jit import compiled, is_cached
+        from hknob_cli.engine.jit import compiled, waiting
 
         if group in self._functions:
             return
-        if not is_cached(group):
-            self.notify("compiling the engine for this machine; only the first long sweep waits for it")
+        if text := waiting(group):
+            self.notify(text)
         self._functions = {**self._functions, group: compiled(group)}
 
     def _finder(self) -> CellFinder:
