@@ -26,6 +26,8 @@ class Cluster:
     what was handed out.
     """
 
+    fragile = False
+
     def __init__(self, work: Work, address: str, notify: Callable[[str], None], *, patience: float = PATIENCE) -> None:
         """Connect. Raises `UsageError` without the library, `ComputationError` if there is no scheduler."""
         try:
@@ -33,7 +35,7 @@ class Cluster:
             from distributed.comm.core import CommClosedError
         except ImportError:
             raise UsageError("--executor dask: needs hknob[dask]: pip install 'hknob[dask]'") from None
-        logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what matters is said here
+        _hush()
         self.deadly: tuple[type[BaseException], ...] = (MemoryError, KilledWorker)
         self.lost: tuple[type[BaseException], ...] = (CancelledError, CommClosedError, TimeoutError)
         self._work = pickle.dumps(work)
@@ -113,6 +115,13 @@ class Cluster:
                 time.sleep(0.5)
             else:
                 return
+
+
+def _hush() -> None:
+    """Say nothing of what libraries log; what matters is said here. Some of their loggers have levels of their own."""
+    mains = ("distributed", "tornado", "asyncio")
+    for name in [*mains, *(name for name in logging.root.manager.loggerDict if name.startswith(mains))]:
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
 
 
 @lru_cache(maxsize=2)

@@ -10,15 +10,18 @@ from hknob_cli.spread.processes import Done
 from hknob_cli.spread.ranges import Range, Ranges
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
+SUSPECT = 2  # of them, after which it is done with nothing beside it, so that no other is taken for what kills workers
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
 
 class Workers(Protocol):
     """Who does the work: processes here, or on a cluster.
 
-    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it.
+    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it;
+    ``fragile``: whether a piece that is too much for one takes all with it, so that it may be why they are gone.
     """
 
+    fragile: bool
     lost: tuple[type[BaseException], ...]
     deadly: tuple[type[BaseException], ...]
 
@@ -48,14 +51,14 @@ def gather(
     """Do all that is ``left``; ``deliver`` takes in the results of each piece, in any order.
 
     ``tick`` is called several times a second; ``name`` says what items are. What the work raises is raised here, once
-    nothing more is handed out. Raises `ComputationError` where workers die on the same items over and over.
+    nothing more is handed out. Raises `ComputationError` where workers die on the same item over and over.
     """
     pace = pace or Pace()
     pending: dict[Future[Done], Range] = {}
     try:
         while left or pending:
             gone: list[Range] = []
-            while left and not gone and len(pending) < 2 * workers.count:
+            while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
                 one = left.take(pace.size(len(left), workers.count))
                 try:
                     pending[workers.submit(one.start, one.stop)] = one
@@ -76,10 +79,14 @@ def gather(
                     pace.learn(one.items, seconds)
                     deliver(one.start, one.stop, found)
             if gone:
-                dead += [*gone, *pending.values()]
+                gone += pending.values()
                 pending.clear()
                 workers.renew()
-            _bury(dead, name)
+            if workers.fragile:
+                dead += gone
+            else:
+                left.put_back(gone)
+            _bury(dead, name, left.unit)
             left.give_back(dead)
     except BaseException:
         workers.close(now=True)
@@ -87,11 +94,16 @@ def gather(
     workers.close()
 
 
-def _bury(dead: list[Range], name: Callable[[Range], str]) -> None:
-    """Raise `ComputationError` for items that cost too many workers."""
+def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
+    """Whether what is handed out, or would be next, may be what kills workers."""
+    return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
+
+
+def _bury(dead: list[Range], name: Callable[[Range], str], unit: int) -> None:
+    """Raise `ComputationError` for what cost too many workers and cannot be halved any more."""
     for one in dead:
-        if one.deaths + 1 >= DEATHS:
+        if one.deaths + 1 >= DEATHS and one.items <= unit:
             raise ComputationError(
-                f"{name(one)}: the process that computes them died {one.deaths + 1} times (out of memory?); all else "
+                f"{name(one)}: the process that computed this died {one.deaths + 1} times (out of memory?); all else "
                 "that is finished is kept, run the same command again"
             )

@@ -38,6 +38,11 @@ class Ranges:
         """Number of items left."""
         return sum(one.items for one in self._left)
 
+    @property
+    def deaths(self) -> int:
+        """How often workers that had the lowest items were lost; 0 if none are left."""
+        return self._left[-1].deaths if self._left else 0
+
     def take(self, most: int) -> Range:
         """The lowest items, at most ``most`` of them. Raises `IndexError` if none are left."""
         first = self._left.pop()
@@ -48,6 +53,10 @@ class Ranges:
         if stop < first.stop:
             self._left.append(first._replace(start=stop))
         return first._replace(stop=stop)
+
+    def put_back(self, gone: Iterable[Range]) -> None:
+        """Items that nobody is at any more, for no fault of theirs."""
+        self._left += sorted(gone, reverse=True)
 
     def give_back(self, lost: Iterable[Range]) -> None:
         """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""

@@ -3,6 +3,7 @@
 `python small_pieces.py [CODE] ARGS...` is `hknob ARGS...`; CODE, if it is not empty, is run before, to bring a fault.
 """
 
+import signal
 import sys
 from pathlib import Path
 
@@ -25,9 +26,13 @@ def shrink(part: int = PART, most: int = MOST) -> None:
 
 
 if __name__ == "__main__":
-    from hknob_cli.cli.main import main
+    signals = {signal.SIGINT, signal.SIGTERM}
+    signal.pthread_sigmask(signal.SIG_BLOCK, signals)  # until the program has begun to heed them
+    from hknob_cli.cli import handover, main
 
     shrink()
     code = sys.argv.pop(1)
     exec(code)
-    main()
+    if not handover.pays(sys.argv[1:]):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, signals)
+    main.main()

@@ -41,3 +41,12 @@ def test_lost_items_come_back_first_and_in_halves() -> None:
     assert left.take(10) == Range(4, 10, 0)
     with pytest.raises(IndexError):
         left.take(1)
+
+
+def test_what_nobody_is_at_comes_back_as_it_was() -> None:
+    left = Ranges(10)
+    one, other = left.take(3), left.take(3)
+    left.put_back([one, other])
+    assert left.deaths == 0
+    assert [left.take(5), left.take(5), left.take(9)] == [one, other, Range(6, 10)]
+    assert left.deaths == 0
