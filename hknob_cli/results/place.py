@@ -13,7 +13,10 @@ def create(path: Path) -> BinaryIO:
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder inside a results folder, if it is not there. Raises `OSError`, and `RefusedError` for a file or link."""
+    """Make a folder inside a results folder, if it is not there.
+
+    Raises `OSError`, and `RefusedError` for a file or a link in the way.
+    """
     refuse_link(path)
     if path.exists() and not path.is_dir():
         raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")

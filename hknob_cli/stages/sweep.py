@@ -97,10 +97,29 @@ class SweepStage:
     def _work(self) -> float:
         return sum(samples * HEAVIER[group] for group, samples in self.expected.items())
 
+    @cached_property
+    def plain(self) -> bool:
+        """Whether every cell is plain, so that runs of them are found whole by compiled code."""
+        from hknob_cli.stages.plain_chunk import takes_plain
+
+        return takes_plain(self.plan)
+
+    @property
+    def stopped(self) -> Callable[[], bool]:
+        """Whether to give up."""
+        return self._stop.is_set
+
     def compile(self) -> None:
-        """Compile what the sweep will take, where it is not compiled yet."""
-        for group in self.expected:
+        """Compile what pieces of the sweep will take, where it is not compiled yet."""
+        from hknob_cli.stages.plain_chunk import GROUP
+
+        for group in [GROUP] if self.plain else self.expected:
             self._compile(group)
+
+    def functions(self, group: str) -> dict[str, Callable[..., Any]]:
+        """Compiled functions of a group, by name."""
+        self._compile(group)
+        return self._functions[group]
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
