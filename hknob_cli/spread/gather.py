@@ -1,5 +1,6 @@
 """Handing out pieces of work, and taking in their results, until nothing is left; lost workers cost time only."""
 
+import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Protocol
@@ -27,7 +28,10 @@ class Workers(Protocol):
 
     @property
     def count(self) -> int:
-        """Pieces that they do at the same time."""
+        """Pieces that they do at the same time; 0 while nobody is there."""
+
+    def reachable(self) -> bool:
+        """Whether they are still there, as far as can be told."""
 
     def submit(self, start: int, stop: int) -> "Future[Done]":
         """Hand out items ``start`` to ``stop``. Raises one of ``lost``."""
@@ -65,6 +69,8 @@ def gather(
                 except workers.lost:
                     gone.append(one)
             done, _ = wait(pending, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
+            if not (pending or gone):
+                time.sleep(_TICK)  # nobody is there yet
             tick()
             dead = []
             for future in done:
@@ -78,7 +84,7 @@ def gather(
                 else:
                     pace.learn(one.items, seconds)
                     deliver(one.start, one.stop, found)
-            if gone:
+            if gone or not workers.reachable():
                 gone += pending.values()
                 pending.clear()
                 workers.renew()

@@ -1,5 +1,6 @@
 """A piece of a sweep: some cells of its grid by number, as bytes that one process can hand to another."""
 
+import platform
 from struct import Struct
 from typing import Any, NamedTuple
 
@@ -53,7 +54,10 @@ class PieceFinder:
         if other := [
             f"{name} {here.get(name)}, not {value}" for name, value in self.versions.items() if here.get(name) != value
         ]:
-            raise ComputationError(f"a worker has other versions, so its results would differ: {'; '.join(other)}")
+            raise ComputationError(
+                f"a worker, on {platform.node()}, has other versions, so its results would differ: {'; '.join(other)}; "
+                "install the same there, and run the same command again"
+            )
 
 
 def unit_of(plan: SweepPlan) -> int:

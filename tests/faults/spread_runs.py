@@ -28,7 +28,7 @@ starts: {angle: 0.02, phases: 3}
 SLOW = "from tests.faults import slow_worker; slow_worker.SECONDS = 0.3"
 IMPATIENT = (
     "from hknob_cli.spread.cluster import Cluster; Cluster.__init__.__kwdefaults__['patience'] = 1.0;"
-    "from hknob_cli.spread import cluster; cluster.FIRST = 1.0"
+    "from hknob_cli.spread import cluster; cluster.FIRST = 1.0; cluster._ANSWER = 1.0"
 )
 
 
