@@ -19,6 +19,7 @@ from typing import Any
 MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
 ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "moments", "energy", "leak", "cycle"))
 PLAIN = (*MOTION, *ORBIT, "relay_cycles")
+CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
     *MOTION,
     "general.controller",
@@ -45,6 +46,7 @@ PULSE = ("pulse",)
 # What is compiled for a scene, or for a recorded pulse: its modules, and a function without which they are of no use.
 GROUPS = {
     "plain": (PLAIN, "ensemble.ensemble"),
+    "cells": (CELLS, "cells.run_cells"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
