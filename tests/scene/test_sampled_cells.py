@@ -66,11 +66,8 @@ def test_people_are_those_one_by_one() -> None:
 
 
 def test_the_first_cell_that_overflows_is_named() -> None:
-    text = (
-        SPEC.replace("[1000]", "[1000, 2000]")
-        .replace("inertia: 3.0e-7, ", "")
-        .replace("grid:\n", "grid:\n  knob.inertia: [1.0e-6, 1.0e-300]\n")
-    )
+    text = SPEC.replace("[1000]", "[1000, 2000]").replace("inertia: 3.0e-7, ", "")
+    text = text.replace("grid:\n", "grid:\n  knob.inertia: [1.0e-6, 1.0e-300]\n")
     plan = loaded(text)
     every = cells_of(plan)
     with pytest.raises(ComputationError, match="at 1000 Hz and 1024 counts"):
