@@ -51,7 +51,7 @@ def read_about(folder: Path) -> dict[str, Any] | None:
         return None
     try:
         found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
     ours = isinstance(found.get("identity"), str) and isinstance(found.get("source"), bool)
     return found if ours else None
@@ -104,5 +104,5 @@ def _spec_of(path: Path) -> dict[str, Any]:
     try:
         record = json.loads((pq.read_schema(path).metadata or {})[KEY])
         return dict(record["spec"])
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
         return {}

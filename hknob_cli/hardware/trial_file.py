@@ -96,5 +96,5 @@ def read_trial(path: Path) -> Recorded | None:
             table = file.read()
         about = json.loads((table.schema.metadata or {})[ABOUT])
         return Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
         return None

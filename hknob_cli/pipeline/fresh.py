@@ -56,6 +56,6 @@ def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
                 if not value and digest(root / name) != state:
                     return None
             stage["files"] = [str(root / file) for file in stage["files"]]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return record

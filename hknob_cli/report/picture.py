@@ -12,6 +12,7 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
+from hknob_cli.report.literal import literal
 from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.perceived import level_limits, perceived_levels
 from hknob_cli.results.place import create
@@ -70,7 +71,7 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     """
     half = partial(path)
     try:
-        with create(half) as stream:
+        with create(half) as stream, literal(figure):
             figure.savefig(stream, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
         half.replace(path)
     except OSError as error:

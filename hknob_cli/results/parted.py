@@ -62,12 +62,15 @@ def read_result(path: Path) -> pa.Table:
         return file.read()
 
 
-def result_metadata(path: Path) -> dict[bytes, bytes]:
-    """What a result table says of itself, of one file or of parts. Raises `OSError`, `pa.ArrowException`."""
+def result_schema(path: Path) -> pa.Schema:
+    """Columns of a result table and what it says of itself, of one file or of parts.
+
+    Raises `OSError`, `pa.ArrowException`.
+    """
     first = path / part_name(0) if path.is_dir() else path
     if is_endless(first):
         raise FileNotFoundError(first)
-    return pq.read_schema(first).metadata or {}
+    return pq.read_schema(first)
 
 
 def part_name(number: int) -> str:

@@ -15,7 +15,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.digest import digest as file_digest
-from hknob_cli.results.parted import read_result, result_metadata
+from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.spec.plan import Axes, Cell, Scene
 
@@ -34,7 +34,7 @@ def sweep_file(folder: str) -> Path:
     """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
     path = Path(folder) / "cells.parquet"
     try:
-        found = origin(result_metadata(path))
+        found = origin(result_schema(path).metadata)
     except (OSError, pa.ArrowException):
         raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
     if found is None or found[0] != "sweep":
@@ -52,7 +52,7 @@ def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
 
     The bias is what describing functions and laws assume, whatever the sweep's is. Raises `UsageError`.
     """
-    theirs = scene_of(result_metadata(sweep_file(folder)))
+    theirs = scene_of(result_schema(sweep_file(folder)).metadata)
     return list(_differences(theirs, scene, "", {*axes, "bias"})) if theirs is not None else []
 
 

@@ -11,7 +11,7 @@ from hknob_cli.errors import MOST_FAULTS, SpecError, UsageError
 from hknob_cli.recordings.calibration import read_columns
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.digest import digest
-from hknob_cli.results.parted import read_result, result_metadata
+from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.spec.load import validate
 from hknob_cli.spec.quantity import to_si
 from hknob_cli.spec.source import parse, read
@@ -148,7 +148,7 @@ def test_what_has_no_end_is_not_read(tmp_path: Path) -> None:
             RecordingFile(endless)
         with pytest.raises(UsageError, match="is not a file"):
             read_columns([endless], ("force_n",))
-        for reader in (read_result, result_metadata):
+        for reader in (read_result, result_schema):
             with pytest.raises(FileNotFoundError):
                 reader(endless)
         assert digest(endless) is None
