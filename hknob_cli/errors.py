@@ -21,6 +21,9 @@ class ExitCode(IntEnum):
     INTERRUPTED = 130
 
 
+MOST_FAULTS = 200  # of a spec that are said
+
+
 class HknobError(Exception):
     """Base of all errors shown to the user; the message is complete as it stands."""
 
@@ -58,6 +61,11 @@ class RefusedError(HknobError):
     exit_code = ExitCode.REFUSED
 
 
+def printable(text: str) -> str:
+    """A text in one line, as a terminal may be sent it: what would steer or mislead one is replaced by ``?``."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else "?" for c in text)
+
+
 class Fault(NamedTuple):
     """One fault of a spec: where (``FILE:LINE:COL`` or the option that set it), which key, and what is wrong."""
 
@@ -69,7 +77,7 @@ class Fault(NamedTuple):
 
     def __str__(self) -> str:
         place = f"{self.where}:{self.line}:{self.column}" if self.line else self.where
-        return f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}"
+        return printable(f"{place}: {self.key}: {self.message}" if self.key else f"{place}: {self.message}")
 
 
 class SpecError(UsageError):
@@ -77,4 +85,6 @@ class SpecError(UsageError):
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(sorted(set(faults)))
-        super().__init__("\n".join(str(fault) for fault in self.faults))
+        lines = [str(fault) for fault in self.faults[:MOST_FAULTS]]
+        more = len(self.faults) - len(lines)
+        super().__init__("\n".join([*lines, *([f"... and {more} more faults"] if more else [])]))

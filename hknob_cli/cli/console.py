@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from types import FrameType
 from typing import NoReturn
 
-from hknob_cli.errors import ExitCode, HknobError
+from hknob_cli.errors import ExitCode, HknobError, printable
 
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
 
@@ -29,7 +29,12 @@ def heed() -> None:
 
 def say(text: str) -> None:
     """A message, on stderr."""
-    print(text, file=sys.stderr)
+    print(plain(text), file=sys.stderr)
+
+
+def plain(text: str) -> str:
+    """A text whose lines stay lines, and in which nothing steers a terminal: names may be from anywhere."""
+    return "\n".join(map(printable, text.split("\n")))
 
 
 @contextlib.contextmanager

@@ -56,9 +56,9 @@ class HwRunWork(Work):
 
         return {"hknob_hardware": source_digest((HARDWARE,)), "scipy": version("scipy")}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """Theirs, too."""
-        return {**super().versions(), **self.surroundings()}
+        return {**super().versions(job), **self.surroundings()}
 
     def verify(self, job: Job) -> None:
         """Whether the simulated person can hold the knob as told."""

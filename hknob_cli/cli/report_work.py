@@ -78,7 +78,7 @@ class ReportWork(Work):
         figures = [job.out / "figures" / f"{name}.svg" for name in _FIGURE.findall(page)]
         return store.are_current(figures, ours)
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, _job: Job) -> dict[str, str]:
         """What draws and judges, too."""
         return showing_versions()
 

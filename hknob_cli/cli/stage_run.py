@@ -4,12 +4,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import say
+from hknob_cli.cli.console import plain, say
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
-from hknob_cli.results.versions import computing_versions
+from hknob_cli.results.place import make_folder
+from hknob_cli.results.versions import grid_versions
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -48,9 +49,9 @@ class Work:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
         return {}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """Versions that the result depends on."""
-        return computing_versions()
+        return grid_versions(getattr(job.plan, "points", None))
 
     def refuse(self, job: Job) -> None:
         """Raise `RefusedError` where what is there must not be replaced by this job."""
@@ -107,7 +108,7 @@ def run_stage(job: Job, work: Work) -> None:
     if job.as_json:
         print(json.dumps(summary, allow_nan=False))
         return
-    print(work.text(job, summary))
+    print(plain(work.text(job, summary)))
     print("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
 
 
@@ -131,7 +132,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             for folder in work.folders(job):
-                (job.out / folder).mkdir(exist_ok=True)
+                make_folder(job.out / folder)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
             tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
@@ -148,7 +149,7 @@ def stamp_of(job: Job, work: Work) -> bytes:
         values=job.plan.values,
         overrides=job.overrides,
         inputs={**hand_inputs(job.plan), **work.inputs(job)},
-        versions=work.versions(),
+        versions=work.versions(job),
     )
 
 

@@ -88,7 +88,9 @@ class SweepWork(Work):
         if isinstance(cells, Parted):
             from hknob_cli.report.large import describe_large
 
-            return describe_large(cells, orbits, axes=job.plan.axes)
+            return describe_large(
+                cells, orbits, axes=job.plan.axes, ranges=job.plan.points.scales if job.plan.points else ()
+            )
         return describe_sweep(cells, orbits, axes=list(job.plan.axes))
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:

@@ -1,5 +1,6 @@
 """A sweep of more cells than anyone reads: counts, shares and extremes, taken from its parts one by one."""
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,13 @@ SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undeci
 MEASURES = ("p2p_rad", "frequency_hz")
 
 
-def describe_large(cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]]) -> dict[str, Any]:
-    """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells."""
+def describe_large(
+    cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]], ranges: Collection[str] = ()
+) -> dict[str, Any]:
+    """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells.
+
+    ``ranges``: axes of a design of which ``axes`` has the ends alone.
+    """
     count = 0
     sums = dict.fromkeys(SHARES, 0.0)
     still = 0
@@ -32,7 +38,12 @@ def describe_large(cells: Parted, orbits: Parted, *, axes: dict[str, list[float 
             found[entry["values"]] += entry["counts"]
     return {
         "axes": {
-            name: {"values": len(values), "least": min(values), "most": max(values)} for name, values in axes.items()
+            name: {
+                **({} if name in ranges else {"values": len(values)}),
+                "least": min(values),
+                "most": max(values),
+            }
+            for name, values in axes.items()
         },
         "cell_count": count,
         "orbits": found,

@@ -12,7 +12,9 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
+from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.perceived import level_limits, perceived_levels
+from hknob_cli.results.place import create
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -33,13 +35,13 @@ _MOST_LABELS = 400
 
 
 def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw a sweep into ``path`` (PNG); False, drawing nothing, without an axis, or where more than two vary.
+    """Draw a sweep into ``path`` (PNG); False, drawing nothing, without an axis, where more than two vary, or no grid.
 
     Raises `ComputationError` if the file cannot be written.
     """
     rows = cells.to_pylist()
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
-    if len(wide) > 2 or not axes:
+    if len(wide) > 2 or not axes or not is_whole(rows, wide):
         return False
     fixed = ", ".join(f"{axis} = {rows[0][axis]:g}" for axis in axes if axis not in wide)
     from matplotlib.figure import Figure
@@ -68,7 +70,8 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     """
     half = partial(path)
     try:
-        figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
+        with create(half) as stream:
+            figure.savefig(stream, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
         half.replace(path)
     except OSError as error:
         half.unlink(missing_ok=True)

@@ -15,6 +15,8 @@ def digest(path: Path) -> str | None:
                 if file.suffix in _RESULTS:
                     whole.update(f"{file.name} {digest(file)}\n".encode())
             return whole.hexdigest()
+        if not path.is_file():  # a device or pipe may have no end
+            return None
         with path.open("rb") as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
     except OSError:

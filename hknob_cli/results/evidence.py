@@ -12,7 +12,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import read_result
-from hknob_cli.results.provenance import KEY
+from hknob_cli.results.provenance import DESIGN, KEY, axes_in
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, Scene
 
 Rows = list[dict[str, Any]]
@@ -85,8 +85,12 @@ class Result:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
         if self.stage == CAMPAIGN:
             return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
-        grid = self.provenance["spec"].get("grid") or {}
-        return [*grid, *([PERSON] if self.provenance["spec"].get("population") else [])]
+        return axes_in(self.provenance["spec"])
+
+    @property
+    def is_design(self) -> bool:
+        """Whether its cells are the points of a design, not every combination of axis values. Raises `MissingError`."""
+        return self.stage != CAMPAIGN and bool((self.provenance["spec"].get("grid") or {}).get(DESIGN))
 
     @cached_property
     def scene(self) -> Scene:

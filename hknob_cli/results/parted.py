@@ -13,7 +13,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.spec.regular import is_endless
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
 PART = b"hknob.part"
@@ -54,13 +56,18 @@ def read_result(path: Path) -> pa.Table:
         if parted is None:
             raise FileNotFoundError(path)
         return parted.table()
+    if is_endless(path):
+        raise FileNotFoundError(path)
     with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
         return file.read()
 
 
 def result_metadata(path: Path) -> dict[bytes, bytes]:
     """What a result table says of itself, of one file or of parts. Raises `OSError`, `pa.ArrowException`."""
-    return pq.read_schema(path / part_name(0) if path.is_dir() else path).metadata or {}
+    first = path / part_name(0) if path.is_dir() else path
+    if is_endless(first):
+        raise FileNotFoundError(first)
+    return pq.read_schema(first).metadata or {}
 
 
 def part_name(number: int) -> str:
@@ -74,7 +81,7 @@ def write_part(table: pa.Table, folder: Path, number: int, count: int, provenanc
     half = path.with_name(f".{path.name}.half")
     whole = table.combine_chunks().replace_schema_metadata({KEY: provenance, PART: _mark(number, count)})
     try:
-        with half.open("wb") as stream:
+        with create(half) as stream:
             pq.write_table(whole, stream, compression="zstd")
         half.replace(path)
     except OSError:
@@ -99,6 +106,8 @@ def _metadata(path: Path) -> dict[bytes, bytes]:
 
 def _readable(path: Path) -> dict[bytes, bytes] | None:
     """Metadata of a Parquet file; None if it cannot be read."""
+    if is_endless(path):
+        return None
     try:
         return pq.read_schema(path).metadata or {}
     except (OSError, pa.ArrowException):

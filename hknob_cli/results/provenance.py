@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
-from hknob_cli.spec.plan import Scene
+from hknob_cli.spec.plan import PERSON, Scene
 
 KEY = b"hknob.provenance"
+DESIGN = "design"  # the key of a grid that is no axis
 
 
 def describe(
@@ -77,6 +78,20 @@ def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
         return SceneSpec.model_validate(json.loads((metadata or {})[KEY])["spec"]["scene"]).plain()
     except (KeyError, ValueError, TypeError):
         return None
+
+
+def axes_in(spec: dict[str, Any]) -> list[str]:
+    """Names of the axes of a spec, as its grid lists them, and of the people where there is a population."""
+    grid = spec.get("grid") or {}
+    return [*(name for name in grid if name != DESIGN), *([PERSON] if spec.get("population") else [])]
+
+
+def axes_of(metadata: dict[bytes, bytes] | None) -> list[str]:
+    """The same of the spec that a file was computed for; none where it has none that can be read."""
+    try:
+        return axes_in(json.loads((metadata or {})[KEY])["spec"])
+    except (KeyError, ValueError, TypeError, AttributeError):
+        return []
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

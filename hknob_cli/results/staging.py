@@ -13,6 +13,7 @@ from pathlib import Path
 from struct import Struct
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.place import create, make_folder
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
@@ -34,17 +35,15 @@ class Staging:
         for other in staged(self.folder.parent):
             if other != self.folder or afresh:
                 shutil.rmtree(other)
-        self.make(self.folder)
+        make_folder(self.folder)
         for half in self.folder.glob("*.half"):
             half.unlink()
 
-    @staticmethod
-    def make(folder: Path) -> None:
-        """Make a folder, or go on with it. Raises `RefusedError` if it is a file, or a link to elsewhere."""
-        with contextlib.suppress(FileExistsError):
-            folder.mkdir()
-        if folder.is_symlink() or not folder.is_dir():
-            raise _not_ours(folder)
+    def leave(self) -> None:
+        """Remove the folder if nothing has been finished."""
+        for folder in (*self.folder.glob("*/"), self.folder):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
     def pieces(self) -> list[tuple[int, int]]:
         """Items of the pieces that are there, in order, none twice; what is damaged is removed.
@@ -68,7 +67,7 @@ class Staging:
         path = self._path(start, stop)
         half = path.with_suffix(".half")
         try:
-            with half.open("wb") as stream:
+            with create(half) as stream:
                 stream.write(_HEAD.pack(_MARK, zlib.crc32(data), len(data)))
                 stream.write(data)
             half.replace(path)
@@ -84,6 +83,8 @@ class Staging:
         return data
 
     def _read(self, start: int, stop: int) -> bytes | None:
+        if not self._path(start, stop).is_file():  # a device or pipe may have no end
+            return None
         stored = self._path(start, stop).read_bytes()
         data = stored[_HEAD.size :]
         return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None

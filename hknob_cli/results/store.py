@@ -19,6 +19,7 @@ from hknob_cli.results.parted import (
     read_result,
     set_aside,
 )
+from hknob_cli.results.place import create, make_folder
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
@@ -172,11 +173,13 @@ def write(
     place = next(iter((*halves, *parted))).parent
     try:
         for path, text in (texts or {}).items():
-            path.parent.mkdir(exist_ok=True)
-            halves[path].write_text(text, encoding="utf-8")
+            if path.parent != place:
+                make_folder(path.parent)
+            with create(halves[path]) as stream:
+                stream.write(text.encode())
         for path, table in whole.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
-            with halves[path].open("wb") as stream:
+            with create(halves[path]) as stream:
                 pq.write_table(stamped, stream, compression="zstd")
         for path, half in halves.items():
             if path.is_dir():  # of parts, where the same name was of more cells

@@ -6,8 +6,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from hknob_cli.errors import Fault
-from hknob_cli.spec.grid import items_of, model_of
 from hknob_cli.spec.messages import keys_of, message
+from hknob_cli.spec.scene_paths import items_of, model_of
 from hknob_cli.spec.source import Path_, Source
 
 Place = Callable[[Path_], Path_]

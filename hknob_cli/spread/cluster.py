@@ -1,6 +1,7 @@
 """Workers of a Dask cluster, behind the interface of `concurrent.futures`."""
 
 import asyncio
+import json
 import logging
 import pickle
 import time
@@ -8,6 +9,7 @@ import warnings
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from functools import lru_cache
+from pathlib import Path
 from threading import Event, Thread
 from typing import Any
 
@@ -24,7 +26,7 @@ _LOOK = 2.0  # s between two questions of how many workers there are
 
 
 class Cluster:
-    """The workers of the scheduler at ``address``, which do ``work``; each has this program of this version.
+    """The workers of the scheduler at ``address``, or in that JSON file of it; each has this program of this version.
 
     A piece whose worker dies is done again by the scheduler, on another; a scheduler that goes and comes back costs
     what was handed out.
@@ -140,11 +142,18 @@ class Cluster:
         except Exception:  # it is gone already, however
             return
 
+    def _place(self) -> str:
+        """The address itself, which a file may hold. Raises `OSError` or `ValueError`."""
+        if not self._address.endswith(".json"):
+            return self._address
+        found = json.loads(Path(self._address).read_text(encoding="utf-8"))
+        return str(found["address"] if isinstance(found, dict) and "address" in found else found)
+
     def _connect(self, patience: float) -> None:
         end = time.monotonic() + patience
         while True:
             try:
-                self._client = _client(self._address)
+                self._client = _client(self._place())
                 self._heard = time.monotonic() - _LOOK
                 self._executor = self._client.get_executor(pure=False)
             except ValueError as error:

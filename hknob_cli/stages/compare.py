@@ -4,7 +4,7 @@ Differences are relative to the sweep, (prediction - sweep) / sweep. The dissert
 describing functions with the *peak to peak* of its simulations (sec. 7.3), so that reading is computed, too.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +16,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
 from hknob_cli.results.digest import digest as file_digest
 from hknob_cli.results.parted import read_result, result_metadata
-from hknob_cli.results.provenance import origin, scene_of
-from hknob_cli.spec.cells import Cells
+from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
@@ -77,26 +76,31 @@ _INSIDE = "_in_domain"
 
 
 class Against:
-    """The cells of a sweep, by the axis values of another grid."""
+    """The cells of a sweep, by the axis values of another grid or design."""
 
-    def __init__(self, folder: str, axes: Axes, *, table: pa.Table | None = None) -> None:
-        """Read them, unless ``table`` has them: a campaign's trials as cells.
+    def __init__(
+        self, folder: str, axes: Sequence[str], cells: Iterable[Cell], *, table: pa.Table | None = None
+    ) -> None:
+        """Read them, unless ``table`` has them: a campaign's trials as cells. ``axes``, ``cells``: of the other grid.
 
         Raises `UsageError` if the sweep's axes are others, or no cell is common to both.
         """
         path = Path(folder)
+        own: set[str] | None = None
         if table is None:
             path = sweep_file(folder)
             table = read_result(path)
+            own = set(axes_of(table.schema.metadata))
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
         self._axes = list(axes)
         rows = table.to_pylist()
         self._cells = {self._key(row): row for row in rows}
-        if len(self._cells) < len(rows):
+        # Points of a design may coincide, of a list of values or where counts are rounded.
+        if len(self._cells) < len(rows) and (own is None or not own <= set(axes)):
             raise UsageError(f"against: {path} has further axes, so a cell here is several there")
-        if not any(self._key(cell) in self._cells for cell in Cells(axes)):
+        if not any(self._key(cell) in self._cells for cell in cells):
             raise UsageError(f"against: {path} has no cell of this grid")
 
     def _key(self, cell: Cell) -> tuple[str, ...]:

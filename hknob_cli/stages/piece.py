@@ -8,6 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table, orbits_table
 
@@ -47,9 +48,9 @@ class PieceFinder:
 
     def _check(self) -> None:
         from hknob_cli.errors import ComputationError
-        from hknob_cli.results.versions import computing_versions
+        from hknob_cli.results.versions import grid_versions
 
-        here = computing_versions()
+        here = grid_versions(self.plan.points)
         if other := [
             f"{name} {here.get(name)}, not {value}" for name, value in self.versions.items() if here.get(name) != value
         ]:
@@ -71,6 +72,8 @@ def unit_of(plan: SweepPlan) -> int:
 def find_piece(stage: SweepStage, start: int, stop: int) -> Piece:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
     grid, unit = cells_of(stage.plan), unit_of(stage.plan)
+    if stage.plain:
+        return Piece(*plain_chunk(stage.plan, grid.columns(start, stop), stage.functions(GROUP), stage.stopped))
     step = unit if unit > 1 else max(1, stop - start)
     found = [one for a in range(start, stop, step) for one in stage.find(list(grid.run(a, min(stop, a + step))))]
     return Piece(cells_table(stage.plan, found), orbits_table(stage.plan, found), sum(one.samples for one in found))

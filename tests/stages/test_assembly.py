@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging
+from hknob_cli.results.versions import grid_versions
 from hknob_cli.stages.assembly import Assembly
 from hknob_cli.stages.piece import PieceFinder, decode, encode, find_piece, unit_of
 from hknob_cli.stages.sweep import SweepStage
@@ -147,6 +148,14 @@ def test_a_worker_of_another_version_is_refused(stage) -> None:
     finder = PieceFinder(stage.plan, {"hknob": "0.0"})
     with pytest.raises(ComputationError, match=r"other versions, so its results would differ: hknob .*, not 0\.0"):
         finder(0, 1)
+
+
+def test_a_worker_draws_a_design_with_the_same_scipy() -> None:
+    design = SPEC.replace("  sample_rate_hz: [1000]", "  design: {sobol: 2}\n  sample_rate_hz: {log: [500, 1000]}")
+    plan = loaded(design.replace("phases: 8", "phases: 1"))
+    assert PieceFinder(plan, grid_versions(plan.points))(0, 2)
+    with pytest.raises(ComputationError, match=r"other versions, so its results would differ: scipy .*, not 0\.0"):
+        PieceFinder(plan, {**grid_versions(plan.points), "scipy": "0.0"})(0, 2)
 
 
 @pytest.mark.parametrize(
