@@ -72,9 +72,9 @@ class Cluster:
             self._asked = self._ask(self._client.scheduler.ncores())
         if self._asked is not None and self._asked.done():
             asked, self._asked = self._asked, None
-            if not asked.cancelled() and asked.exception() is None:
+            if (found := _answer(asked)) is not None:
                 self._heard = now
-                self._threads = asked.result()
+                self._threads = found
                 if not self._threads and not self._lonely:
                     self._notify(f"no worker at {self._address} yet; waiting")
                 self._lonely = not self._threads
@@ -87,7 +87,7 @@ class Cluster:
             self._probed = self._ask(self._client._run(eval, _VERSION, workers=list(new), on_error="return"))
         if self._probed is not None and self._probed.done():
             probed, self._probed = self._probed, None
-            for worker, answer in probed.result().items() if probed.exception() is None else ():
+            for worker, answer in (_answer(probed) or {}).items():
                 if isinstance(answer, ImportError) or (isinstance(answer, str) and answer != __version__):
                     has = f"has hknob {answer}, not {__version__}" if isinstance(answer, str) else "does not have hknob"
                     raise ComputationError(
@@ -134,7 +134,7 @@ class Cluster:
     def close(self, *, now: bool = False) -> None:  # noqa: ARG002
         """Let the workers go; what is handed out is cancelled, but for a piece that a worker is at."""
         client, self._client, self._asked, self._probed = self._client, None, None, None
-        self._threads = {}
+        self._threads, self._fit = {}, set()
         if client is None:
             return
         try:
@@ -167,6 +167,11 @@ class Cluster:
                 time.sleep(0.5)
             else:
                 return
+
+
+def _answer(asked: "Future[dict[str, Any]]") -> dict[str, Any] | None:
+    """What was answered; None if the connection was lost."""
+    return None if asked.cancelled() or asked.exception() is not None else asked.result()
 
 
 def _client(address: str) -> Any:

@@ -12,6 +12,7 @@ from hknob_cli.spread.ranges import Range, Ranges
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
 SUSPECT = 2  # of them, after which it is done with nothing beside it, so that no other is taken for what kills workers
+_SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
 
@@ -70,7 +71,7 @@ def gather(
                     gone.append(one)
             done, _ = wait(pending, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
             if not (pending or gone):
-                time.sleep(_TICK)  # nobody is there yet
+                time.sleep(_SOON)  # nobody is there yet
             tick()
             dead = []
             for future in done:
@@ -84,7 +85,7 @@ def gather(
                 else:
                     pace.learn(one.items, seconds)
                     deliver(one.start, one.stop, found)
-            if gone or not workers.reachable():
+            if gone or ((left or pending) and not workers.reachable()):
                 gone += pending.values()
                 pending.clear()
                 workers.renew()

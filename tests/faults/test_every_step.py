@@ -118,6 +118,15 @@ def drawn_by_us(spec: Path, folder: Path) -> bytes:
     return (folder / "drawn" / "grid.png").read_bytes()
 
 
+def test_a_page_killed(tmp_path: Path) -> None:
+    (tmp_path / "sweep.yaml").write_text(SPEC)
+    assert run(tmp_path / "sweep.yaml", tmp_path / "grid")[0] == 0
+    text = f"kind: report\nname: page\ntitle: A page\nresults: [{tmp_path / 'grid'}]\n"
+    steps = at_every_step(tmp_path, "kill", text=text)
+    assert {step["code"] for step in steps} == {-9}
+    assert {".html", ".svg"} <= {Path(step["step"].split()[-1]).suffix for step in steps}
+
+
 def test_a_campaign_killed(tmp_path: Path) -> None:
     text = CAMPAIGN.replace("[1000, 2000]", "[1000]").replace("buzz: [0.1, 0.2]", "buzz: [0.1, 0.1]")
     steps = at_every_step(tmp_path, "kill", text=text)

@@ -155,3 +155,29 @@ def test_a_connection_that_is_lost_is_nobodys_fault() -> None:
     left = Ranges(60)
     gather(Absent(plain, 1), left, lambda start, stop, _: found.extend(range(start, stop)), tick=lambda: None)
     assert sorted(found) == list(range(60))
+
+
+class Forgetful(Processes):
+    """Workers that cannot be reached any more once nothing is left to do."""
+
+    finished = False
+    renewed = 0
+
+    def reachable(self) -> bool:
+        return not self.finished
+
+    def renew(self) -> None:
+        self.renewed += 1
+        super().renew()
+
+
+def test_nobody_is_looked_for_once_all_is_done() -> None:
+    workers = Forgetful(plain, 1)
+    found: list[int] = []
+
+    def deliver(start: int, stop: int, _: bytes) -> None:
+        found.extend(range(start, stop))
+        workers.finished = len(found) == 40
+
+    gather(workers, Ranges(40), deliver, tick=lambda: None)
+    assert (sorted(found), workers.renewed) == (list(range(40)), 0)
