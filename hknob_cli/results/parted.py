@@ -13,6 +13,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.layout import write_table
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
 from hknob_cli.spec.regular import is_endless
@@ -85,7 +86,7 @@ def write_part(table: pa.Table, folder: Path, number: int, count: int, provenanc
     whole = table.combine_chunks().replace_schema_metadata({KEY: provenance, PART: _mark(number, count)})
     try:
         with create(half) as stream:
-            pq.write_table(whole, stream, compression="zstd")
+            write_table(whole, stream)
         half.replace(path)
     except OSError:
         half.unlink(missing_ok=True)

@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
+from hknob_cli.results.layout import write_table
 from hknob_cli.results.marked import is_marked, marked_origin
 from hknob_cli.results.parted import (
     Parted,
@@ -180,7 +181,7 @@ def write(
         for path, table in whole.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
             with create(halves[path]) as stream:
-                pq.write_table(stamped, stream, compression="zstd")
+                write_table(stamped, stream)
         for path, half in halves.items():
             if path.is_dir():  # of parts, where the same name was of more cells
                 set_aside(path)
