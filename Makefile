@@ -71,8 +71,8 @@ schemas: $(VENV)/.run ## regenerate schemas/ and docs/page.md from the program
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench
 
-bench: $(VENV)/.dev ## throughput, start-up, rival methods, and identification
-	@for name in throughput friction rivals startup sysid; do \
+bench: $(VENV)/.dev ## throughput, many cells, start-up, rival methods, and identification
+	@for name in throughput cells friction rivals startup sysid; do \
 	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
 
 clean: ## remove the environment, caches and results

@@ -4,11 +4,10 @@ Every error a user can meet is an `HknobError`; the command line prints its mess
 its code.
 """
 
+import errno
 from collections.abc import Sequence
 from enum import IntEnum
 from typing import NamedTuple
-
-MOST_FAULTS = 100  # of one spec that are said
 
 
 class ExitCode(IntEnum):
@@ -22,6 +21,9 @@ class ExitCode(IntEnum):
     INTERRUPTED = 130
 
 
+MOST_FAULTS = 200  # of a spec that are said
+
+
 class HknobError(Exception):
     """Base of all errors shown to the user; the message is complete as it stands."""
 
@@ -30,6 +32,15 @@ class HknobError(Exception):
 
 class ComputationError(HknobError):
     """The computation or a check failed."""
+
+
+def unwritable(place: object, error: OSError, *, kept: bool = False) -> ComputationError:
+    """What to say, and to do, where a file cannot be written; ``kept``: what the run has finished so far is."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    advice = ["what is finished is kept"] if kept else []
+    if full or kept:
+        advice.append("make room there, and run the same command again" if full else "run the same command again")
+    return ComputationError("; ".join([f"{place}: cannot be written: {error.strerror or error}", *advice]))
 
 
 class UsageError(HknobError):
@@ -70,12 +81,10 @@ class Fault(NamedTuple):
 
 
 class SpecError(UsageError):
-    """A spec with faults, one line each; the first 100 are said."""
+    """A spec with faults, one line each; the first are said."""
 
     def __init__(self, faults: Sequence[Fault]) -> None:
         self.faults = tuple(sorted(set(faults)))
         lines = [str(fault) for fault in self.faults[:MOST_FAULTS]]
-        if len(self.faults) > MOST_FAULTS:
-            last = self.faults[MOST_FAULTS - 1]
-            lines.append(str(last._replace(key="", message=f"only the first {MOST_FAULTS} faults are listed")))
-        super().__init__("\n".join(lines))
+        more = len(self.faults) - len(lines)
+        super().__init__("\n".join([*lines, *([f"... and {more} more faults"] if more else [])]))

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
     from hknob_cli.spec.campaign import HwRunPlan
+    from hknob_cli.spec.cells import cells_of
     from hknob_cli.spec.design_plan import DesignPlan
     from hknob_cli.spec.identification import SysidPlan
     from hknob_cli.spec.page_plan import ReportPlan
@@ -36,7 +37,7 @@ def _size(plan: "Plan") -> str:
         return _counted(len(plan.remedies), "remedy", "remedies")
     if isinstance(plan, DesignPlan):
         return _counted(plan.size, "design")
-    return _counted(prod(len(values) for values in plan.axes.values()), "cell")
+    return _counted(len(cells_of(plan)), "cell")
 
 
 def _counted(count: int, what: str, many: str = "") -> str:

@@ -29,15 +29,16 @@ def heed() -> None:
 
 def say(text: str) -> None:
     """A message, on stderr; as `tell`."""
-    print(_lines(text), file=sys.stderr)
+    print(plain(text), file=sys.stderr)
 
 
 def tell(text: str) -> None:
-    """Results in words, on stdout; lines stay lines, and nothing in them, such as a name, steers a terminal."""
-    print(_lines(text))
+    """Results in words, on stdout."""
+    print(plain(text))
 
 
-def _lines(text: str) -> str:
+def plain(text: str) -> str:
+    """A text whose lines stay lines, and in which nothing steers a terminal: names may be from anywhere."""
     return "\n".join(map(printable, text.split("\n")))
 
 

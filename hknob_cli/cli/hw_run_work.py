@@ -58,9 +58,9 @@ class HwRunWork(Work):
 
         return {"hknob_hardware": source_digest((HARDWARE,)), "scipy": version("scipy")}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """Theirs, too."""
-        return {**super().versions(), **self.surroundings()}
+        return {**super().versions(job), **self.surroundings()}
 
     def verify(self, job: Job) -> None:
         """Whether the simulated person can hold the knob as told."""
@@ -102,8 +102,12 @@ class HwRunWork(Work):
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
         return campaign_tables(done, job.plan.course)
 
+    def scaffold(self, job: Job) -> list[Path]:
+        """Single trials of a simulation."""
+        return self._archive(job).scaffold()
+
     def finish(self, job: Job) -> None:
-        """Single trials of a simulation, once all are in the results."""
+        """Remove those, once all are in the results."""
         self._archive(job).leave()
 
     def _archive(self, job: Job) -> Archive:

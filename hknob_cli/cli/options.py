@@ -37,7 +37,12 @@ Jobs = Annotated[
 Executor = Annotated[
     ExecutorName, typer.Option("--executor", help="Who does long work: processes here, or a Dask cluster.")
 ]
-Scheduler = Annotated[str | None, typer.Option("--scheduler", metavar="ADDRESS", help="Address of a Dask scheduler.")]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler", metavar="ADDRESS", help="Of a Dask cluster: tcp://HOST:PORT, or the scheduler's JSON file."
+    ),
+]
 Force = Annotated[bool, typer.Option("--force", help="Recompute even where results are up to date.")]
 DryRun = Annotated[bool, typer.Option("--dry-run", help="Say what would run, and why; write nothing.")]
 Json = Annotated[bool, typer.Option("--json", help="Print the summary as one JSON object instead of a table.")]

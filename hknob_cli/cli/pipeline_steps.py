@@ -12,6 +12,7 @@ from hknob_cli.cli.job import Job, work_of
 from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
+from hknob_cli.results.place import refuse_link
 from hknob_cli.spec.load import load
 from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.page_plan import ReportPlan
@@ -45,7 +46,8 @@ def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
 def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Job]:
     """A job for each stage that has a spec, its results in a folder of its name in ``root``.
 
-    ``options`` are those of a `Job`. Raises `SpecError` with the faults of all specs.
+    ``options`` are those of a `Job`. Raises `SpecError` with the faults of all specs, `RefusedError`
+    where such a folder is a link.
     """
     folders = {stage.name: stage.folder or root / stage.name for stage in stages}
     jobs: dict[str, Job] = {}
@@ -55,6 +57,7 @@ def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Jo
             if not any(stage.folder.glob("*.parquet")):
                 faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
             continue
+        refuse_link(folders[stage.name])
         try:
             jobs[stage.name] = _job(stage, folders, _made_here(stages, folders), **options)
         except SpecError as error:
@@ -180,7 +183,7 @@ def _step(
         writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
         values={
             "settings": json.dumps(job.overrides),
-            "program": json.dumps({**work.versions(), **work.surroundings()}, sort_keys=True),
+            "program": json.dumps({**work.versions(job), **work.surroundings()}, sort_keys=True),
         },
         root=root,
         run=run,

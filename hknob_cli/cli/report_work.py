@@ -16,10 +16,10 @@ from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
+from hknob_cli.results.digest import digest
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import showing_versions
-from hknob_cli.spec.named_file import digest_of
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')
 _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')
@@ -63,9 +63,9 @@ class ReportWork(Work):
                 raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:
                 raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
-            digests |= {f"{name}/{path.name}": digest_of(path) for path in tables}
+            digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
         for path in self.reads(job)[len(job.plan.results) :]:
-            digests[path.name] = digest_of(path)
+            digests[path.name] = _sha256(path)
         return digests
 
     def folders(self, job: Job) -> tuple[str, ...]:
@@ -78,7 +78,7 @@ class ReportWork(Work):
         figures = [job.out / "figures" / f"{name}.svg" for name in _FIGURE.findall(page)]
         return store.are_current(figures, ours)
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, _job: Job) -> dict[str, str]:
         """What draws and judges, too."""
         return showing_versions()
 
@@ -130,6 +130,13 @@ class ReportWork(Work):
 
 def _evidence(job: Job) -> Evidence:
     return Evidence({name: Path(folder) for name, folder in job.plan.results.items()})
+
+
+def _sha256(path: Path) -> str:
+    found = digest(path)
+    if found is None:
+        raise UsageError(f"{path}: cannot be read")
+    return found
 
 
 def _why_missing(path: Path) -> str:

@@ -9,7 +9,8 @@ from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
-from hknob_cli.results.versions import computing_versions
+from hknob_cli.results.place import make_folder
+from hknob_cli.results.versions import grid_versions
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -48,9 +49,9 @@ class Work:
         """Digests of what the result depends on beside the spec, by name. Raises `UsageError`."""
         return {}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """Versions that the result depends on."""
-        return computing_versions()
+        return grid_versions(getattr(job.plan, "points", None))
 
     def refuse(self, job: Job) -> None:
         """Raise `RefusedError` where what is there must not be replaced by this job."""
@@ -59,8 +60,12 @@ class Work:
         """Result tables. Raises `ComputationError`."""
         raise NotImplementedError
 
+    def scaffold(self, _job: Job) -> list[Path]:
+        """What is there of that which is needed only until the results are in place."""
+        return []
+
     def finish(self, job: Job) -> None:
-        """Clear away what was needed only until the results were in place."""
+        """Clear it away."""
 
     def folders(self, _job: Job) -> tuple[str, ...]:
         """Names of folders in which `compose` writes more than `texts`."""
@@ -118,7 +123,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
     ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
-    if current is not None and not job.plot and not store.leftovers(ours):
+    if current is not None and not job.plot and not store.leftovers(ours) and not work.scaffold(job):
         return current, paths, False
     with store.hold(job.out, ours):
         # Once more: another run may have been here since.
@@ -127,11 +132,12 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
             for folder in work.folders(job):
-                (job.out / folder).mkdir(exist_ok=True)
-            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
-            work.finish(job)
+                make_folder(job.out / folder)
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
+            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+        if current is None or work.scaffold(job):  # a run may have been killed just before it cleared up
+            work.finish(job)
         drawn = work.draw(job, tables, pictures) if job.plot else []
     return tables, [*paths, *drawn], current is None
 
@@ -143,7 +149,7 @@ def stamp_of(job: Job, work: Work) -> bytes:
         values=job.plan.values,
         overrides=job.overrides,
         inputs={**hand_inputs(job.plan), **work.inputs(job)},
-        versions=work.versions(),
+        versions=work.versions(job),
     )
 
 

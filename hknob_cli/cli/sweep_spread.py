@@ -5,38 +5,39 @@ from typing import Any
 
 from hknob_cli.cli.console import heed, spread_progress
 from hknob_cli.cli.job import Job
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import unwritable
 from hknob_cli.report.matrix import short
 from hknob_cli.results.staging import Staging
-from hknob_cli.results.versions import computing_versions
+from hknob_cli.results.versions import grid_versions
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
 from hknob_cli.spread.ranges import Range, Ranges
 from hknob_cli.stages.assembly import Assembly
-from hknob_cli.stages.piece import PieceFinder
+from hknob_cli.stages.piece import PieceFinder, unit_of
 from hknob_cli.stages.sweep import SweepStage
 
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:
     """Cells and orbits of a sweep whose results will have the provenance ``stamp``. Raises `ComputationError`."""
-    total = stage.cell_count
+    total, staging = stage.cell_count, Staging(job.out, stamp)
     try:
-        assembly = Assembly(Staging(job.out, stamp), total, stamp)
+        assembly = Assembly(staging, total, stamp)
         done = assembly.begin(afresh=job.force)
-        left = Ranges(total, done=done, part=assembly.part)
+        left = Ranges(total, done=done, part=assembly.part, unit=unit_of(job.plan))
         if done and left:
             notify(f"{total - len(left)} of {total} cells are there from an earlier run")
         if left:
             _gather(job, stage, assembly, left, notify)
         return assembly.tables()
     except OSError as error:
-        kept = "what is finished is kept, run the same command again"
-        raise ComputationError(f"{job.out}: cannot be written: {error.strerror or error}; {kept}") from None
+        raise unwritable(job.out, error, kept=True) from None
+    finally:
+        staging.leave()
 
 
 def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notify: Callable[[str], None]) -> None:
-    finder = PieceFinder(job.plan, computing_versions())
+    finder = PieceFinder(job.plan, grid_versions(job.plan.points))
     with spread_progress(assembly.total, show=not job.quiet, done=assembly.total - len(left)) as progress:
 
         def deliver(start: int, stop: int, data: bytes) -> None:

@@ -11,7 +11,7 @@ from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import PART_CELLS, Parted
-from hknob_cli.results.staging import clear_staged
+from hknob_cli.results.staging import clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
@@ -55,6 +55,10 @@ class SweepWork(Work):
             note(job, f"{stage.cell_count} cells, {result.samples} trial-samples, {how}, {seconds:.2f} s")
         return result.cells, result.orbits, *_recorded(job)
 
+    def scaffold(self, job: Job) -> list[Path]:
+        """Finished pieces and parts."""
+        return staged(job.out)
+
     def finish(self, job: Job) -> None:
         """Remove what this run, or one of another spec that was cut short, had finished."""
         clear_staged(job.out)
@@ -84,7 +88,9 @@ class SweepWork(Work):
         if isinstance(cells, Parted):
             from hknob_cli.report.large import describe_large
 
-            return describe_large(cells, orbits, axes=job.plan.axes)
+            return describe_large(
+                cells, orbits, axes=job.plan.axes, ranges=job.plan.points.scales if job.plan.points else ()
+            )
         return describe_sweep(cells, orbits, axes=list(job.plan.axes))
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:

@@ -75,9 +75,9 @@ class SysidWork(Work):
 
         return {"scipy": version("scipy")}
 
-    def versions(self) -> dict[str, str]:
+    def versions(self, job: Job) -> dict[str, str]:
         """SciPy's, too."""
-        return {**super().versions(), **self.surroundings()}
+        return {**super().versions(job), **self.surroundings()}
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""

@@ -1,7 +1,6 @@
 """What a cell's trials settle to: its attractors, each with its proof and its share of the trials."""
 
 from collections.abc import Callable
-from math import inf, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,19 +9,19 @@ from numpy.typing import NDArray
 from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
+from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.orbit import cycle as plain_cycle
+from hknob_cli.engine.orbit.cycle import CycleMeasures
+from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 
 LANES = 64  # trials side by side: 64 keep the vector units full and the block in the first cache
 SLICE = 16_384  # trials between two chances to be interrupted
 CAPACITY = 1024  # distinct orbits a cell keeps
-FINEST = 2.0**45  # counts; beyond it a double leaves a count less than 8 bits of fraction
-SETTLE = 10.0  # transient skipped before detection, in time constants of the slowest mode
 PATIENCE = 20_000  # samples a trial may take in the interpreter
-UNDAMPED_SAMPLES = 65_536
-_FEWEST_SAMPLES, _MOST_SAMPLES = 65_536, 2**24
 
 FATES = {
     follow.CYCLE_PROVEN: (Outcome.CYCLE, Reason.NONE),
@@ -34,6 +33,10 @@ FATES = {
     follow.LEFT: (Outcome.DIVERGED, Reason.LEAVES),
     follow.UNSETTLED: (Outcome.UNDECIDED, Reason.NO_REPEAT),
     follow.UNDAMPED: (Outcome.UNDECIDED, Reason.NO_DAMPING),
+    TOO_SLOW: (Outcome.UNDECIDED, Reason.TOO_SLOW),
+    UNHELD: (Outcome.UNDECIDED, Reason.NO_STIFFNESS),
+    TOO_FINE: (Outcome.UNDECIDED, Reason.TOO_FINE),
+    TOO_MANY: (Outcome.UNDECIDED, Reason.TOO_MANY),
 }
 
 
@@ -79,30 +82,6 @@ class Search(NamedTuple):
     samples: int
 
 
-def sample_limit(rate: float, *, damped: bool) -> int:
-    """Samples a trial may take: 600 time constants of the slowest mode, of decay ``rate``, within bounds."""
-    if not damped:
-        return UNDAMPED_SAMPLES
-    return int(min(max(600.0 / rate if rate > 0.0 else inf, _FEWEST_SAMPLES), _MOST_SAMPLES))
-
-
-def settling_samples(rate: float, limit: int) -> int:
-    """Samples to pass before detection begins, at most an eighth of ``limit``."""
-    if rate == 0.0:
-        return 0
-    return int(min(SETTLE / rate, limit // 8))
-
-
-def trial_scale(x: float, v: float, push: float, wall: float, spring: float) -> float:
-    """Counts that a trial from (``x``, ``v``) spans at most, roughly: its start, its static depth, how far it coasts.
-
-    ``push``, ``wall`` and ``spring`` are the bias and the stiffness of wall and hand, per inertia.
-    """
-    static = push / (wall + spring) if wall + spring > 0.0 else 0.0
-    coast = abs(v) * min(1000.0, 1.0 / sqrt(spring) if spring > 0.0 else inf)
-    return max(1.0, abs(x), abs(static), coast)
-
-
 class NeedsCompilerError(Exception):
     """A trial is too long for the interpreter; ``group``: the functions to compile."""
 
@@ -112,7 +91,7 @@ class NeedsCompilerError(Exception):
 
 
 class Engine:
-    """The ensemble kernel and its work space, plain or compiled; one per thread."""
+    """The ensemble kernel, what its orbits are measured by, and work space, plain or compiled; one per thread."""
 
     def __init__(
         self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
@@ -122,6 +101,7 @@ class Engine:
         self.compiled = functions is not None
         self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
         self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
+        self._measure: Callable[..., Any] = functions["orbit.measure_cycle"] if functions else plain_cycle.measure_cycle
 
     def _zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
@@ -135,15 +115,10 @@ class Engine:
         Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed, and `StoppedError`
         when told to stop.
         """
-        rate = slowest_rate(loop.alpha, loop.beta)
-        budget = max_samples or sample_limit(rate, damped=loop.alpha > 0.0)
-        scale = trial_scale(x, v, loop.gamma, loop.kappa, loop.beta)
-        if not scale < FINEST:
-            return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
-        if loop.kappa == 0.0 and loop.beta == 0.0 and loop.gamma > 0.0:
-            return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
-        skip = settling_samples(rate, budget)
-        cut = not self.compiled and budget > PATIENCE
+        fate, most, skip, limit = prospect(x, v, max_samples or 0, loop)
+        if fate != OPEN:
+            return Search(attractors=(whole(*FATES[fate], phases),), samples=0)
+        cut = not self.compiled and most > PATIENCE
         width = min(LANES, phases)
         table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
         work = [self._zeros(width), self._zeros(width), self._zeros(width * delay_line), self._zeros(delay_line)]
@@ -160,8 +135,8 @@ class Engine:
                 min(start + SLICE, phases),
                 *work,
                 skip,
-                min(budget, PATIENCE + skip) if cut else budget,
-                1e6 * scale,
+                min(most, PATIENCE + skip) if cut else most,
+                limit,
                 CAPACITY,
                 rows,
                 table,
@@ -172,7 +147,7 @@ class Engine:
             samples += int(taken)
         if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
             raise NeedsCompilerError
-        why = why_unrepeated(rate, budget, held=loop.beta > 0.0)
+        why = why_unrepeated(slowest_rate(loop.alpha, loop.beta), most, held=loop.beta > 0.0)
         found = [
             _attractor(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
             for row in range(rows)
@@ -183,11 +158,33 @@ class Engine:
 
     def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
         """One period of an orbit: states at its samples (n + 1 each), older and newer drives (n each)."""
-        n = orbit.period
-        ring = np.array(orbit.line) if self.compiled else list(orbit.line)
-        out = [self._zeros(n + 1), self._zeros(n + 1), self._zeros(n), self._zeros(n)]
-        self._trace(orbit.x, orbit.v, ring, 0, n, loop, *out)
-        return tuple(np.asarray(values) for values in out)
+        xs, vs, drive = self.holds(loop, orbit)
+        kinds = plain_trace.holds_per_sample(loop)
+        return xs[::kinds], vs[::kinds], drive[::kinds], drive[kinds - 1 :: kinds]
+
+    def holds(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:
+        """One period of an orbit: states at the start of its holds and at its end (m + 1 each), drives in them (m)."""
+        room = self._room(loop, orbit)
+        self._trace(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, *room)
+        return tuple(np.asarray(values) for values in room)
+
+    def measure(self, loop: Loop, orbit: Attractor, parts: Any = None) -> CycleMeasures:
+        """Measures of a cycle; ``parts``: what `hold_space` gave for this loop, so that it is filled in once."""
+        parts = self.hold_space() if parts is None else parts
+        room = self._room(loop, orbit)
+        return CycleMeasures(*self._measure(orbit.x, orbit.v, self._ring(orbit), 0, orbit.period, loop, parts, *room))
+
+    def hold_space(self) -> Any:
+        """Room for the numbers of the holds of a loop."""
+        return self._zeros(2 * PART)
+
+    def _room(self, loop: Loop, orbit: Attractor) -> list[Any]:
+        """Room for one period: states and drives of its holds."""
+        count = orbit.period * plain_trace.holds_per_sample(loop)
+        return [self._zeros(count + 1), self._zeros(count + 1), self._zeros(count)]
+
+    def _ring(self, orbit: Attractor) -> Any:
+        return np.array(orbit.line) if self.compiled else list(orbit.line)
 
 
 def whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:
@@ -202,9 +199,7 @@ def ranked(found: list[Attractor]) -> tuple[Attractor, ...]:
 
 def why_unrepeated(rate: float, budget: int, *, held: bool) -> Reason:
     """Why a trial found no repeating levels within ``budget`` samples; ``held``: whether a spring holds the knob."""
-    if not held:
-        return Reason.NO_STIFFNESS
-    return Reason.TOO_SLOW if 0.0 < rate * budget < SETTLE else Reason.NO_REPEAT
+    return FATES[unrepeated(rate, budget, held)][1]
 
 
 def _attractor(row: Any, line: Any, unrepeated: Reason) -> Attractor:

@@ -15,10 +15,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.engine.own_folder import make_own_folder
+
 # In the order of use: a module's functions are compiled before those that call them.
-PLAIN = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace", "relay_cycles")
+MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
+ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "moments", "energy", "leak", "cycle"))
+PLAIN = (*MOTION, *ORBIT, "relay_cycles")
+CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
-    *PLAIN[:-1],
+    *MOTION,
     "general.controller",
     "general.body",
     "general.slide_two",
@@ -32,7 +37,7 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
-BOUNCES = (*PLAIN[:-1], "bounces")
+BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
     "loop",
@@ -43,6 +48,7 @@ PULSE = ("pulse",)
 # What is compiled for a scene, or for a recorded pulse: its modules, and a function without which they are of no use.
 GROUPS = {
     "plain": (PLAIN, "ensemble.ensemble"),
+    "cells": (CELLS, "cells.run_cells"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
@@ -69,14 +75,10 @@ def cache_directory() -> Path | None:
     return root / "hknob" / f"engine-{_source_digest()}"
 
 
-def _writable(path: Path | None) -> bool:
-    if path is None:
-        return False
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(path, os.W_OK)
+def _not_kept() -> str:
+    """Why compiled code is not kept between runs; empty if it is. What is kept is run, and must be this user's own."""
+    folder = cache_directory()
+    return "there is no folder for it" if folder is None else make_own_folder(folder)
 
 
 def _load_target() -> None:
@@ -94,10 +96,14 @@ def _load_target() -> None:
             del sys.modules[blas]
 
 
-def is_cached(group: str = "plain") -> bool:
-    """Whether compiled code of these sources is on disk, so that `compiled` takes no more than loading it."""
+def waiting(group: str = "plain") -> str:
+    """What to say before `compiled`; empty where compiled code of these sources is on disk, and only to be loaded."""
+    if why := _not_kept():
+        return f"compiling the engine for this machine, as each long run does: compiled code is not kept, for {why}"
     folder = cache_directory()
-    return folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi"))
+    if folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi")):
+        return ""
+    return "compiling the engine for this machine; only the first long run waits for it"
 
 
 @cache
@@ -110,10 +116,9 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
     import numpy as np
 
     _load_target()
-    folder = cache_directory()
-    keep = _writable(folder)
+    keep = not _not_kept()
     if keep:
-        numba.config.CACHE_DIR = str(folder)  # type: ignore[attr-defined]
+        numba.config.CACHE_DIR = str(cache_directory())  # type: ignore[attr-defined]
     named: dict[str, Any] = {}
     done: dict[types.FunctionType, Any] = {}
     for name in GROUPS[group][0]:

@@ -6,6 +6,8 @@ the *level* of the encoder, a whole number that is 0 outside the wall and -1, -2
 
 from typing import NamedTuple
 
+from hknob_cli.engine.propagator import hold_coefficients
+
 
 def floor(value):
     """Largest whole number not above a finite ``value``, as a float."""
@@ -28,6 +30,13 @@ class Loop(NamedTuple):
     s2: float  # the plant over the rest of the interval
     g2: float
     f2: float
+
+
+def make_loop(alpha, beta, kappa, gamma, sense, offset, split):
+    """The loop with these numbers, and the plant over the two parts of an interval."""
+    s1, g1, f1 = hold_coefficients(alpha, beta, split)
+    s2, g2, f2 = hold_coefficients(alpha, beta, 1.0 - split)
+    return Loop(alpha, beta, kappa, gamma, sense, offset, split, s1, g1, f1, s2, g2, f2)
 
 
 def level_of(x, sense):

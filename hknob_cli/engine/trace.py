@@ -1,20 +1,38 @@
 """One period of an orbit, hold by hold: what the measures are taken from."""
 
-from hknob_cli.engine.loop import interval, level_of, push
+from hknob_cli.engine.loop import level_of, push
 
 
-def trace(x, v, ring, head, n, loop, xs, vs, older, newer):
-    """Fill in, for ``n`` samples from ``(x, v)``, the state at each sample and the drives of its interval.
+def holds_per_sample(loop):
+    """Holds in a sample interval: two where a delay splits it."""
+    return 2 if loop.split > 0.0 else 1
 
-    ``xs`` and ``vs`` take n + 1 entries (the last closes the period), ``older`` and ``newer`` take n.
+
+def trace(x, v, ring, head, n, loop, xs, vs, drive):
+    """Fill in the holds of ``n`` samples from ``(x, v)``: the state at the start of each, and the drive in it.
+
+    ``drive`` takes n times `holds_per_sample` entries, ``xs`` and ``vs`` one more: the last closes the period. Returns
+    the sums of the positions at which holds start, and of the drives.
     """
     delay = len(ring)
     line = ring.copy()
-    at = head
-    for i in range(n):
-        xs[i], vs[i] = x, v
-        older[i], newer[i] = push(level_of(x, loop.sense), line, at, loop)
-        x, v = interval(x, v, older[i], newer[i], loop)
+    at, hold = head, 0
+    split = loop.split > 0.0
+    places, drives = 0.0, 0.0
+    for _ in range(n):
+        older, newer = push(level_of(x, loop.sense), line, at, loop)
+        if split:
+            xs[hold], vs[hold], drive[hold] = x, v, older
+            places, drives = places + x, drives + older
+            hold += 1
+            y = older - loop.beta * x
+            x, v = x + (loop.s1 * v + loop.g1 * y), loop.f1 * v + loop.s1 * y
+        xs[hold], vs[hold], drive[hold] = x, v, newer
+        places, drives = places + x, drives + newer
+        hold += 1
+        y = newer - loop.beta * x
+        x, v = x + (loop.s2 * v + loop.g2 * y), loop.f2 * v + loop.s2 * y
         if delay > 0:
             at = (at + 1) % delay
-    xs[n], vs[n] = x, v
+    xs[hold], vs[hold] = x, v
+    return places, drives

@@ -17,6 +17,7 @@ from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
+from hknob_cli.results.place import create, make_folder, refuse_link
 from hknob_cli.results.store import partial
 
 _ABORTED = "aborted"
@@ -34,6 +35,7 @@ class Archive:
 
     def enter(self) -> None:
         """Go on with what is there, or begin. Raises `RefusedError` if it is another campaign's, of a real device."""
+        refuse_link(self.folder)
         self._finish_removing()
         about = self._about()
         if about is not None and about.get("identity") != self._identity:
@@ -41,10 +43,11 @@ class Archive:
             self._remove()
             about = None
         try:
-            self.folder.mkdir(exist_ok=True)
+            make_folder(self.folder)
             if about is None:
                 half = partial(self.folder / ABOUT)
-                half.write_text(json.dumps({"identity": self._identity, "source": self._is_source}))
+                with create(half) as stream:
+                    stream.write(json.dumps({"identity": self._identity, "source": self._is_source}).encode())
                 half.replace(self.folder / ABOUT)
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be written: {error.strerror or error}") from None
@@ -95,7 +98,7 @@ class Archive:
                 part.unlink()
                 return None
             kept = self._free(trial)
-            kept.parent.mkdir(exist_ok=True)
+            make_folder(kept.parent)
         except OSError as error:
             raise ComputationError(f"{part}: cannot be set aside: {error.strerror or error}") from None
         if found is not None and found.blocks:
@@ -130,6 +133,14 @@ class Archive:
 
     def _path(self, trial: Trial, ending: str) -> Path:
         return self.folder / f"{trial.label}.{ending}"
+
+    def scaffold(self) -> list[Path]:
+        """What `leave` would clear away, where it is this campaign's."""
+        if self._is_source:
+            return []
+        about = read_about(self.folder)
+        ours = about is not None and not about["source"] and about["identity"] == self._identity
+        return [path for path, there in ((self.folder, ours), (partial(self.folder), True)) if there and path.exists()]
 
     def leave(self) -> None:
         """Clear away what can be computed again, once the results are in place."""

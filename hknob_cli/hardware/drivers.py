@@ -1,7 +1,5 @@
 """From a plan to the device that it names, opened, and to who holds a simulated knob."""
 
-import contextlib
-import os
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
@@ -41,14 +39,13 @@ def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
 def _build_folder(stack: ExitStack) -> Path:
     """Where built targets are kept between runs; a folder for this run alone where there is no such place."""
     from hknob_cli.engine.jit import cache_directory
+    from hknob_cli.engine.own_folder import make_own_folder
 
     cache = cache_directory()
     if cache is not None:
         folder = cache.parent / "targets"
-        with contextlib.suppress(OSError):
-            folder.mkdir(parents=True, exist_ok=True)
-            if os.access(folder, os.W_OK):
-                return folder
+        if not make_own_folder(folder):  # what is there is run
+            return folder
     return Path(stack.enter_context(TemporaryDirectory(prefix="hknob-")))
 
 

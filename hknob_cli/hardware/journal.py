@@ -94,6 +94,8 @@ def unpacked(content: bytes) -> Block:
 
 def read_journal(path: Path) -> Journalled | None:
     """What a journal holds, up to the first record that is torn; None if not even what it is of. Raises `OSError`."""
+    if not path.is_file():  # a device or pipe may have no end
+        return None
     content = path.read_bytes()
     if not content.startswith(MAGIC):
         return None

@@ -9,8 +9,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.place import make_folder
 from hknob_cli.results.provenance import KEY
 from hknob_cli.spec.campaign import SERIAL
+from hknob_cli.spec.regular import is_endless
 
 EARLIER = "earlier"
 RECORDING = "recording"
@@ -45,9 +47,11 @@ def source_digests(out: Path) -> dict[str, str]:
 
 def read_about(folder: Path) -> dict[str, Any] | None:
     """What a folder of trials says it is of; None where it says nothing, or is not of this program."""
+    if is_endless(folder / ABOUT):
+        return None
     try:
         found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
-    except (OSError, ValueError, TypeError):
+    except (OSError, ValueError, TypeError, RecursionError):
         return None
     ours = isinstance(found.get("identity"), str) and isinstance(found.get("source"), bool)
     return found if ours else None
@@ -83,7 +87,8 @@ def move_to_earlier(out: Path) -> Path | None:
         number += 1
     place = out / EARLIER / str(number)
     try:
-        place.mkdir(parents=True)
+        make_folder(place.parent)
+        place.mkdir()
         for name in ALL:
             if (out / name).exists():
                 (out / name).rename(place / name)
@@ -94,6 +99,8 @@ def move_to_earlier(out: Path) -> Path | None:
 
 def _spec_of(path: Path) -> dict[str, Any]:
     """The spec that a result is of; empty where there is none."""
+    if is_endless(path):
+        return {}
     try:
         record = json.loads((pq.read_schema(path).metadata or {})[KEY])
         return dict(record["spec"])

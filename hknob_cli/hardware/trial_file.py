@@ -16,6 +16,7 @@ from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
 from hknob_cli.results.hw_run_columns import MORE_SAMPLES
+from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 
@@ -80,7 +81,7 @@ def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
     )
     half = partial(path)
     try:
-        with half.open("wb") as stream:
+        with create(half) as stream:
             pq.write_table(stamped, stream, compression="zstd")
         half.replace(path)
     except OSError as error:
@@ -95,5 +96,5 @@ def read_trial(path: Path) -> Recorded | None:
             table = file.read()
         about = json.loads((table.schema.metadata or {})[ABOUT])
         return Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError):
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
         return None

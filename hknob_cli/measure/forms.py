@@ -1,7 +1,7 @@
 """Integrals of quadratic forms along a linear motion with any number of states, exact for any stiffness.
 
-As in `measure.moments`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the forms
-act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction.
+As in `engine.orbit.forms`: over a short piece by Gauss-Legendre quadrature, doubled from there. The vector that the
+forms act on is (z, 1, u, f): the state, the constant torques, the command, and the torque of friction.
 """
 
 from math import ceil, log2
@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body
-from hknob_cli.measure.moments import RULE
-from hknob_cli.measure.period import Array
+from hknob_cli.engine.orbit.forms import RULE
+from hknob_cli.measure.moments import Array
 
 
 class Integrals(NamedTuple):

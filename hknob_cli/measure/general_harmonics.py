@@ -9,8 +9,7 @@ import numpy as np
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.search import Chart
 from hknob_cli.measure.forms import generator
-from hknob_cli.measure.harmonics import Complex
-from hknob_cli.measure.period import Array
+from hknob_cli.measure.harmonics import Array, Complex
 
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
 _BLOCK = 1 << 19  # numbers worked on at once

@@ -7,15 +7,15 @@ import numpy as np
 
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.search import Chart, GeneralEngine
+from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.forms import Integrals, integrate
 from hknob_cli.measure.general_harmonics import MOST_WORK, of_chart
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, scaled
 from hknob_cli.measure.leak import Leak, split_leak
-from hknob_cli.measure.moments import RULE, Forms, hold_forms
+from hknob_cli.measure.moments import Array, Forms, hold_forms
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
-from hknob_cli.measure.period import Array
 from hknob_cli.scene.general_knob import GeneralKnob
 
 SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding

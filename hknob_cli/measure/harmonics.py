@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.loop import Loop
-from hknob_cli.measure.period import Array
 
+Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-
 
 MOST_HARMONICS = 200_000  # of an orbit
 

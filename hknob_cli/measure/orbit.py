@@ -1,18 +1,12 @@
 """The measures of one attractor, in SI units: what a row of ``orbits.parquet`` says."""
 
 from math import nan
-from typing import NamedTuple
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from hknob_cli.engine.attractors import Attractor, Engine
+from hknob_cli.engine.orbit.cycle import CycleMeasures
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.measure.energy import damping_loss, wall_work
-from hknob_cli.measure.extrema import find_extrema
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_holds, scaled
-from hknob_cli.measure.leak import split_leak
-from hknob_cli.measure.moments import Forms, find_moments, hold_forms
-from hknob_cli.measure.period import split_holds
 from hknob_cli.scene.sampled_knob import SampledKnob
 
 
@@ -50,13 +44,31 @@ def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:
     )
 
 
+def of_cycle(knob: SampledKnob, period: int, found: CycleMeasures) -> OrbitMeasures:
+    """Measures of a cycle of ``period`` samples in SI; knob, period and measures may be arrays, one entry an orbit."""
+    quantum, energy = knob.quantum_rad, knob.energy_j
+    return OrbitMeasures(
+        cycles=found.cycles,
+        p2p_rad=found.swing * quantum,
+        min_rad=knob.angle_rad(found.lowest),
+        max_rad=knob.angle_rad(found.highest),
+        rms_rad=found.rms * quantum,
+        frequency_hz=found.cycles / (period * knob.period_s),
+        wall_work_j=found.wall_work * energy,
+        damping_loss_j=found.damping_loss * energy,
+        late_entry_j=found.late_entry * energy,
+        late_exit_j=found.late_exit * energy,
+        staircase_j=found.staircase * energy,
+    )
+
+
 class Measurer:
     """Measures the attractors of one cell; integrals over a hold are computed once, and only if there is a cycle."""
 
     def __init__(self, knob: SampledKnob, engine: Engine) -> None:
         self.knob = knob
         self.engine = engine
-        self._forms: dict[float, Forms] = {}
+        self._parts: Any = None
 
     def harmonics(self, attractor: Attractor, highest_hz: float) -> Harmonics:
         """Harmonics of a cycle up to ``highest_hz``."""
@@ -67,38 +79,13 @@ class Measurer:
         return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:
-        """Measures of ``attractor``."""
+        """Measures of ``attractor``; NaN also where nothing turns but by rounding."""
         if attractor.outcome is Outcome.REST:
             theta = self.knob.angle_rad(attractor.x)
             return at_rest(theta, theta)
         if attractor.outcome is not Outcome.CYCLE:
             return OrbitMeasures()
-        knob, loop = self.knob, self.knob.loop
-        period = split_holds(loop, *self.engine.trace(loop, attractor))
-        for kind in period.kinds:
-            if kind not in self._forms:
-                self._forms[kind] = hold_forms(loop.alpha, loop.beta, kind)
-        extrema = find_extrema(period)
-        moments = find_moments(period, {kind: self._forms[kind] for kind in period.kinds}, extrema.reference)
-        cycles = len(extrema.maxima)
-        leak = split_leak(
-            period.x,
-            period.drive + loop.gamma,
-            edge=0.0 if loop.sense > 0.0 else -1.0,
-            kappa=loop.kappa,
-            offset=loop.offset,
-        )
-        quantum = knob.quantum_rad
-        return OrbitMeasures(
-            cycles=cycles,
-            p2p_rad=float(np.mean(extrema.maxima) - np.mean(extrema.minima)) * quantum,
-            min_rad=knob.angle_rad(extrema.reference + float(extrema.minima.min())),
-            max_rad=knob.angle_rad(extrema.reference + float(extrema.maxima.max())),
-            rms_rad=moments.rms * quantum,
-            frequency_hz=cycles / (period.samples * knob.period_s),
-            wall_work_j=wall_work(period) * knob.energy_j,
-            damping_loss_j=damping_loss(period, moments) * knob.energy_j,
-            late_entry_j=leak.entry * knob.energy_j,
-            late_exit_j=leak.exit * knob.energy_j,
-            staircase_j=leak.staircase * knob.energy_j,
-        )
+        if self._parts is None:
+            self._parts = self.engine.hold_space()
+        found = self.engine.measure(self.knob.loop, attractor, self._parts)
+        return of_cycle(self.knob, attractor.period, found) if found.cycles else OrbitMeasures()

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hknob_cli.engine.budget import FINEST
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.unsampled import event_rows, settling, swing
@@ -27,7 +28,6 @@ Functions = Mapping[str, Callable[..., Any]]
 
 PEAKS = 1000  # bounces over which the energy of an undamped motion is watched
 CHATTER = 1e-6  # counts: a recording ends chatter over an edge that gets no further from it
-FINEST = 2.0**45  # counts; beyond it a double leaves a count less than 8 bits of fraction
 _EPSILON = 2.0**-52
 
 

@@ -52,13 +52,18 @@ def _wide(result: Result, file: str) -> list[str]:
     return [axis for axis in result.axes if len(set(table.column(axis).to_pylist())) > 1]
 
 
+def _is_map(result: Result, wide: list[str]) -> bool:
+    """Whether a result is a map over two axes: these vary, and every combination of them is a cell."""
+    return len(wide) == 2 and not result.is_design
+
+
 def _sweep(result: Result) -> list[FigurePlan]:
     figures = []
     wide = _wide(result, "cells")
     columns = result.table("cells").column_names
     if PERSON in result.axes:
         figures = [_figure(result, "population", "people", _PEOPLE)]
-    elif len(wide) == 2 and "p2p_rad" in columns:
+    elif _is_map(result, wide) and "p2p_rad" in columns:
         figures = [
             _figure(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
             _figure(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
@@ -67,7 +72,7 @@ def _sweep(result: Result) -> list[FigurePlan]:
                 for level in perceived_levels(result.rows("cells"))
             ),
         ]
-    elif len(wide) == 2 and "growth_j_per_s2" in columns:
+    elif _is_map(result, wide) and "growth_j_per_s2" in columns:
         figures = [_figure(result, "grid_map", "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
     elif len(wide) == 1 and "p2p_rad" in columns:
         figures = [
@@ -79,7 +84,7 @@ def _sweep(result: Result) -> list[FigurePlan]:
 
 
 def _methods(result: Result) -> list[FigurePlan]:
-    if len(_wide(result, "dfa")) != 2:
+    if not _is_map(result, _wide(result, "dfa")):
         return []
     methods = dict.fromkeys(result.table("dfa").column("method").to_pylist())
     return [
@@ -89,7 +94,7 @@ def _methods(result: Result) -> list[FigurePlan]:
 
 
 def _laws(result: Result) -> list[FigurePlan]:
-    if len(_wide(result, "predict")) != 2:
+    if not _is_map(result, _wide(result, "predict")):
         return []
     laws = dict.fromkeys(result.table("predict").column("law").to_pylist())
     return [

@@ -10,7 +10,8 @@ import io
 import re
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.report.picture import as_it_comes
+from hknob_cli.errors import printable
+from hknob_cli.report.literal import literal
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,6 +21,9 @@ STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)
 MARKERS = ("o", "s", "^", "D", "v", "x", "+")
 MAP = "cividis"
 ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whatever the page's colours
+_TAG = re.compile("<[^>]+>")  # not what is written between them
+_BLACK = re.compile(r'(?<=[" ;])(fill|stroke): ?#000000')
+_ID = re.compile(r'\b(id="|href="#|url\(#)')
 WIDTH = 7.2  # inches, of a full-width figure
 
 _SETTINGS: Any = {  # matplotlib types its settings one by one
@@ -68,18 +72,22 @@ def svg(drawn: "Figure", *, name: str, title: str, mark: str = "") -> str:
     import matplotlib as mpl
 
     stream = io.StringIO()
-    with mpl.rc_context({**_SETTINGS, "svg.hashsalt": name, "svg.id": None}), as_it_comes():
+    with mpl.rc_context({**_SETTINGS, "svg.hashsalt": name, "svg.id": None}), literal(drawn):
         drawn.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
     text = stream.getvalue()
     text = text[text.index("<svg") :]
     text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
-    text = re.sub(r'(?<=[" ;])(fill|stroke): ?#000000', r"\1: currentColor", text)
+    text = _TAG.sub(lambda tag: _own(tag[0], name), text)
     # Without a colour, text is black by default, and so takes the page's colour by inheritance.
     text = text.replace("<svg ", f'<svg fill="currentColor" role="img" aria-label="{_escaped(title)}" ', 1)
-    # Ids of a page are shared by its figures.
-    text = re.sub(r'\b(id="|href="#|url\(#)', rf"\g<1>{name}-", text)
     return f"{mark}{text}"
 
 
+def _own(tag: str, name: str) -> str:
+    """A tag of a figure's own: ids of a page are shared by its figures, and black is the page's colour of text."""
+    tag = _BLACK.sub(r"\1: currentColor", tag)
+    return _ID.sub(rf"\g<1>{name}-", tag)
+
+
 def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+    return printable(text).replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")

@@ -88,7 +88,9 @@ def write_wav(sound: Clip, path: Path) -> None:
     """Write a clip, whole or not at all. Raises `ComputationError` if the file cannot be written."""
     half = path.with_name(path.name + ".part")
     try:
-        half.write_bytes(wav_bytes(sound))
+        half.unlink(missing_ok=True)
+        with half.open("xb") as stream:  # follows no link
+            stream.write(wav_bytes(sound))
         half.replace(path)
     except OSError as error:
         half.unlink(missing_ok=True)

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 from hknob_cli.errors import ComputationError
 from hknob_cli.pipeline.fresh import LOCK
 from hknob_cli.pipeline.step import FileNode, Step
+from hknob_cli.results.place import create
 
 _CONFIG = ".pytask.toml"
 _VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
@@ -46,9 +47,11 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
 
     tasks: Any = list(steps)
     with _place(root, dry=dry) as place, _silence() as said:
+        _drop_links(place)
         _drop_unusable(place / LOCK)
         config = place / _CONFIG
-        config.write_text("[tool.pytask.ini_options]\n")
+        with create(config) as stream:
+            stream.write(b"[tool.pytask.ini_options]\n")
         session = pytask.build(
             tasks=tasks,
             config=config,  # its folder is where the record is
@@ -77,6 +80,13 @@ def _place(root: Path, *, dry: bool) -> Iterator[Path]:
             with contextlib.suppress(OSError):
                 shutil.copyfile(root / name, Path(copy) / name)
         yield Path(copy)
+
+
+def _drop_links(place: Path) -> None:
+    """Remove links where pytask writes its record: it would write to what they lead to."""
+    for name in (LOCK, f"{LOCK}.journal", f"{LOCK}.tmp", ".pytask"):
+        if (place / name).is_symlink():
+            (place / name).unlink()
 
 
 def _drop_unusable(lock: Path) -> None:

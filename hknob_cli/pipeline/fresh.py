@@ -8,10 +8,12 @@ there is nothing to do.
 import json
 import os
 import tomllib
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.pipeline.step import digest
+from hknob_cli.results.digest import digest
+from hknob_cli.results.place import create
 from hknob_cli.results.versions import showing_versions
 
 RECORD = "pipeline.json"
@@ -20,7 +22,8 @@ LOCK = "pytask.lock"
 
 def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     """What a run depends on beside the files of its steps."""
-    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": showing_versions()}
+    versions = {**showing_versions(), "scipy": version("scipy")}  # which identifies hands, and draws designs
+    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": versions}
 
 
 def relative(path: Path, root: Path) -> str:
@@ -31,13 +34,16 @@ def relative(path: Path, root: Path) -> str:
 def write_record(root: Path, name: str, request: dict[str, Any], stages: list[dict[str, Any]]) -> None:
     """Note that all is done. Raises `OSError`."""
     half = root / f".{RECORD}.partial"
-    half.write_text(json.dumps({"name": name, "asked": request, "stages": stages}, indent=1))
+    with create(half) as stream:
+        stream.write(json.dumps({"name": name, "asked": request, "stages": stages}, indent=1).encode())
     half.replace(root / RECORD)
 
 
 def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
     """The record of the last run, if it did all that is asked for and nothing has changed since; else None."""
     try:
+        if not ((root / RECORD).is_file() and (root / LOCK).is_file()):
+            return None
         record: dict[str, Any] = json.loads((root / RECORD).read_text())
         lock = tomllib.loads((root / LOCK).read_text())
         if record["asked"] != request or not isinstance(record["name"], str) or (root / f"{LOCK}.journal").exists():
@@ -50,6 +56,6 @@ def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
                 if not value and digest(root / name) != state:
                     return None
             stage["files"] = [str(root / file) for file in stage["files"]]
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
     return record

@@ -12,6 +12,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.trial import Array
 from hknob_cli.spec.messages import shown
+from hknob_cli.spec.regular import is_endless
 
 MOTOR = ("range_index", "current_a", "direction", "torque_nm")
 GRIP_CELL = ("position_m", "force_n", "voltage_v")
@@ -49,6 +50,8 @@ def read_columns(paths: Iterable[Path], names: tuple[str, ...]) -> dict[str, Arr
 
 
 def _table(path: Path) -> pa.Table:
+    if is_endless(path):
+        raise UsageError(f"{path}: is not a file; must be CSV or Parquet")
     try:
         with path.open("rb") as stream:
             parquet = stream.read(4) == b"PAR1"

@@ -10,6 +10,7 @@ import pyarrow.csv as pc
 import pyarrow.parquet as pq
 
 from hknob_cli.recordings.columns import TEXTS
+from hknob_cli.spec.regular import is_endless
 
 BLOCK_BYTES = 8_000_000
 BATCH_ROWS = 100_000
@@ -32,6 +33,8 @@ class RecordingFile:
         """Open the header. Raises `NotReadableError`."""
         self.path = path
         self.lost: list[tuple[int, int, int]] = []
+        if is_endless(path):
+            raise NotReadableError("is not a file; must be CSV or Parquet")
         try:
             with path.open("rb") as stream:
                 head = stream.read(4)

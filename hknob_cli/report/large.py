@@ -1,5 +1,6 @@
 """A sweep of more cells than anyone reads: counts, shares and extremes, taken from its parts one by one."""
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -12,8 +13,13 @@ SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undeci
 MEASURES = ("p2p_rad", "frequency_hz")
 
 
-def describe_large(cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]]) -> dict[str, Any]:
-    """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells."""
+def describe_large(
+    cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]], ranges: Collection[str] = ()
+) -> dict[str, Any]:
+    """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells.
+
+    ``ranges``: axes of a design of which ``axes`` has the ends alone.
+    """
     count = 0
     sums = dict.fromkeys(SHARES, 0.0)
     still = 0
@@ -32,7 +38,12 @@ def describe_large(cells: Parted, orbits: Parted, *, axes: dict[str, list[float 
             found[entry["values"]] += entry["counts"]
     return {
         "axes": {
-            name: {"values": len(values), "least": min(values), "most": max(values)} for name, values in axes.items()
+            name: {
+                **({} if name in ranges else {"values": len(values)}),
+                "least": min(values),
+                "most": max(values),
+            }
+            for name, values in axes.items()
         },
         "cell_count": count,
         "orbits": found,
@@ -58,17 +69,20 @@ def large_text(summary: dict[str, Any]) -> str:
     counts = ", ".join(f"{number:,} {kind}" for kind, number in summary["orbits"].items() if number)
     proven = summary["certified_fraction"]
     stale = " (up to date)" if summary["status"] == "up to date" else ""
-    rest, diverged, undecided = (f"{100 * summary[name]:.4g} %" for name in SHARES[1:])
+    ends = {"come to rest": SHARES[1], "diverge": SHARES[2], "undecided": SHARES[3]}
+    found = [f"{100 * summary[name]:.4g} % {text}" for text, name in ends.items() if summary[name]]
     lines = [
         f"{summary['name']}: {summary['cell_count']:,} cells{stale}",
         f"attractors: {counts}; " + ("all proven" if proven == 1.0 else f"{100 * proven:.6g} % of trials proven"),
-        f"trials: {rest} come to rest, {diverged} diverge, {undecided} undecided",
-        f"cells where all trials come to rest: {summary['cells_at_rest']:,}",
     ]
+    lines += [f"trials: {', '.join(found)}"] if found else []
+    if summary["cells_at_rest"]:
+        lines.append(f"cells where every trial comes to rest: {summary['cells_at_rest']:,}")
     names = {"p2p_rad": ("peak to peak", 1e3, "mrad"), "frequency_hz": ("frequency", 1.0, "Hz")}
+    words = {"least": "least", "most": "greatest"}
     for key, row in summary["extremes"].items():
         which, name = key.split("_", 1)
         what, scale, unit = names[name]
         where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis != name)
-        lines.append(f"{which} {what}: {short(scale * row[name])} {unit}, at {where}")
+        lines.append(f"{words[which]} {what}: {short(scale * row[name])} {unit}, at {where}")
     return "\n".join(lines)

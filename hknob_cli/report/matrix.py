@@ -1,6 +1,7 @@
 """Numbers in rows and columns, for the terminal."""
 
 from collections.abc import Callable
+from math import prod
 from typing import Any
 
 MAX_ROWS = 60  # of a table on the terminal
@@ -50,6 +51,13 @@ def labels(values: list[float | int]) -> list[str]:
 
 
 def fits(rows: list[dict[str, Any]], axes: list[str]) -> bool:
-    """Whether a table over two axes is small enough to read on a terminal."""
+    """Whether there is a table over two axes, and small enough to read on a terminal."""
     down, across = (len({row[axis] for row in rows}) for axis in axes)
-    return down <= MAX_ROWS and across <= 24
+    return down <= MAX_ROWS and across <= 24 and is_whole(rows, axes)
+
+
+def is_whole(rows: list[dict[str, Any]], axes: list[str]) -> bool:
+    """Whether there are rows for every combination of axis values, as there are not of a design."""
+    return len({tuple(row[axis] for axis in axes) for row in rows}) == prod(
+        len({row[axis] for row in rows}) for axis in axes
+    )

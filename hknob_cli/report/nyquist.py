@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 
 def draw_dfa(plan: DfaPlan, rows: list[dict[str, Any]], *, path: Path) -> bool:
-    """Draw into ``path`` (PNG); False for a grid of more than two axes of several values. Raises `ComputationError`."""
+    """Draw into ``path`` (PNG); False where more than two axes vary, or for a design. Raises `ComputationError`."""
     wide = [axis for axis, values in plan.axes.items() if len(values) > 1]
-    if len(wide) > 2:
+    if len(wide) > 2 or plan.points:
         return False
     from matplotlib.figure import Figure
 

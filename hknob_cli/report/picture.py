@@ -4,9 +4,6 @@ Over two axes: two maps with their values written in. Over one: every orbit as a
 trials, which shows steps and coexistence that a line through means would hide.
 """
 
-import contextlib
-import warnings
-from collections.abc import Iterator
 from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +12,10 @@ import pyarrow as pa
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
+from hknob_cli.report.literal import literal
+from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.perceived import level_limits, perceived_levels
+from hknob_cli.results.place import create
 from hknob_cli.results.png import KEYWORD, source_text
 from hknob_cli.results.store import partial
 
@@ -36,13 +36,13 @@ _MOST_LABELS = 400
 
 
 def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw a sweep into ``path`` (PNG); False, drawing nothing, without an axis, or where more than two vary.
+    """Draw a sweep into ``path`` (PNG); False, drawing nothing, without an axis, where more than two vary, or no grid.
 
     Raises `ComputationError` if the file cannot be written.
     """
     rows = cells.to_pylist()
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
-    if len(wide) > 2 or not axes:
+    if len(wide) > 2 or not axes or not is_whole(rows, wide):
         return False
     fixed = ", ".join(f"{axis} = {rows[0][axis]:g}" for axis in axes if axis not in wide)
     from matplotlib.figure import Figure
@@ -71,22 +71,13 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     """
     half = partial(path)
     try:
-        with as_it_comes():
-            figure.savefig(half, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
+        with create(half) as stream, literal(figure):
+            figure.savefig(stream, dpi=130, format="png", metadata={KEYWORD: source_text(stage, name)})
         half.replace(path)
     except OSError as error:
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:
         half.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def as_it_comes() -> Iterator[None]:
-    """Draw, whatever comes of it: labels too wide for their panels, letters that the font lacks; they are seen."""
-    with warnings.catch_warnings():
-        for said in ("constrained_layout not applied", "Glyph .* missing from"):
-            warnings.filterwarnings("ignore", message=said, category=UserWarning)
-        yield
 
 
 def axis_name(axis: str) -> str:

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.picture import axis_name, colour_map, save
 from hknob_cli.report.population import Row, by_cell, describe_people, pitches, sizes
 from hknob_cli.spec.plan import PERSON
@@ -16,13 +17,13 @@ _STYLES = ("-", "--", "-.", ":")
 
 
 def draw_population(cells: list[Row], axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw into ``path`` (PNG): maps over two axes, else curves; False, drawing nothing, where more axes vary.
+    """Draw into ``path`` (PNG): maps over two axes, else curves; False, drawing nothing, without a grid of so few.
 
     Raises `ComputationError` if the file cannot be written.
     """
     axes = [axis for axis in axes if axis != PERSON]
     wide = [axis for axis in axes if len({row[axis] for row in cells}) > 1]
-    if len(wide) > 2:
+    if len(wide) > 2 or not is_whole(cells, wide):
         return False
     fixed = ", ".join(f"{axis} = {cells[0][axis]:g}" for axis in axes if axis not in wide)
     from matplotlib.figure import Figure

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
+from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.picture import axis_name, colour_map, is_geometric, save
 
 if TYPE_CHECKING:
@@ -25,13 +26,13 @@ _MOST_LABELS = 400
 
 
 def draw_predictions(predictions: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw predictions into ``path`` (PNG); False, drawing nothing, for more than two axes of several values.
+    """Draw predictions into ``path`` (PNG); False, drawing nothing, where more than two axes vary, or there is no grid.
 
     Raises `ComputationError` if the file cannot be written.
     """
     rows = predictions.to_pylist()
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
-    if len(wide) > 2:
+    if len(wide) > 2 or not is_whole(rows, wide):
         return False
     laws = list(dict.fromkeys(row["law"] for row in rows))
     panels = [panel for panel in _PANELS if any(row.get(panel[0]) is not None for row in rows)]

@@ -1,38 +1,78 @@
-"""Arrow tables from rows, laid out directly.
+"""Arrow tables from rows or columns, laid out directly.
 
 `pyarrow.array` loads pandas, where it is installed, to ask whether a list is a Series; that takes longer than a small
 sweep. The few types that results have are laid out here by Arrow's columnar format instead.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from hknob_cli.results.columns import Column
 
 
 def build_table(columns: Sequence[Column], rows: Sequence[dict[str, Any]]) -> pa.Table:
     """Table with one field per column; None and NaN, which mean that there is no value, become null."""
-    arrays = [build_array(column.type, [row[column.name] for row in rows]) for column in columns]
+    return join_columns(columns, {column.name: [row[column.name] for row in rows] for column in columns})
+
+
+def join_columns(columns: Sequence[Column], values: Mapping[str, Any]) -> pa.Table:
+    """Table of whole columns by name: lists as in `build_table`, arrays as `lay_out` takes them, or Arrow's own."""
+    arrays = [_array(column.type, values[column.name]) for column in columns]
     return pa.Table.from_arrays(arrays, schema=pa.schema([column.field() for column in columns]))
+
+
+def _array(kind: pa.DataType, values: Any) -> pa.Array:
+    if isinstance(values, pa.Array):
+        return values
+    return lay_out(kind, values) if isinstance(values, np.ndarray) else build_array(kind, values)
 
 
 def build_array(kind: pa.DataType, values: Sequence[Any]) -> pa.Array:
     """Array of reals, whole numbers, flags or text."""
-    count = len(values)
     present = np.array([value is not None and value == value for value in values], dtype=bool)
-    valid = None if present.all() else pa.py_buffer(np.packbits(present, bitorder="little").tobytes())
     filled = [value if there else 0 for value, there in zip(values, present, strict=True)]
     if kind == pa.string():
         pieces = [value.encode() if there else b"" for value, there in zip(values, present, strict=True)]
-        ends = np.cumsum([0, *(len(piece) for piece in pieces)], dtype=np.int32)
-        buffers = [valid, pa.py_buffer(ends.tobytes()), pa.py_buffer(b"".join(pieces))]
-    elif kind == pa.bool_():
-        bits = np.packbits(np.array(filled, dtype=bool), bitorder="little")
-        buffers = [valid, pa.py_buffer(bits.tobytes())]
-    else:
-        numbers = np.array(filled, dtype=np.int64 if kind == pa.int64() else np.float64)
-        buffers = [valid, pa.py_buffer(numbers.tobytes())]
-    return pa.Array.from_buffers(kind, count, buffers)
+        return _text(pieces, np.array([len(piece) for piece in pieces], dtype=np.int64), present)
+    return _numbers(kind, np.array(filled, dtype=_kept(kind)), present)
+
+
+def lay_out(kind: pa.DataType, values: NDArray[Any]) -> pa.Array:
+    """Array of reals, whole numbers or flags, from an array; NaN, also in the place of a whole number, is null."""
+    present = values == values
+    if not present.all():
+        values = np.where(present, values, 0.0)
+    return _numbers(kind, values, present)
+
+
+def spell(words: Sequence[str], codes: NDArray[np.int64]) -> pa.Array:
+    """Array of text: of the ``words``, those with these numbers."""
+    pieces = [word.encode() for word in words]
+    lengths = np.array([len(piece) for piece in pieces], dtype=np.int64)[codes]
+    return _text([pieces[code] for code in codes.tolist()], lengths, np.ones(len(codes), dtype=bool))
+
+
+def _kept(kind: pa.DataType) -> Any:
+    return bool if kind == pa.bool_() else np.int64 if kind == pa.int64() else np.float64
+
+
+def _numbers(kind: pa.DataType, filled: NDArray[Any], present: NDArray[np.bool_]) -> pa.Array:
+    numbers = np.ascontiguousarray(filled, dtype=_kept(kind))
+    if kind == pa.bool_():
+        numbers = np.packbits(numbers, bitorder="little")
+    return pa.Array.from_buffers(kind, len(present), [_valid(present), pa.py_buffer(numbers)])
+
+
+def _text(pieces: list[bytes], lengths: NDArray[np.int64], present: NDArray[np.bool_]) -> pa.Array:
+    ends = np.zeros(len(pieces) + 1, dtype=np.int32)
+    np.cumsum(lengths, out=ends[1:])
+    buffers = [_valid(present), pa.py_buffer(ends), pa.py_buffer(b"".join(pieces))]
+    return pa.Array.from_buffers(pa.string(), len(pieces), buffers)
+
+
+def _valid(present: NDArray[np.bool_]) -> pa.Buffer | None:
+    return None if present.all() else pa.py_buffer(np.packbits(present, bitorder="little"))

@@ -1,18 +1,17 @@
 """Finished results by name: what figures are drawn from and claims are checked against."""
 
-import contextlib
 import json
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
-from hknob_cli.results.provenance import KEY
+from hknob_cli.results.parted import read_result, result_schema
+from hknob_cli.results.provenance import DESIGN, axes_in, record_of
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, Scene
 
 Rows = list[dict[str, Any]]
@@ -43,8 +42,7 @@ class Result:
                 self._tables[file] = self._cells_of_trials()
                 return self._tables[file]
             try:
-                with pq.ParquetFile(self.folder / file) as parquet:
-                    self._tables[file] = parquet.read()
+                self._tables[file] = read_result(self.folder / file)
             except (OSError, pa.ArrowException):
                 raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
         return self._tables[file]
@@ -69,11 +67,8 @@ class Result:
     def provenance(self) -> dict[str, Any]:
         """Stage, spec as run, inputs and versions. Raises `MissingError` where the folder has no result."""
         for file in self.files:
-            metadata = self.table(file).schema.metadata or {}
-            with contextlib.suppress(ValueError, KeyError, TypeError, AttributeError, RecursionError):
-                record: dict[str, Any] = json.loads(metadata[KEY])
-                if isinstance(record["spec"].get("grid") or {}, dict):
-                    return record
+            if record := record_of(self.table(file).schema.metadata):
+                return record
         raise MissingError(f"no result '{self.name}' in {self.folder}")
 
     @property
@@ -86,8 +81,16 @@ class Result:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
         if self.stage == CAMPAIGN:
             return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
-        grid = self.provenance["spec"].get("grid") or {}
-        return [*grid, *([PERSON] if self.provenance["spec"].get("population") else [])]
+        axes = axes_in(self.provenance["spec"])
+        columns = {name for file in self.files for name in result_schema(self.folder / file).names}
+        if lacking := [axis for axis in axes if axis not in columns]:
+            raise MissingError(f"'{self.name}' has no column {', '.join(lacking)}, which its spec has as an axis")
+        return axes
+
+    @property
+    def is_design(self) -> bool:
+        """Whether its cells are the points of a design, not every combination of axis values. Raises `MissingError`."""
+        return self.stage != CAMPAIGN and bool((self.provenance["spec"].get("grid") or {}).get(DESIGN))
 
     @cached_property
     def scene(self) -> Scene:

@@ -12,8 +12,11 @@ from typing import NamedTuple
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.layout import write_table
+from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.spec.regular import is_endless
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
 PART = b"hknob.part"
@@ -47,6 +50,30 @@ class Parted(NamedTuple):
         return list(pq.read_schema(self.folder / part_name(0)).names)
 
 
+def read_result(path: Path) -> pa.Table:
+    """A result table, of one file or of parts, as a whole. Raises `OSError`, `pa.ArrowException`."""
+    if path.is_dir():
+        parted = read_parted(path)
+        if parted is None:
+            raise FileNotFoundError(path)
+        return parted.table()
+    if is_endless(path):
+        raise FileNotFoundError(path)
+    with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
+        return file.read()
+
+
+def result_schema(path: Path) -> pa.Schema:
+    """Columns of a result table and what it says of itself, of one file or of parts.
+
+    Raises `OSError`, `pa.ArrowException`.
+    """
+    first = path / part_name(0) if path.is_dir() else path
+    if is_endless(first):
+        raise FileNotFoundError(first)
+    return pq.read_schema(first)
+
+
 def part_name(number: int) -> str:
     """Name of a part's file."""
     return f"part-{number:06d}.parquet"
@@ -58,8 +85,8 @@ def write_part(table: pa.Table, folder: Path, number: int, count: int, provenanc
     half = path.with_name(f".{path.name}.half")
     whole = table.combine_chunks().replace_schema_metadata({KEY: provenance, PART: _mark(number, count)})
     try:
-        with half.open("wb") as stream:
-            pq.write_table(whole, stream, compression="zstd")
+        with create(half) as stream:
+            write_table(whole, stream)
         half.replace(path)
     except OSError:
         half.unlink(missing_ok=True)
@@ -78,10 +105,17 @@ def is_written(folder: Path, number: int, count: int, provenance: bytes) -> bool
 
 def _metadata(path: Path) -> dict[bytes, bytes]:
     """Metadata of a Parquet file; empty if it cannot be read."""
+    return _readable(path) or {}
+
+
+def _readable(path: Path) -> dict[bytes, bytes] | None:
+    """Metadata of a Parquet file; None if it cannot be read."""
+    if is_endless(path):
+        return None
     try:
         return pq.read_schema(path).metadata or {}
     except (OSError, pa.ArrowException):
-        return {}
+        return None
 
 
 def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
@@ -91,7 +125,7 @@ def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
         count = int(first[PART].split()[-1])
     except (KeyError, ValueError, IndexError):
         return None
-    wanted = first[KEY] if provenance is None else provenance
+    wanted = first.get(KEY, b"") if provenance is None else provenance
     rows = 0
     for number in range(count):
         if not is_written(folder, number, count, wanted):
@@ -100,12 +134,18 @@ def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
     return Parted(folder, count, rows)
 
 
+def _is_part(path: Path) -> bool:
+    """Whether a file has the name of a part, and is no link to another."""
+    return path.match("part-??????*.parquet") and path.is_file() and not path.is_symlink()
+
+
 def parted_origin(folder: Path) -> tuple[str, str] | None:
     """Stage and name that a folder of parts, and nothing else, was written for; None if it is not one of ours."""
     files = sorted(folder.iterdir())
-    if any(path.is_symlink() or not path.match("part-??????*.parquet") for path in files):
+    if not all(_is_part(path) for path in files):
         return None
-    return next((found for path in files if (found := origin(_metadata(path)))), None)
+    found = {origin(metadata) for path in files if (metadata := _readable(path)) is not None}  # but for torn ones
+    return found.pop() if len(found) == 1 else None
 
 
 def put_parted(parted: Parted, place: Path) -> Parted:
@@ -121,17 +161,33 @@ def put_parted(parted: Parted, place: Path) -> Parted:
     return parted._replace(folder=place)
 
 
+def take_back(place: Path, folder: Path, provenance: bytes) -> None:
+    """Go on in ``folder`` with the parts at ``place``: a run was cut short as it put them there, or some are torn.
+
+    Only parts of this provenance are taken. Raises `OSError`.
+    """
+    if place.is_symlink() or not place.is_dir() or folder.exists():
+        return
+    if any(_metadata(path).get(KEY) == provenance for path in place.iterdir() if _is_part(path)):
+        place.rename(folder)
+
+
 def set_aside(place: Path) -> None:
     """Take a folder of parts away from its place in one step, as its readers see it. Raises `OSError`."""
     clear_aside(place)
-    place.rename(_aside(place))
+    place.rename(aside(place))
 
 
 def clear_aside(place: Path) -> None:
-    """Remove what was set aside. Raises `OSError`."""
-    if _aside(place).is_dir() and not _aside(place).is_symlink():
-        shutil.rmtree(_aside(place))
+    """Remove what was set aside. Raises `OSError`, and `RefusedError` for what is not of this program."""
+    old = aside(place)
+    if not (old.exists() or old.is_symlink()):
+        return
+    if old.is_symlink() or not old.is_dir() or not all(_is_part(path) for path in old.iterdir()):
+        raise RefusedError(f"{old}: not written by hknob; move it away, or choose another --out")
+    shutil.rmtree(old)
 
 
-def _aside(place: Path) -> Path:
+def aside(place: Path) -> Path:
+    """Where a folder of parts is put while another takes its place."""
     return place.with_name(f".{place.name}.old")

@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
-from hknob_cli.spec.plan import Scene
+from hknob_cli.spec.plan import PERSON, Scene
 
 KEY = b"hknob.provenance"
+DESIGN = "design"  # the key of a grid that is no axis
 
 
 def describe(
@@ -69,14 +70,39 @@ def _tables(values: dict[str, Any]) -> list[int]:
     return sorted(found)
 
 
+def record_of(metadata: dict[bytes, bytes] | None) -> dict[str, Any] | None:
+    """What a file says of where it comes from, of the shape that `describe` gives it; None if it says no such thing."""
+    try:
+        record: dict[str, Any] = json.loads((metadata or {})[KEY])
+        parts = record["stage"], record["spec"], record["spec"].get("grid") or {}, record["inputs"], record["overrides"]
+        digest = record["inputs"]["spec_sha256"]
+    except (KeyError, ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    kinds = zip((*parts, digest), (str, dict, dict, dict, list, str), strict=True)
+    return record if all(isinstance(part, kind) for part, kind in kinds) else None
+
+
 def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
     """The scene that a file was computed for, in SI numbers; None if it has none that can be read."""
     from hknob_cli.spec.scene import SceneSpec
 
+    record = record_of(metadata)
     try:
-        return SceneSpec.model_validate(json.loads((metadata or {})[KEY])["spec"]["scene"]).plain()
-    except (KeyError, ValueError, TypeError, RecursionError):
+        return SceneSpec.model_validate(record["spec"]["scene"]).plain() if record else None
+    except (KeyError, ValueError, TypeError):
         return None
+
+
+def axes_in(spec: dict[str, Any]) -> list[str]:
+    """Names of the axes of a spec, as its grid lists them, and of the people where there is a population."""
+    grid = spec.get("grid") or {}
+    return [*(name for name in grid if name != DESIGN), *([PERSON] if spec.get("population") else [])]
+
+
+def axes_of(metadata: dict[bytes, bytes] | None) -> list[str]:
+    """The same of the spec that a file was computed for; none where it has none that can be read."""
+    record = record_of(metadata)
+    return axes_in(record["spec"]) if record else []
 
 
 def origin(metadata: dict[bytes, bytes] | None) -> tuple[str, str] | None:

@@ -4,6 +4,7 @@ Pieces are named by the items they hold, and the folder by the provenance that t
 or another version of the program has finished is never taken for this one's.
 """
 
+import contextlib
 import hashlib
 import re
 import shutil
@@ -11,7 +12,8 @@ import zlib
 from pathlib import Path
 from struct import Struct
 
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.results.place import create, make_folder
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
@@ -26,18 +28,33 @@ class Staging:
         self.folder = out / f"{_PREFIX}{hashlib.sha256(provenance).hexdigest()[:16]}"
 
     def begin(self, *, afresh: bool = False) -> None:
-        """Make the folder, and remove those of other runs; ``afresh``: and what is in it."""
+        """Make the folder, and remove those of other runs; ``afresh``: and what is in it.
+
+        Raises `RefusedError` if something else is in the way.
+        """
         for other in staged(self.folder.parent):
             if other != self.folder or afresh:
                 shutil.rmtree(other)
-        self.folder.mkdir(exist_ok=True)
+        make_folder(self.folder)
         for half in self.folder.glob("*.half"):
             half.unlink()
 
+    def leave(self) -> None:
+        """Remove the folder if nothing has been finished."""
+        for folder in (*self.folder.glob("*/"), self.folder):
+            with contextlib.suppress(OSError):
+                folder.rmdir()
+
     def pieces(self) -> list[tuple[int, int]]:
-        """Items of the pieces that are there, in order, none twice; what is damaged is removed."""
+        """Items of the pieces that are there, in order, none twice; what is damaged is removed.
+
+        Raises `RefusedError` for what cannot be a piece.
+        """
         apart: list[tuple[int, int]] = []
         found = [_NAME.fullmatch(path.name) for path in self.folder.iterdir()]
+        for match in found:
+            if match and ((path := self.folder / match[0]).is_symlink() or not path.is_file()):
+                raise _not_ours(path)
         for start, stop in sorted((int(match[1]), int(match[2])) for match in found if match):
             if (apart and start < apart[-1][1]) or self._read(start, stop) is None:
                 self.drop(start, stop)
@@ -50,7 +67,7 @@ class Staging:
         path = self._path(start, stop)
         half = path.with_suffix(".half")
         try:
-            with half.open("wb") as stream:
+            with create(half) as stream:
                 stream.write(_HEAD.pack(_MARK, zlib.crc32(data), len(data)))
                 stream.write(data)
             half.replace(path)
@@ -66,6 +83,8 @@ class Staging:
         return data
 
     def _read(self, start: int, stop: int) -> bytes | None:
+        if not self._path(start, stop).is_file():  # a device or pipe may have no end
+            return None
         stored = self._path(start, stop).read_bytes()
         data = stored[_HEAD.size :]
         return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None
@@ -76,6 +95,10 @@ class Staging:
 
     def _path(self, start: int, stop: int) -> Path:
         return self.folder / f"{start}-{stop}.piece"
+
+
+def _not_ours(path: Path) -> RefusedError:
+    return RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
 
 
 def staged(out: Path) -> list[Path]:

@@ -7,9 +7,20 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from hknob_cli.errors import ComputationError, RefusedError
+from hknob_cli.errors import ComputationError, RefusedError, unwritable
+from hknob_cli.results.layout import write_table
 from hknob_cli.results.marked import is_marked, marked_origin
-from hknob_cli.results.parted import Parted, clear_aside, parted_origin, put_parted, read_parted, set_aside
+from hknob_cli.results.parted import (
+    Parted,
+    aside,
+    clear_aside,
+    parted_origin,
+    put_parted,
+    read_parted,
+    read_result,
+    set_aside,
+)
+from hknob_cli.results.place import create, make_folder
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
 
@@ -22,7 +33,8 @@ _TEXTS = (".html", ".svg")
 def hold(out: Path, paths: Iterable[Path]) -> Iterator[None]:
     """Hold the results folder, making it if need be; what an interrupted run left of ``paths`` is removed.
 
-    Raises `RefusedError` if another run holds it, `ComputationError` if it cannot be made or written.
+    Raises `RefusedError` if another run holds it, or something else is in the way; `ComputationError` if it cannot be
+    made or written.
     """
     from filelock import FileLock, Timeout
 
@@ -34,10 +46,12 @@ def hold(out: Path, paths: Iterable[Path]) -> Iterator[None]:
     except Timeout:
         raise RefusedError(f"{out}: another run is writing here; wait for it, or choose another --out") from None
     except OSError as error:
-        raise ComputationError(f"{out}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(out, error) from None
     try:
-        for left in leftovers(paths):
-            left.unlink(missing_ok=True)
+        for path in paths:
+            if (half := partial(path)).is_file():
+                half.unlink(missing_ok=True)
+            clear_aside(path)
         yield
     except BaseException:
         _clear(made, out)
@@ -61,8 +75,8 @@ def partial(path: Path) -> Path:
 
 
 def leftovers(paths: Iterable[Path]) -> list[Path]:
-    """What an interrupted run left half written, or another is writing now, of the result files at ``paths``."""
-    return [half for path in paths if (half := partial(path)).is_file()]
+    """What an interrupted run left half written or set aside of the results at ``paths``, or another is writing now."""
+    return [left for path in paths for left in (partial(path), aside(path)) if left.exists()]
 
 
 def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table | Parted, ...] | None:
@@ -78,8 +92,7 @@ def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table | Parte
                 continue
             if not path.is_file():
                 return None
-            with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
-                table = file.read()
+            table = read_result(path)
         except (OSError, pa.ArrowException):
             return None
         if (table.schema.metadata or {}).get(KEY) != provenance:
@@ -161,12 +174,14 @@ def write(
     place = next(iter((*halves, *parted))).parent
     try:
         for path, text in (texts or {}).items():
-            path.parent.mkdir(exist_ok=True)
-            halves[path].write_text(text, encoding="utf-8")
+            if path.parent != place:
+                make_folder(path.parent)
+            with create(halves[path]) as stream:
+                stream.write(text.encode())
         for path, table in whole.items():
             stamped = table.replace_schema_metadata({KEY: provenance})
-            with halves[path].open("wb") as stream:
-                pq.write_table(stamped, stream, compression="zstd")
+            with create(halves[path]) as stream:
+                write_table(stamped, stream)
         for path, half in halves.items():
             if path.is_dir():  # of parts, where the same name was of more cells
                 set_aside(path)
@@ -174,7 +189,7 @@ def write(
             clear_aside(path)
         return tuple(put_parted(parted[path], path) if path in parted else table for path, table in tables.items())
     except OSError as error:
-        raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
+        raise unwritable(place, error) from None
     finally:
         for half in halves.values():
             with contextlib.suppress(OSError):

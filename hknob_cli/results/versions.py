@@ -11,6 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from hknob_cli import __version__
+from hknob_cli.spec.points_plan import Points
+from hknob_cli.spec.unit_points import RANDOM
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = (
@@ -59,6 +61,12 @@ def computing_versions() -> dict[str, str]:
         "numpy": version("numpy"),
         "pyarrow": version("pyarrow"),
     }
+
+
+def grid_versions(points: Points | None) -> dict[str, str]:
+    """The same of results over a grid, and of the library that draws the points of its design, where numpy does not."""
+    drawn = {"scipy": version("scipy")} if points and points.method != RANDOM else {}
+    return {**computing_versions(), **drawn}
 
 
 @cache

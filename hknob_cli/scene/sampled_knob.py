@@ -7,10 +7,11 @@ that the wall's levels are whole numbers. Hand and knob move as one body: their 
 from math import isfinite, pi
 from typing import NamedTuple
 
-from hknob_cli.engine.loop import Loop
-from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.errors import ComputationError
 from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
+
+GIVEN = Loop._fields.index("s1")  # numbers of a loop that the rest follows from
 
 
 class SampledKnob(NamedTuple):
@@ -42,7 +43,8 @@ class SampledKnob(NamedTuple):
     @property
     def energy_j(self) -> float:
         """One unit of the loop's energy, J (counts per sample)², in joules."""
-        return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
+        speed = self.quantum_rad / self.period_s
+        return self.inertia_kg_m2 * (speed * speed)  # not a power: over arrays its rounding may differ
 
 
 def is_plain(scene: Scene) -> bool:
@@ -62,6 +64,23 @@ def is_plain(scene: Scene) -> bool:
 
 def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> SampledKnob:
     """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
+    knob, size = reduce_scene(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    if not isfinite(size):
+        raise overflows(sample_rate_hz, counts_per_rev)
+    return knob._replace(loop=make_loop(*knob.loop[:GIVEN]), delay_line=int(knob.delay_line))
+
+
+def overflows(sample_rate_hz: float, counts_per_rev: int) -> ComputationError:
+    """What is wrong with a cell whose numbers overflow."""
+    return ComputationError(f"at {sample_rate_hz:g} Hz and {counts_per_rev} counts the scene's numbers overflow")
+
+
+def reduce_scene(scene: Scene, *, sample_rate_hz: float, counts_per_rev: float) -> tuple[SampledKnob, float]:
+    """The arithmetic of `sample_knob`, which serves one cell and, with arrays in the place of numbers, many.
+
+    Returns the knob, in whose loop the response over the holds is left at 0, and a number that is finite where those of
+    the loop are not too large to be squared.
+    """
     hand = scene.hand or Hand()
     bias = scene.bias or Bias(torque=0.0)
     actuator = scene.actuator or Actuator()
@@ -73,31 +92,21 @@ def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> 
     alpha = (scene.knob.damping + hand.damping) * period / inertia
     beta = hand.stiffness * square
     kappa = scene.wall.stiffness * square
-    push = 0.5 * kappa if bias.half_quantum else (bias.torque or 0.0) * square / quantum
+    torque = 0.0 if bias.torque is None else bias.torque
+    push = 0.5 * kappa if bias.half_quantum else torque * square / quantum
     nearest = encoder.rounding == "nearest"
     shift = encoder.offset_counts - (0.5 if nearest else 0.0)
     # Level 0 of `truncate` also holds the count above the edge of `ceil`'s, where the wall is off all the same.
     upper = encoder.rounding in ("ceil", "truncate")
-    whole = int(actuator.delay_samples)
-    split = actuator.delay_samples - whole
-    if not all(isfinite(value * value) for value in (alpha, beta, kappa, push)):
-        raise ComputationError(f"at {sample_rate_hz:g} Hz and {counts_per_rev} counts the scene's numbers overflow")
-    loop = Loop(
-        alpha,
-        beta,
-        kappa,
-        push + beta * shift,
-        -1.0 if upper else 1.0,
-        encoder.offset_counts,
-        split,
-        *hold_coefficients(alpha, beta, split),
-        *hold_coefficients(alpha, beta, 1.0 - split),
-    )
-    return SampledKnob(
-        loop=loop,
+    delay = actuator.delay_samples
+    whole = delay // 1.0
+    gamma, sense = push + beta * shift, -1.0 if upper else 1.0
+    knob = SampledKnob(
+        loop=Loop(alpha, beta, kappa, gamma, sense, encoder.offset_counts, delay - whole, *[0.0] * 6),
         quantum_rad=quantum,
         period_s=period,
         inertia_kg_m2=inertia,
         shift=shift,
-        delay_line=whole + 1 if actuator.delay_samples > 0.0 else 0,
+        delay_line=(whole + 1.0) * (delay > 0.0),  # type: ignore[arg-type]  # whole, and made an int where it is one
     )
+    return knob, alpha * alpha + beta * beta + kappa * kappa + push * push

@@ -10,10 +10,11 @@ from hknob_cli.spec.derived import derived_sweep
 from hknob_cli.spec.design import DesignSpec
 from hknob_cli.spec.design_plan import Candidate, Choice, DesignPlan, Option, Value
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.grid import AxisError, axis_values, scalar_field, scalar_paths
+from hknob_cli.spec.grid import AxisError, axis_values
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
 from hknob_cli.spec.remedies import beyond, misfit
+from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
 
 MOST_DESIGNS = 20_000

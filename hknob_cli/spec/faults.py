@@ -6,8 +6,8 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import MOST_FAULTS, Fault
-from hknob_cli.spec.grid import items_of, model_of
 from hknob_cli.spec.messages import keys_of, message
+from hknob_cli.spec.scene_paths import items_of, model_of
 from hknob_cli.spec.source import Path_, Source
 
 Place = Callable[[Path_], Path_]
@@ -21,16 +21,21 @@ def faults_of(
     values: Any = None,
     place: Place = lambda path: path,
 ) -> list[Fault]:
-    """Faults of what a model does not take, as many as are said of a spec.
+    """Faults of what a model does not take; of more than are said of a spec, the others without hints, which take time.
 
     ``values`` is what was validated, if not the whole of ``source``; ``place`` says where in the file a path in it is.
     """
-    found = error.errors(include_url=False)[: MOST_FAULTS + 1]
-    return [_fault_at(source, model, one, values=values, place=place) for one in found]
+    return [
+        _fault_at(source, model if i < MOST_FAULTS else None, one, values=values, place=place)
+        for i, one in enumerate(error.errors(include_url=False))
+    ]
 
 
-def _fault_at(source: Source, model: type[BaseModel], error: Any, *, values: Any, place: Place) -> Fault:
-    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words."""
+def _fault_at(source: Source, model: type[BaseModel] | None, error: Any, *, values: Any, place: Place) -> Fault:
+    """Fault for one pydantic error: its location without the tags of unions, its message in the user's words.
+
+    Without a ``model`` nothing is said of the keys that are allowed.
+    """
     path: list[str | int] = []
     value: Any = source.value if values is None else values
     last = len(error["loc"]) - 1
@@ -46,9 +51,9 @@ def _fault_at(source: Source, model: type[BaseModel], error: Any, *, values: Any
     return source.fault(place(tuple(path)), message(error, allowed), at_key=error["type"] == "extra_forbidden")
 
 
-def _model_at(model: type[BaseModel], path: Path_) -> type[BaseModel] | None:
+def _model_at(model: type[BaseModel] | None, path: Path_) -> type[BaseModel] | None:
     """The model whose keys stand at ``path``; None if a value does."""
-    current: type[BaseModel] | None = model
+    current = model
     inside: type[BaseModel] | None = None  # of the items of a list or mapping that the path has just entered
     for part in path:
         if inside is not None:

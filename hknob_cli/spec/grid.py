@@ -2,18 +2,21 @@
 
 An axis is a list of values, ``{log: [first, last, count]}`` or ``{lin: [first, last, count]}``; a single value is an
 axis of one. Beside sample rate and counts, any number of the scene is an axis by its dotted path. A continuous sensor
-needs no counts, a continuous controller no sample rate.
+needs no counts, a continuous controller no sample rate. With a design, whose points take the place of all combinations,
+an axis is a range, ``{log: [first, last]}`` or ``{lin: [first, last]}``, a list, or a value.
 """
 
 import math
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
-from pydantic.fields import FieldInfo
 
-from hknob_cli.spec.plan import COUNTS, RATE
-from hknob_cli.spec.quantity import Fixed, SampleRate, Unit
-from hknob_cli.spec.scene import Part, SceneSpec
+from hknob_cli.spec.part import Part
+from hknob_cli.spec.plan import COUNTS, GRIP, RATE
+from hknob_cli.spec.points import PointsSpec
+from hknob_cli.spec.quantity import SampleRate
+from hknob_cli.spec.scene_paths import annotated, scalar_field, scalar_paths
+from hknob_cli.spec.spacing import log_between
 
 MAX_CELLS = 1_000_000
 
@@ -35,6 +38,18 @@ class LinAxis(Part):
     lin: Annotated[tuple[Value, Value, Annotated[int, Field(strict=True, ge=1, le=MAX_CELLS)]], Field()]
 
 
+class LogRange(Part):
+    """A range of a design, its points evenly spread on a log scale."""
+
+    log: tuple[Value, Value]
+
+
+class LinRange(Part):
+    """A range of a design, its points evenly spread."""
+
+    lin: tuple[Value, Value]
+
+
 def _form(value: Any) -> str:
     """Which form of axis this is; picks the model that validates it."""
     if isinstance(value, dict):
@@ -53,86 +68,26 @@ AxisSpec = Annotated[
 ]
 
 
-def scalar_field(path: str) -> FieldInfo | None:
-    """The scene's number at a dotted path, ``wall.stiffness``; None if there is none."""
-    model: type[BaseModel] = SceneSpec
-    *parents, last = path.split(".")
-    for part in parents:
-        info = model.model_fields.get(part)
-        inner = model_of(info) if info else None
-        if inner is None:
-            return None
-        model = inner
-    found = model.model_fields.get(last)
-    return None if found is None or model_of(found) or not _is_number(found) else found
+def _form_or_range(value: Any) -> str:
+    """As `_form`, with the ranges of a design."""
+    if isinstance(value, LogRange | LinRange):
+        return "log range" if isinstance(value, LogRange) else "lin range"
+    form = _form(value)
+    if form in ("log axis", "lin axis") and isinstance(value, dict):
+        inner = value.get(form[:3])
+        return f"{form[:3]} range" if isinstance(inner, list | tuple) and len(inner) <= 2 else form
+    return form
 
 
-def scalar_paths() -> list[str]:
-    """Every dotted path that may be an axis."""
-    paths = []
-    for part, info in SceneSpec.model_fields.items():
-        model = model_of(info)
-        if model:
-            paths += [f"{part}.{name}" for name in _numbers(model)]
-    return paths
-
-
-def _numbers(model: type[BaseModel]) -> list[str]:
-    """Paths of the numbers in a part of the scene."""
-    paths = []
-    for name, info in model.model_fields.items():
-        inner = model_of(info)
-        if inner:
-            paths += [f"{name}.{path}" for path in _numbers(inner)]
-        elif _is_number(info):
-            paths.append(name)
-    return paths
-
-
-def _arms(info: FieldInfo) -> tuple[Any, ...]:
-    annotation = info.annotation
-    return getattr(annotation, "__args__", None) or (annotation,)
-
-
-def model_of(info: FieldInfo) -> type[BaseModel] | None:
-    """The model of a field that holds a part of a spec; None if it holds a value."""
-    for arm in _arms(info):
-        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
-        if isinstance(plain, type) and issubclass(plain, BaseModel):
-            return plain
-    return None
-
-
-def items_of(info: FieldInfo) -> type[BaseModel] | None:
-    """The model of the items of a field that is a list or a mapping of parts; None if it is not."""
-    for arm in (info.annotation, *_arms(info)):
-        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
-        if get_origin(plain) in (list, dict):
-            for item in (item for part in get_args(plain)[-1:] for item in (part, *get_args(part))):
-                if isinstance(item, type) and issubclass(item, BaseModel):
-                    return item
-    return None
-
-
-def _is_number(info: FieldInfo) -> bool:
-    if any(isinstance(item, Fixed) for item in info.metadata):
-        return False
-    arms = _arms(info)
-    return float in arms or any(getattr(arm, "__origin__", None) is float for arm in arms)
-
-
-def axis_unit(name: str) -> str:
-    """SI unit of a grid axis, as the scene declares it; "1" for a pure number."""
-    if name == RATE:
-        return "Hz"
-    info = scalar_field(name)
-    units = [item.name for item in _metadata(info) if isinstance(item, Unit)] if info else []
-    return units[0] if units else "1"
-
-
-def _metadata(info: FieldInfo) -> list[Any]:
-    """Metadata of a field and of the arms of its union."""
-    return [*info.metadata, *(item for arm in _arms(info) for item in getattr(arm, "__metadata__", ()))]
+GridAxis = Annotated[
+    Annotated[Listed, Tag("list axis")]
+    | Annotated[LogAxis, Tag("log axis")]
+    | Annotated[LinAxis, Tag("lin axis")]
+    | Annotated[LogRange, Tag("log range")]
+    | Annotated[LinRange, Tag("lin range")]
+    | Annotated[Value, Tag("one value")],
+    Discriminator(_form_or_range),
+]
 
 
 class AxisError(ValueError):
@@ -156,7 +111,7 @@ def _spread(axis: LogAxis | LinAxis, adapter: TypeAdapter[float]) -> list[float]
         raise AxisError((name, 0 if first <= 0 else 1), "must be > 0 on a log axis, got 0")
     steps = [i / (count - 1) for i in range(count)]
     if name == "log":
-        inner = [first * (last / first) ** step for step in steps[1:-1]]
+        inner = log_between(first, last, steps[1:-1])
     else:
         inner = [first + (last - first) * step for step in steps[1:-1]]
     return [first, *(_snapped(value) for value in inner), last]
@@ -177,8 +132,19 @@ def _checked(raw: Value, adapter: TypeAdapter[Any], steps: tuple[str | int, ...]
         raise AxisError(steps, message(error.errors()[0], ())) from None
 
 
-def axis_values(name: str, axis: AxisSpec) -> list[float | int]:
+def length(axis: GridAxis) -> int:
+    """How many values an axis has, told without making them."""
+    if isinstance(axis, LogAxis | LinAxis):
+        return (axis.log if isinstance(axis, LogAxis) else axis.lin)[2]
+    return len(axis) if isinstance(axis, list) else 1
+
+
+def axis_values(name: str, axis: GridAxis) -> list[float | int]:
     """Values of one axis in SI units. Raises `AxisError`."""
+    if isinstance(axis, LogRange | LinRange):
+        form = "log" if isinstance(axis, LogRange) else "lin"
+        text = f"missing, and required: {{{form}: [first, last, count]}}; a range without it needs a design in the grid"
+        raise AxisError((form, 2), text)
     if name == COUNTS:
         wide: TypeAdapter[Any] = TypeAdapter(Annotated[float, Field(strict=True, ge=1, le=2**31)])
         exact: TypeAdapter[Any] = TypeAdapter(Counts)
@@ -189,10 +155,25 @@ def axis_values(name: str, axis: AxisSpec) -> list[float | int]:
             values = [_checked(raw, exact, (i,) if isinstance(axis, list) else ()) for i, raw in enumerate(listed)]
     else:
         info = scalar_field(name)
-        kind = SampleRate if name == RATE else _annotated(info)
+        kind = SampleRate if name == RATE else annotated(info)
         return list(levels(axis, kind))
     _unrepeated(values, axis)
     return values
+
+
+def point_values(name: str, axis: GridAxis) -> tuple[list[float | int], str | None]:
+    """Values of an axis of a design, or the ends of its range and their scale, log or lin. Raises `AxisError`."""
+    if isinstance(axis, LogAxis | LinAxis):
+        form, count = ("log", axis.log[2]) if isinstance(axis, LogAxis) else ("lin", axis.lin[2])
+        text = f"must be absent where the grid has a design: {{{form}: [first, last]}}, a list, or a value; got {count}"
+        raise AxisError((form, 2), text)
+    if not isinstance(axis, LogRange | LinRange):
+        return axis_values(name, axis), None
+    form, both = ("log", axis.log) if isinstance(axis, LogRange) else ("lin", axis.lin)
+    if name == GRIP:
+        raise AxisError((form,), "must be a list of grip forces: hands were measured at these, not between")
+    ends = axis_values(name, LogAxis(log=(*both, 2)) if form == "log" else LinAxis(lin=(*both, 2)))
+    return ends, form
 
 
 def levels(axis: AxisSpec, kind: Any) -> tuple[float, ...]:
@@ -215,35 +196,34 @@ def _unrepeated(values: list[Any], axis: AxisSpec) -> None:
         seen.add(value)
 
 
-def _annotated(info: FieldInfo | None) -> Any:
-    assert info is not None
-    annotation: Any = info.annotation
-    for item in info.metadata:
-        annotation = Annotated[annotation, item]
-    return annotation
-
-
 def _name_axes(schema: dict[str, Any]) -> None:
     """Say in the JSON Schema which axes there are."""
     axis = schema.pop("additionalProperties", {})
     schema["properties"].update(dict.fromkeys(scalar_paths(), axis))
     schema["additionalProperties"] = False
+    forms = ("log", "lin")
+    schema["if"] = {"required": ["design"], "properties": {"design": {"type": "object"}}}
+    schema["then"] = {"patternProperties": {"": {"properties": {form: {"maxItems": 2} for form in forms}}}}
+    schema["else"] = {"patternProperties": {"": {"properties": {form: {"minItems": 3} for form in forms}}}}
 
 
 class Grid(BaseModel):
-    """Axes by name. Cells follow in the order of the axes, the last one fastest."""
+    """Axes by name. Cells follow in the order of the axes, the last one fastest; or they are the points of a design."""
 
     model_config = ConfigDict(frozen=True, extra="allow", defer_build=True, json_schema_extra=_name_axes)
-    __pydantic_extra__: dict[str, AxisSpec]
+    __pydantic_extra__: dict[str, GridAxis]
 
+    design: Annotated[
+        PointsSpec | None, Field(description="points that fill the ranges of the axes, in place of every combination")
+    ] = None
     sample_rate_hz: Annotated[
-        AxisSpec | None, Field(description="sample rate, Hz; not needed where sampling is continuous")
+        GridAxis | None, Field(description="sample rate, Hz; not needed where sampling is continuous")
     ] = None
     counts_per_rev: Annotated[
-        AxisSpec | None, Field(description="encoder counts per revolution; not needed where encoder is none")
+        GridAxis | None, Field(description="encoder counts per revolution; not needed where encoder is none")
     ] = None
 
-    def axes(self) -> dict[str, AxisSpec]:
+    def axes(self) -> dict[str, GridAxis]:
         """Axes as written: sample rate and counts first, then the others in the order written."""
         names = [RATE, COUNTS, *(self.__pydantic_extra__ or {})]
         return {name: axis for name in names if (axis := getattr(self, name)) is not None}

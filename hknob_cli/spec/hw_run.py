@@ -21,6 +21,7 @@ from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.spec.part import Part, Place
 from hknob_cli.spec.plan import COUNTS, RATE, Axes
+from hknob_cli.spec.port_url import url_fault
 from hknob_cli.spec.quantity import Damping, Inertia, Torque
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.sweep import Name
@@ -162,6 +163,10 @@ class HwRunSpec(Part):
 
 def validate_hw_run(source: Source) -> HwRunPlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
+    grid = source.value.get("grid")
+    if isinstance(grid, dict) and "design" in grid:
+        text = "must be absent: trials are run for every combination of the axes"
+        raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
     try:
         spec = HwRunSpec.model_validate(source.value)
     except ValidationError as error:
@@ -228,6 +233,8 @@ def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
         found.append((("device",), "must have exactly one of url and target with the driver serial"))
     if device.driver == REPLAY and device.recordings is None:
         found.append((("device",), "needs recordings with the driver replay"))
+    if device.url is not None and (wrong := url_fault(device.url)):
+        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
     given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
     for name, driver in given.items():
         if getattr(device, name) is not None and device.driver != driver:

@@ -1,33 +1,27 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
 from importlib import import_module
-from math import prod
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec import source as yaml
 from hknob_cli.spec.analysis import Case, CaseFile, DfaSpec, PredictSpec
+from hknob_cli.spec.cells import cells_over
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.grid import (
-    MAX_CELLS,
-    AxisError,
-    Grid,
-    axis_unit,
-    axis_values,
-    scalar_field,
-    scalar_paths,
-)
-from hknob_cli.spec.messages import nearest
+from hknob_cli.spec.grid import MAX_CELLS, Grid
+from hknob_cli.spec.grid_axes import Limit, resolve_axes, too_many
+from hknob_cli.spec.messages import shown
 from hknob_cli.spec.named_file import digest_of
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.scene import SceneSpec, contradictions, given
+from hknob_cli.spec.scene_paths import axis_unit
 from hknob_cli.spec.source import Source
-from hknob_cli.spec.sweep import SweepSpec
+from hknob_cli.spec.sweep import MOST_CELLS, LimitsSpec, SweepSpec
 
 if TYPE_CHECKING:
     from hknob_cli.spec.find_people import Population
@@ -83,7 +77,7 @@ def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
     _apply(source, overrides, "--set ")
     if kind != PIPELINE:
         allowed = f"must be {PIPELINE} or a kind of stage ({', '.join(KINDS)})"
-        raise SpecError([source.fault(("kind",), f"{allowed}, got {kind!r}" if kind else f"missing; {allowed}")])
+        raise SpecError([source.fault(("kind",), f"{allowed}, got {shown(kind)}" if kind else f"missing; {allowed}")])
     from hknob_cli.spec.pipeline import validate_pipeline
 
     return validate_pipeline(source)
@@ -117,7 +111,7 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
         allowed = [kind] if kind else list(KINDS)
-        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {given!r}")])
+        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {shown(given)}")])
     if given == "bench":
         from hknob_cli.spec.bench import validate_bench
 
@@ -154,7 +148,8 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
             grid = Grid.model_validate(source.value.get("grid"))
         except ValidationError:
             raise SpecError(faults) from None
-    axes, more = _resolve_axes(source, grid, scene)
+    limit = _limit(source, model)
+    axes, points, more = resolve_axes(source, grid, scene, limit)
     if scene and scene.hand and scene.hand.from_:
         from hknob_cli.spec.hand_from import take_hand
 
@@ -166,10 +161,13 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     if not faults and isinstance(spec, SweepSpec):
         if spec.population:
             people, axes = _people(source, spec, spec.population, axes)
-        faults += [source.fault(path, text, at_key=True) for path, text in spec.contradictions(axes)]
+            count = len(cells_over(axes, points))
+            if count > limit.cells:
+                faults.append(source.fault(("population",), too_many(count, limit, " with the grid")))
+        faults += [source.fault(path, text, at_key=True) for path, text in spec.contradictions(axes, points)]
     if faults:
         raise SpecError(faults)
-    plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)
+    plan = spec.plan(axes, {name: axis_unit(name) for name in axes}, source.value)._replace(points=points)
     if people:
         return plan._replace(scene=plan.scene._replace(hand=Hand(by_person=people.hands, origin=people.origin)))
     if isinstance(spec, PredictSpec) and isinstance(plan, PredictPlan) and isinstance(spec.constant, CaseFile):
@@ -184,13 +182,9 @@ def _people(source: Source, spec: SweepSpec, population: PopulationSpec, axes: A
 
     found = find_people(source, population, min(axes.get("knob.inertia", [spec.scene.knob.inertia])))
     faults = [source.fault(path, text) for path, text in found.faults]
-    axes = {**axes, PERSON: list(range(1, len(found.hands) + 1))}
-    count = prod(len(values) for values in axes.values())
-    if count > MAX_CELLS:
-        faults.append(source.fault(("population",), f"must span at most {MAX_CELLS} cells with the grid, got {count}"))
     if faults:
         raise SpecError(faults)
-    return found, axes
+    return found, {**axes, PERSON: list(range(1, len(found.hands) + 1))}
 
 
 def _case_file(source: Source, name: str) -> Path:
@@ -242,40 +236,15 @@ def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Ax
     return faults
 
 
-def _resolve_axes(source: Source, grid: Grid, scene: SceneSpec | None) -> tuple[Axes, list[Fault]]:
-    """Values of every axis in SI numbers, and the faults found; ``scene`` is None where it is itself at fault."""
-    faults: list[Fault] = []
-    axes: Axes = {}
-    for name, axis in grid.axes().items():
-        if name not in (RATE, COUNTS):
-            wrong = _axis_fault(name, scene)
-            if wrong:
-                faults.append(source.fault(("grid", name), wrong, at_key=True))
-                continue
-        try:
-            axes[name] = axis_values(name, axis)
-        except AxisError as error:
-            faults.append(source.fault(("grid", name, *error.steps), str(error)))
-    count = prod(len(values) for values in axes.values())
-    if count > MAX_CELLS:
-        faults.append(source.fault(("grid",), f"must span at most {MAX_CELLS} cells, got {count}", at_key=True))
-    return axes, faults
-
-
-def _axis_fault(name: str, scene: SceneSpec | None) -> str | None:
-    """Why a value of the scene cannot be an axis; None if it can."""
-    if scalar_field(name) is None:
-        return nearest(name, [RATE, COUNTS, *scalar_paths()])
-    if scene is None:
-        return None
-    part: Any = scene
-    for step in name.split(".")[:-1]:
-        part = getattr(part, step)
-        if part is None or part == "none":
-            return f"must vary a part of the scene, which has no '{step}'"
-    if name == "bias.torque" and scene.bias and scene.bias.half_quantum:
-        return "must not vary the torque of a half-quantum bias"
-    return None
+def _limit(source: Source, model: type[Spec]) -> Limit:
+    """How many cells the spec may span; told from its values alone, whatever else may be wrong with them."""
+    if model is not SweepSpec:
+        return Limit(MAX_CELLS, f"{source.value['kind']} keeps all in memory")
+    try:
+        cells = LimitsSpec.model_validate(source.value.get("limits") or {}).max_cells
+        return Limit(cells, f"limits.max_cells allows up to {MOST_CELLS:g}")
+    except ValidationError:
+        return Limit(MOST_CELLS, "")
 
 
 def _override(source: Source, text: str, label: str) -> Fault | None:
@@ -288,7 +257,7 @@ def _override(source: Source, text: str, label: str) -> Fault | None:
         return Fault(where, 0, 0, "", "must be key.path=value in UTF-8")
     path = tuple(path_text.strip().split("."))
     if path[0] == "grid" and len(path) > 2:
-        form = path[-1:] if path[-1] in ("log", "lin") else ()
+        form = path[-1:] if path[-1] in ("log", "lin") or path[1] == "design" else ()
         path = ("grid", ".".join(path[1 : len(path) - len(form)]), *form)
     if path[0] in ("choices", "present") and len(path) > 2:  # of a design: by dotted path
         path = (path[0], ".".join(path[1:]))

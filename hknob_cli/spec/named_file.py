@@ -5,12 +5,13 @@ from io import BufferedReader
 from pathlib import Path
 
 from hknob_cli.errors import UsageError
+from hknob_cli.spec.regular import is_endless
 
 
 def open_named(path: Path) -> BufferedReader:
     """A file, to be read. Raises `UsageError` where it is none, or cannot be read."""
     try:
-        if path.exists() and not path.is_file():
+        if is_endless(path) or path.is_dir():
             raise UsageError(f"{path}: is not a file")
         return path.open("rb")
     except OSError as error:  # a name that is too long is one, too

@@ -13,6 +13,7 @@ from hknob_cli.spec.identification import SysidPlan
 from hknob_cli.spec.origin import Origin
 from hknob_cli.spec.page_plan import ReportPlan
 from hknob_cli.spec.perception import Perceive
+from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.remedies_plan import RemediesPlan
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -147,6 +148,7 @@ class DfaPlan(NamedTuple):
     methods: tuple[str, ...]
     against: str | None
     values: dict[str, Any]
+    points: Points | None = None
 
 
 class PredictPlan(NamedTuple):
@@ -165,11 +167,13 @@ class PredictPlan(NamedTuple):
     against: str | None
     values: dict[str, Any]
     case_file: Path | None = None
+    points: Points | None = None
 
 
 class SweepPlan(NamedTuple):
     """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
 
+    ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
     ``growth_s``: time over which the energy of bounces is fitted, where asked for.
     """
 
@@ -183,6 +187,7 @@ class SweepPlan(NamedTuple):
     record: Record | None = None
     growth_s: float | None = None
     perceive: Perceive | None = None
+    points: Points | None = None
 
 
 class BenchScene(NamedTuple):

@@ -7,18 +7,22 @@ import re
 from functools import cache
 from typing import Annotated, Any
 
-from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
 MAX_LENGTH = 60
 _SPELLINGS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
 
 
-# A number, then unit names with powers below 100, joined by * / ( ) or blanks: pint would evaluate any arithmetic.
+# A number, then unit names with powers below 100, joined by * / ( ) or blanks: pint would evaluate any arithmetic, and
+# a power of a power of a power for ever.
 _TEXT = re.compile(
     r"\s*(?P<number>[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)"
-    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d)|[*/·²³()])*+)"
+    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d|\s*(?:\^|\*\*|[²³]))"
+    r"|[²³](?!\s*(?:\^|\*\*|[²³]))|[*/·()])*+)"
 )
+_POWER = re.compile(r"squared|cubed|square|cubic|sq|\^|\*\*|[²³]")
+_POWER_WORD = re.compile(r"squared|cubed|square|cubic|sq")
 
 
 @cache
@@ -33,7 +37,7 @@ def _registry() -> Any:
 def to_si(text: str, unit: str) -> float:
     """Convert ``text``, a number with a unit, to ``unit``. Raises `ValueError` with the reason."""
     match = _TEXT.fullmatch(text) if len(text) <= MAX_LENGTH else None
-    if match is None:
+    if match is None or (_POWER_WORD.search(match["unit"]) and len(_POWER.findall(match["unit"])) > 1):
         raise ValueError(f"is not a number with a unit; for example 1.5 {unit}")
     if not match["unit"].strip():
         raise ValueError(f"is text; write the number without quotes, or with a unit, as in 1.5 {unit}")
@@ -86,6 +90,14 @@ class Unit:
         number = handler(schema)
         text = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": f"number with a unit, as {self.name}"}
         return {"anyOf": [number, text], "x-unit": self.name}
+
+
+def _whole(value: Any) -> Any:
+    """A float that is a whole number as one: YAML reads ``1e7`` as a float; anything else unchanged."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+MayBeFloat = BeforeValidator(_whole)  # annotation of a strict whole number that a large one of is written as 1e7
 
 
 class Fixed:

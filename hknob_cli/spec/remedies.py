@@ -127,7 +127,10 @@ def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:
             faults.append(
                 source.fault(("base", key), "unknown key; scene, grid, starts and limits are known", at_key=True)
             )
-    scene = spec.base.get("scene")
+    scene, grid = spec.base.get("scene"), spec.base.get("grid")
+    if isinstance(grid, dict) and grid.get("design") is not None:
+        text = "must be absent: remedies are compared over every combination of the axes"
+        faults.append(source.fault(("base", "grid", "design"), text, at_key=True))
     if isinstance(scene, dict) and "hand" in scene:
         faults.append(
             source.fault(("base", "scene", "hand"), "must be absent: hands are listed under hands", at_key=True)
@@ -168,7 +171,9 @@ def beyond(change: dict[str, Any], *, hands: str = "hands") -> list[str]:
 
 
 def misfit(plan: SweepPlan) -> list[str]:
-    """Why what a change makes of a base is no remedy: nothing in it is sampled or counted."""
+    """Why what a change makes of a base is no remedy: nothing in it is sampled or counted, or cells are no grid."""
+    if plan.points:
+        return ["must leave a grid without a design: hands are compared on the same cells"]
     if not plan.scene.sampled or plan.scene.encoder is None:
         return ["must leave a sample clock and an encoder"]
     return []

@@ -15,13 +15,9 @@ from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import RoundTripScanner, ScannerError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
+from hknob_cli.spec.size_limit import MAX_DEPTH, size_limit
 
 Path_ = tuple[str | int, ...]
-
-MAX_BYTES = 1_000_000
-MAX_NODES = 100_000
-MAX_DEPTH = 50
-MAX_KEYS = 1000  # of one mapping
 
 _VERSION = re.compile(r"^%YAML[ \t]+(\S+)", re.MULTILINE)
 _PLAIN = {
@@ -31,6 +27,9 @@ _PLAIN = {
     "tag:yaml.org,2002:null",
     "tag:yaml.org,2002:str",
 }
+_MANY = {"tag:yaml.org,2002:seq", "tag:yaml.org,2002:map"}
+_LONGEST_KEY = 60  # of which more is not said
+_MOST_BITS = 1023  # of a whole number, which is as large as a float may be
 
 
 class _Scanner(RoundTripScanner):
@@ -85,10 +84,12 @@ def dotted(path: Path_) -> str:
     for part in path:
         if isinstance(part, int):
             text += f"[{part}]"
-        elif "." in part:
-            text += f'["{part}"]' if text else f'"{part}"'
+            continue
+        name = part if len(part) <= _LONGEST_KEY else f"{part[: _LONGEST_KEY - 3]}..."
+        if "." in part:
+            text += f'["{name}"]' if text else f'"{name}"'
         else:
-            text += f".{part}" if text else part
+            text += f".{name}" if text else name
     return text
 
 
@@ -97,15 +98,16 @@ def read(path: Path) -> Source:
 
     Raises `UsageError` if it cannot be read at all, `SpecError` for bad YAML, duplicate keys, foreign tags.
     """
+    limit = size_limit()
     try:
         if path.is_dir():
             raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
         with path.open("rb") as stream:
-            data = stream.read(MAX_BYTES + 1)
+            data = stream.read(limit.bytes + 1)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror or error}") from None
-    if len(data) > MAX_BYTES:
-        raise SpecError([Fault(str(path), 1, 1, "", f"larger than {MAX_BYTES} bytes, which no spec needs")])
+    if len(data) > limit.bytes:
+        raise UsageError(f"{path}: larger than {limit.bytes // 1_000_000} MB; {limit.advice}")
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -179,18 +181,25 @@ class _Reader:
         self.loader = loader
         self.faults: list[Fault] = []
         self.count = 0
+        self.limit = size_limit()
 
     def fail(self, node: Node, path: Path_, message: str) -> None:
         self.faults.append(Fault(self.source.name, *_place(node), dotted(path), message))
 
     def construct(self, node: Node, path: Path_) -> Any:
         self.count += 1
-        if self.count > MAX_NODES or len(path) > MAX_DEPTH:
-            self.fail(node, (), f"more than {MAX_NODES} values or {MAX_DEPTH} levels, aliases expanded")
+        if self.count > self.limit.values:
+            self.fail(node, (), f"more than {self.limit.values} values, aliases expanded; {self.limit.advice}")
+            raise SpecError(self.faults)
+        if len(path) > MAX_DEPTH:
+            self.fail(node, (), f"more than {MAX_DEPTH} levels of keys and lists, aliases expanded")
             raise SpecError(self.faults)
         self.source.values[path] = _place(node)
         if isinstance(node, ScalarNode):
             return self.scalar(node, path)
+        if str(node.tag) not in _MANY:
+            self.fail(node, path, f"tag {str(node.tag)[:200]!r} is not allowed here; lists and mappings need none")
+            return None
         if isinstance(node, SequenceNode):
             return [self.construct(item, (*path, i)) for i, item in enumerate(node.value)]
         if isinstance(node, MappingNode):
@@ -200,7 +209,7 @@ class _Reader:
     def scalar(self, node: ScalarNode, path: Path_) -> Any:
         tag = str(node.tag)
         if tag not in _PLAIN:
-            self.fail(node, path, f"tag {tag!r} is not allowed here; numbers, text, true, false and null are")
+            self.fail(node, path, f"tag {tag[:200]!r} is not allowed here; numbers, text, true, false and null are")
             return None
         if not is_text(str(node.value)):
             self.fail(node, path, "must be text that a file can have: without NUL, and without half a character")
@@ -219,12 +228,15 @@ class _Reader:
         # The parser's own kinds of numbers remember how they were written; plain ones are wanted.
         if isinstance(value, bool) or value is None:
             return value
+        if isinstance(value, int) and value.bit_length() > _MOST_BITS:
+            self.fail(node, path, "must be a number below 1e308, which no value here comes near")
+            return None
         return int(value) if isinstance(value, int) else float(value)
 
     def mapping(self, node: MappingNode, path: Path_) -> dict[str, Any]:
         result: dict[str, Any] = {}
-        if len(node.value) > MAX_KEYS:
-            self.fail(node, path, f"more than {MAX_KEYS} keys, which nothing in a spec has")
+        if len(node.value) > self.limit.keys:
+            self.fail(node, path, f"more than {self.limit.keys} keys in one mapping; {self.limit.advice}")
             return result
         for key_node, value_node in node.value:
             if not isinstance(key_node, ScalarNode):

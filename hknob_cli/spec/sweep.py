@@ -1,18 +1,20 @@
 """The sweep's spec: a scene, a grid, and how trials start."""
 
-from math import prod
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
-from hknob_cli.spec.grid import Grid
+from hknob_cli.spec.cells import cells_over
+from hknob_cli.spec.grid import MAX_CELLS, Grid
 from hknob_cli.spec.perceive import PerceiveSpec
 from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
+from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.population import PopulationSpec
-from hknob_cli.spec.quantity import Angle, PositiveSeconds, SignedTorque, Velocity
+from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque, Velocity
 from hknob_cli.spec.scene import Part, SceneSpec, given
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
+MOST_CELLS = 10**13  # that a sweep may be let span
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
 
@@ -57,6 +59,11 @@ class StartsSpec(Part):
 class LimitsSpec(Part):
     """Bounds on the work."""
 
+    max_cells: Annotated[
+        int,
+        Field(strict=True, ge=1, le=MOST_CELLS, description="cells of the grid, with the people of a population"),
+        MayBeFloat,
+    ] = MAX_CELLS
     max_samples: Annotated[
         int | None,
         Field(strict=True, ge=100, le=2**30, description="samples a trial may take; null: by the plant's slowest mode"),
@@ -118,7 +125,7 @@ class SweepSpec(Part):
 
     ABSENT: ClassVar[dict[str, str]] = {}
 
-    def contradictions(self, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
+    def contradictions(self, axes: Axes, points: Points | None) -> list[tuple[tuple[str, ...], str]]:
         """What excludes something else: places in the spec, and what is wrong there."""
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
@@ -138,20 +145,21 @@ class SweepSpec(Part):
         if self.growth and self.scene.controller:
             found.append((("growth",), "must be absent where a controller is given"))
         if self.record:
-            rows = self._recorded_rows(axes)
+            rows = self._recorded_rows(axes, points)
             if rows > MOST_ROWS:
                 text = f"must be shorter, or interval longer: {rows:.2g} rows would be recorded, at most {MOST_ROWS}"
                 found.append((("record", "duration"), text))
         return found
 
-    def _recorded_rows(self, axes: Axes) -> float:
-        """Rows of all recordings, roughly."""
+    def _recorded_rows(self, axes: Axes, points: Points | None) -> float:
+        """Rows of all recordings, roughly; of a design as many as at the highest sample rate."""
         assert self.record
         record = self.record.plain()
         rates = axes.get(RATE, [0.0]) if self.scene.sampling != "continuous" else [0.0]
         trials = min(record.trials, self.starts.phases) if self.scene.sampling != "continuous" else 1
-        others = prod(len(values) for name, values in axes.items() if name != RATE) * max(1, len(record.angles))
-        return others * trials * sum(record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates)
+        each = [trials * record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates]
+        each_cell = max(each) if points else sum(each) / len(each)
+        return len(cells_over(axes, points)) * max(1, len(record.angles)) * each_cell
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
         """The spec as plain values, its axes resolved."""

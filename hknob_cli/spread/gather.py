@@ -1,5 +1,6 @@
 """Handing out pieces of work, and taking in their results, until nothing is left; lost workers cost time only."""
 
+import time
 from collections.abc import Callable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from typing import Protocol
@@ -10,21 +11,28 @@ from hknob_cli.spread.processes import Done
 from hknob_cli.spread.ranges import Range, Ranges
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
+SUSPECT = 2  # of them, after which it is done with nothing beside it, so that no other is taken for what kills workers
+_SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
 
 class Workers(Protocol):
     """Who does the work: processes here, or on a cluster.
 
-    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it.
+    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it;
+    ``fragile``: whether a piece that is too much for one takes all with it, so that it may be why they are gone.
     """
 
+    fragile: bool
     lost: tuple[type[BaseException], ...]
     deadly: tuple[type[BaseException], ...]
 
     @property
     def count(self) -> int:
-        """Pieces that they do at the same time."""
+        """Pieces that they do at the same time; 0 while nobody is there."""
+
+    def reachable(self) -> bool:
+        """Whether they are still there, as far as can be told."""
 
     def submit(self, start: int, stop: int) -> "Future[Done]":
         """Hand out items ``start`` to ``stop``. Raises one of ``lost``."""
@@ -48,20 +56,22 @@ def gather(
     """Do all that is ``left``; ``deliver`` takes in the results of each piece, in any order.
 
     ``tick`` is called several times a second; ``name`` says what items are. What the work raises is raised here, once
-    nothing more is handed out. Raises `ComputationError` where workers die on the same items over and over.
+    nothing more is handed out. Raises `ComputationError` where workers die on the same item over and over.
     """
     pace = pace or Pace()
     pending: dict[Future[Done], Range] = {}
     try:
         while left or pending:
             gone: list[Range] = []
-            while left and not gone and len(pending) < 2 * workers.count:
+            while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
                 one = left.take(pace.size(len(left), workers.count))
                 try:
                     pending[workers.submit(one.start, one.stop)] = one
                 except workers.lost:
                     gone.append(one)
             done, _ = wait(pending, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
+            if not (pending or gone):
+                time.sleep(_SOON)  # nobody is there yet
             tick()
             dead = []
             for future in done:
@@ -75,11 +85,15 @@ def gather(
                 else:
                     pace.learn(one.items, seconds)
                     deliver(one.start, one.stop, found)
-            if gone:
-                dead += [*gone, *pending.values()]
+            if gone or ((left or pending) and not workers.reachable()):
+                gone += pending.values()
                 pending.clear()
                 workers.renew()
-            _bury(dead, name)
+            if workers.fragile:
+                dead += gone
+            else:
+                left.put_back(gone)
+            _bury(dead, name, left.unit)
             left.give_back(dead)
     except BaseException:
         workers.close(now=True)
@@ -87,11 +101,16 @@ def gather(
     workers.close()
 
 
-def _bury(dead: list[Range], name: Callable[[Range], str]) -> None:
-    """Raise `ComputationError` for items that cost too many workers."""
+def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
+    """Whether what is handed out, or would be next, may be what kills workers."""
+    return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
+
+
+def _bury(dead: list[Range], name: Callable[[Range], str], unit: int) -> None:
+    """Raise `ComputationError` for what cost too many workers and cannot be halved any more."""
     for one in dead:
-        if one.deaths + 1 >= DEATHS:
+        if one.deaths + 1 >= DEATHS and one.items <= unit:
             raise ComputationError(
-                f"{name(one)}: the process that computes them died {one.deaths + 1} times (out of memory?); all else "
+                f"{name(one)}: the process that computed this died {one.deaths + 1} times (out of memory?); all else "
                 "that is finished is kept, run the same command again"
             )

@@ -1,10 +1,11 @@
 """Processes on this machine that do pieces of work, as a `concurrent.futures` executor."""
 
+import contextlib
 import os
 import signal
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
 from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
@@ -12,13 +13,29 @@ from threading import Thread
 Work = Callable[[int, int], bytes]  # items start to stop, to their results
 Done = tuple[float, bytes]  # seconds, results
 
+_BOTH = {signal.SIGINT, signal.SIGTERM}
 _work: Work | None = None
+
+
+@contextlib.contextmanager
+def beginning() -> Iterator[None]:
+    """While processes are begun: signals wait until each knows what to do with them (`begin_worker`)."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, _BOTH)
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def begin_worker() -> None:
     """Leave an interruption to the parent to answer, and end when it has been killed: nobody else would say so."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _BOTH)
     parent = parent_process()
     assert parent is not None
 
@@ -53,6 +70,7 @@ class Processes:
     Threads of libraries are held to one a process from the start of the program (`cli.main`).
     """
 
+    fragile = True
     lost: tuple[type[BaseException], ...] = (BrokenExecutor,)
     deadly: tuple[type[BaseException], ...] = (MemoryError,)
 
@@ -65,9 +83,14 @@ class Processes:
     def _open(self) -> ProcessPoolExecutor:
         return ProcessPoolExecutor(self.count, get_context(start_method()), _begin, (self._given,))
 
+    def reachable(self) -> bool:
+        """They are: what is lost says so."""
+        return True
+
     def submit(self, start: int, stop: int) -> "Future[Done]":
         """Hand out a piece of work."""
-        return self._executor.submit(_do, start, stop)
+        with beginning():
+            return self._executor.submit(_do, start, stop)
 
     def renew(self) -> None:
         """Begin other processes, after some were lost."""

@@ -18,11 +18,14 @@ class Range(NamedTuple):
 
 
 class Ranges:
-    """Ranges in order; no piece cut from them crosses a multiple of ``part``."""
+    """Ranges in order; no piece cut from them crosses a multiple of ``part``, and cuts are at multiples of ``unit``."""
 
-    def __init__(self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None) -> None:
+    def __init__(
+        self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None, unit: int = 1
+    ) -> None:
         """All of ``total`` items but those that are ``done``."""
         self.part = part or max(1, total)
+        self.unit = unit
         self._left: list[Range] = []  # the lowest last
         begin = 0
         for start, stop in [*sorted(done), (total, total)]:
@@ -35,18 +38,31 @@ class Ranges:
         """Number of items left."""
         return sum(one.items for one in self._left)
 
+    @property
+    def deaths(self) -> int:
+        """How often workers that had the lowest items were lost; 0 if none are left."""
+        return self._left[-1].deaths if self._left else 0
+
     def take(self, most: int) -> Range:
         """The lowest items, at most ``most`` of them. Raises `IndexError` if none are left."""
         first = self._left.pop()
-        stop = min(first.stop, first.start + max(1, most), (first.start // self.part + 1) * self.part)
+        units = max(1, most // self.unit)
+        stop = min(
+            first.stop, (first.start // self.unit + units) * self.unit, (first.start // self.part + 1) * self.part
+        )
         if stop < first.stop:
             self._left.append(first._replace(start=stop))
         return first._replace(stop=stop)
 
+    def put_back(self, gone: Iterable[Range]) -> None:
+        """Items that nobody is at any more, for no fault of theirs."""
+        self._left += sorted(gone, reverse=True)
+
     def give_back(self, lost: Iterable[Range]) -> None:
         """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""
         for one in lost:
-            middle = one.start + (one.items + 1) // 2
+            units = -(-one.items // self.unit)
+            middle = min(one.stop, one.start + (units + 1) // 2 * self.unit)
             halves = [Range(one.start, middle, one.deaths + 1), Range(middle, one.stop, one.deaths + 1)]
             self._left += [half for half in halves if half.items]
         self._left.sort(reverse=True)

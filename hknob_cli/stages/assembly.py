@@ -6,7 +6,8 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.results.parted import PART_CELLS, is_written, read_parted, write_part
+from hknob_cli.results.parted import PART_CELLS, is_written, read_parted, take_back, write_part
+from hknob_cli.results.place import make_folder
 from hknob_cli.results.staging import Staging
 from hknob_cli.stages.piece import decode
 
@@ -29,7 +30,10 @@ class Assembly:
         """Make ready, and go on from what an earlier run has finished: which cells that is."""
         self.staging.begin(afresh=afresh)
         for name in TABLES if self.parted else ():
-            (self.staging.folder / name).mkdir(exist_ok=True)
+            folder = self.staging.folder / name
+            if not afresh:
+                take_back(self.staging.folder.parent / f"{name}.parquet", folder, self.provenance)
+            make_folder(folder)
         done = [self._range(number) for number in range(self._parts) if self.parted and self._is_written(number)]
         for start, stop in self.staging.pieces():
             if any(one[0] <= start and stop <= one[1] for one in done) or not self._fits(start, stop):

@@ -3,15 +3,8 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.attractors import (
-    Attractor,
-    Engine,
-    NeedsCompilerError,
-    Search,
-    sample_limit,
-    settling_samples,
-    whole,
-)
+from hknob_cli.engine.attractors import Attractor, Engine, NeedsCompilerError, Search, whole
+from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
@@ -85,7 +78,7 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
         return group, phases * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
-    return group, phases * (settling_samples(rate, sample_limit(rate, damped=loop.alpha > 0.0)) + DETECTION)
+    return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
 
 class CellFinder:

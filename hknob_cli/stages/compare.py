@@ -4,20 +4,19 @@ Differences are relative to the sweep, (prediction - sweep) / sweep. The dissert
 describing functions with the *peak to peak* of its simulations (sec. 7.3), so that reading is computed, too.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite, sqrt
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.results.provenance import origin, scene_of
-from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.named_file import digest_of, open_named
+from hknob_cli.results.digest import digest as file_digest
+from hknob_cli.results.parted import read_result, result_schema
+from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
@@ -35,9 +34,8 @@ def sweep_file(folder: str) -> Path:
     """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
     path = Path(folder) / "cells.parquet"
     try:
-        with open_named(path) as stream:
-            found = origin(pq.read_schema(stream).metadata)
-    except (OSError, UsageError, pa.ArrowException):
+        found = origin(result_schema(path).metadata)
+    except (OSError, pa.ArrowException):
         raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
     if found is None or found[0] != "sweep":
         raise UsageError(f"against: {path} is not the result of a sweep")
@@ -46,7 +44,7 @@ def sweep_file(folder: str) -> Path:
 
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
-    return digest_of(sweep_file(folder))
+    return file_digest(sweep_file(folder)) or ""
 
 
 def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
@@ -54,8 +52,7 @@ def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:
 
     The bias is what describing functions and laws assume, whatever the sweep's is. Raises `UsageError`.
     """
-    with pq.ParquetFile(sweep_file(folder)) as file:
-        theirs = scene_of(file.schema_arrow.metadata)
+    theirs = scene_of(result_schema(sweep_file(folder)).metadata)
     return list(_differences(theirs, scene, "", {*axes, "bias"})) if theirs is not None else []
 
 
@@ -81,26 +78,31 @@ _SWEPT = (*_MAY_LACK, "diverged_fraction", "undecided_fraction", "at_rest_fracti
 
 
 class Against:
-    """The cells of a sweep, by the axis values of another grid."""
+    """The cells of a sweep, by the axis values of another grid or design."""
 
-    def __init__(self, folder: str, axes: Axes, *, table: pa.Table | None = None) -> None:
-        """Read them, unless ``table`` has them: a campaign's trials as cells.
+    def __init__(
+        self, folder: str, axes: Sequence[str], cells: Iterable[Cell], *, table: pa.Table | None = None
+    ) -> None:
+        """Read them, unless ``table`` has them: a campaign's trials as cells. ``axes``, ``cells``: of the other grid.
 
         Raises `UsageError` if the sweep's axes are others, or no cell is common to both.
         """
         path = Path(folder)
+        own: set[str] | None = None
         if table is None:
             path = sweep_file(folder)
             table = _read(path)
+            own = set(axes_of(table.schema.metadata))
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
             raise UsageError(f"against: {path} has no axis {', '.join(lacking)}")
         self._axes = list(axes)
         rows = _numbers(table, self._axes, path)
         self._cells = {self._key(row): row for row in rows}
-        if len(self._cells) < len(rows):
+        # Points of a design may coincide, of a list of values or where counts are rounded.
+        if len(self._cells) < len(rows) and (own is None or not own <= set(axes)):
             raise UsageError(f"against: {path} has further axes, so a cell here is several there")
-        if not any(self._key(cell) in self._cells for cell in Cells(axes)):
+        if not any(self._key(cell) in self._cells for cell in cells):
             raise UsageError(f"against: {path} has no cell of this grid")
 
     def _key(self, cell: Cell) -> tuple[str, ...]:
@@ -121,8 +123,7 @@ class Against:
 
 def _read(path: Path) -> pa.Table:
     try:
-        with pq.ParquetFile(path) as file:
-            return file.read()
+        return read_result(path)
     except (OSError, pa.ArrowException):
         raise UsageError(f"against: {path} cannot be read; run the sweep again") from None
 

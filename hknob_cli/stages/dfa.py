@@ -40,7 +40,7 @@ class DfaStage:
         """Make ready. Raises `UsageError` if there is no sweep to compare with where one is named."""
         self.plan = plan
         self.notify = notify
-        self.against = compare.Against(plan.against, plan.axes) if plan.against else None
+        self.against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
         self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
 
     def run(self, progress: Progress = lambda _done, _total: None) -> pa.Table:
@@ -131,8 +131,8 @@ class DfaStage:
 
     @cached_property
     def _functions(self) -> dict[str, Any]:
-        from hknob_cli.engine.jit import compiled, is_cached
+        from hknob_cli.engine.jit import compiled, waiting
 
-        if not is_cached():
-            self.notify("compiling the engine for this machine; only the first long run waits for it")
+        if text := waiting():
+            self.notify(text)
         return compiled()

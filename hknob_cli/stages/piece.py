@@ -1,5 +1,6 @@
 """A piece of a sweep: some cells of its grid by number, as bytes that one process can hand to another."""
 
+import platform
 from struct import Struct
 from typing import Any, NamedTuple
 
@@ -7,6 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table, orbits_table
 
@@ -46,18 +48,34 @@ class PieceFinder:
 
     def _check(self) -> None:
         from hknob_cli.errors import ComputationError
-        from hknob_cli.results.versions import computing_versions
+        from hknob_cli.results.versions import grid_versions
 
-        here = computing_versions()
+        here = grid_versions(self.plan.points)
         if other := [
             f"{name} {here.get(name)}, not {value}" for name, value in self.versions.items() if here.get(name) != value
         ]:
-            raise ComputationError(f"a worker has other versions, so its results would differ: {'; '.join(other)}")
+            raise ComputationError(
+                f"a worker, on {platform.node()}, has other versions, so its results would differ: {'; '.join(other)}; "
+                "install the same there, and run the same command again"
+            )
+
+
+def unit_of(plan: SweepPlan) -> int:
+    """Cells that stay together, however a sweep is cut."""
+    if plan.scene.controller is None:
+        return 1
+    from hknob_cli.stages.remedied import block_of
+
+    return block_of(plan)
 
 
 def find_piece(stage: SweepStage, start: int, stop: int) -> Piece:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
-    found = stage.find(list(cells_of(stage.plan).run(start, stop)))
+    grid, unit = cells_of(stage.plan), unit_of(stage.plan)
+    if stage.plain:
+        return Piece(*plain_chunk(stage.plan, grid.columns(start, stop), stage.functions(GROUP), stage.stopped))
+    step = unit if unit > 1 else max(1, stop - start)
+    found = [one for a in range(start, stop, step) for one in stage.find(list(grid.run(a, min(stop, a + step))))]
     return Piece(cells_table(stage.plan, found), orbits_table(stage.plan, found), sum(one.samples for one in found))
 
 

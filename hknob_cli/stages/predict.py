@@ -47,7 +47,7 @@ def predict(plan: PredictPlan, progress: Progress = lambda _done, _total: None) 
         "energy_balance": energy_balance,
     }
     laws = {name: all_laws[name] for name in plan.laws}
-    against = compare.Against(plan.against, plan.axes) if plan.against else None
+    against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
     predictions: list[dict[str, Any]] = []
     limits: list[dict[str, Any]] = []
     every = cells_of(plan)

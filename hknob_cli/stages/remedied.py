@@ -1,5 +1,6 @@
 """Cells of a sweep whose wall has a controller: all trials of one sample rate and one controller side by side."""
 
+from collections import deque
 from collections.abc import Iterator, Sequence
 from math import nan
 from typing import Any
@@ -21,14 +22,28 @@ from hknob_cli.stages.cell import CellResult
 MOST_LANES = 4096  # side by side
 
 
+def block_of(plan: SweepPlan) -> int:
+    """Cells of a grid that are found together; it is fixed which, for rounding depends on what is side by side."""
+    most = max(1, MOST_LANES // plan.starts.phases)
+    return 1 << (most.bit_length() - 1)
+
+
 def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
     """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
-    every = list(cells_of(plan) if some is None else some)
+    if some is None:
+        grid, block = cells_of(plan), block_of(plan)
+        for start in range(0, len(grid), block):
+            yield from remedied_results(plan, list(grid.run(start, min(len(grid), start + block))))
+        return
+    every = list(some)
+    alike: dict[tuple[object, ...], deque[int]] = {}
+    for i, cell in enumerate(every):
+        alike.setdefault(_key(plan, cell), deque()).append(i)
     done: dict[int, CellResult] = {}
-    for i in range(len(every)):
+    for i, cell in enumerate(every):
         if i not in done:
-            group = [j for j in range(i, len(every)) if j not in done and _key(plan, every[j]) == _key(plan, every[i])]
-            group = group[: max(1, MOST_LANES // plan.starts.phases)]
+            left = alike[_key(plan, cell)]
+            group = [left.popleft() for _ in range(min(len(left), max(1, MOST_LANES // plan.starts.phases)))]
             done.update(zip(group, _found(plan, [every[j] for j in group]), strict=True))
         yield done.pop(i)
 

@@ -55,11 +55,13 @@ class RemediesStage:
         from concurrent.futures import ProcessPoolExecutor
         from multiprocessing import get_context
 
-        from hknob_cli.spread.processes import begin_worker
+        from hknob_cli.spread.processes import begin_worker, beginning
 
         # Forked, a process has all libraries loaded.
         self._pool = ProcessPoolExecutor(self.jobs, get_context("fork"), begin_worker)
-        self._pool.submit(int).result()
+        with beginning():
+            first = self._pool.submit(int)
+        first.result()
         return self
 
     def __exit__(self, kind: object, *_: object) -> None:

@@ -97,10 +97,29 @@ class SweepStage:
     def _work(self) -> float:
         return sum(samples * HEAVIER[group] for group, samples in self.expected.items())
 
+    @cached_property
+    def plain(self) -> bool:
+        """Whether every cell is plain, so that runs of them are found whole by compiled code."""
+        from hknob_cli.stages.plain_chunk import takes_plain
+
+        return takes_plain(self.plan)
+
+    @property
+    def stopped(self) -> Callable[[], bool]:
+        """Whether to give up."""
+        return self._stop.is_set
+
     def compile(self) -> None:
-        """Compile what the sweep will take, where it is not compiled yet."""
-        for group in self.expected:
+        """Compile what pieces of the sweep will take, where it is not compiled yet."""
+        from hknob_cli.stages.plain_chunk import GROUP
+
+        for group in [GROUP] if self.plain else self.expected:
             self._compile(group)
+
+    def functions(self, group: str) -> dict[str, Callable[..., Any]]:
+        """Compiled functions of a group, by name."""
+        self._compile(group)
+        return self._functions[group]
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
@@ -140,12 +159,12 @@ class SweepStage:
             return self._finder().find(self.plan, cell)
 
     def _compile(self, group: str) -> None:
-        from hknob_cli.engine.jit import compiled, is_cached
+        from hknob_cli.engine.jit import compiled, waiting
 
         if group in self._functions:
             return
-        if not is_cached(group):
-            self.notify("compiling the engine for this machine; only the first long sweep waits for it")
+        if text := waiting(group):
+            self.notify(text)
         self._functions = {**self._functions, group: compiled(group)}
 
     def _finder(self) -> CellFinder:

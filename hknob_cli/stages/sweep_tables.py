@@ -1,63 +1,146 @@
 """The tables of a sweep, with the columns that its scene has."""
 
-from collections.abc import Callable, Iterator, Sequence
-from math import isfinite, nan
+from collections.abc import Mapping, Sequence
+from math import nan
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
-from hknob_cli.engine.outcome import WORDS, Outcome
-from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.results.arrays import build_table
+from hknob_cli.engine.outcome import WORDS, Outcome, Reason
+from hknob_cli.results.arrays import join_columns, spell
 from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
+from hknob_cli.scene.sampled_cells import hands_of
+from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
+from hknob_cli.stages.found import Array, Found, gather
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
+_OUTCOMES = [outcome.name.lower() for outcome in Outcome]
+_REASONS = [WORDS[reason] for reason in Reason]
+
+Axes = Mapping[str, NDArray[Any]]
 
 
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
-    columns = (*CELLS, *(GROWTH if may_bounce(plan) else ()))
-    rows = [{**result.cell, **_cell_row(result)} for result in results]
+    columns: tuple[Column, ...] = CELLS
+    more: dict[str, list[Any]] = {}
+    if may_bounce(plan):
+        columns, more = (*CELLS, *GROWTH), _growth(results)
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row
 
         columns = (*columns, *cell_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
-        for row, result in zip(rows, results, strict=True):
+        rows = []
+        for result in results:
             total = sum(one.trials for one in result.attractors)
             shares = [one.trials / total for one in result.attractors]
-            row.update(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
-    return _table(plan, columns, rows)
+            rows.append(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
+        more |= _turned(rows)
+    return lay_out_cells(plan, _axes(plan, results), gather(results), columns, more)
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    rows = [{**result.cell, **row} for result in results for row in _orbit_rows(result)]
-    columns = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
+    columns: tuple[Column, ...] = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
+    more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:
         columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
+        more = _contact(results)
     if plan.perceive:
         from hknob_cli.results.perceived_columns import orbit_columns
         from hknob_cli.stages.perceived import orbit_row
 
         columns = (*columns, *orbit_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
-        found = [
-            orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived
-        ]
-        rows = [{**row, **more} for row, more in zip(rows, found, strict=True)]
-    return _table(plan, columns, rows)
+        more |= _turned(
+            [orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived]
+        )
+    return lay_out_orbits(plan, _axes(plan, results), gather(results), columns, more)
 
 
-def _table(plan: SweepPlan, columns: Sequence[Column], rows: list[dict[str, Any]]) -> pa.Table:
-    axes = [axis_column(name, plan.units[name]) for name in plan.axes]
-    people = plan.scene.hand.by_person if plan.scene.hand else ()
-    if people:
-        names = [column.name for column in PEOPLE]
-        axes += PEOPLE
-        rows = [{**row, **dict(zip(names, people[row[PERSON] - 1], strict=False))} for row in rows]
-    return build_table([*axes, *(one for one in columns if _is_counted(plan) or one.name not in NEEDS_COUNTS)], rows)
+def lay_out_cells(
+    plan: SweepPlan,
+    axes: Axes,
+    found: Found,
+    columns: Sequence[Column] = CELLS,
+    more: Mapping[str, Sequence[Any]] | None = None,
+) -> pa.Table:
+    """One row per cell, from their attractors; ``axes``: their values on each axis, ``more``: further columns."""
+    m = found.measures
+    cycles = (found.outcome == Outcome.CYCLE) | (found.outcome == Outcome.REST)
+    weights = found.trials * (cycles | np.isfinite(m.p2p_rad))
+    weight, trials = found.total(weights), found.total(found.trials)
+
+    def mean(values: Any) -> Array:
+        """Mean over a cell's attractors by the trials that reach them; NaN where none is bounded."""
+        means = np.full(len(weight), nan)
+        np.divide(found.total(weights * np.where(weights > 0, values, 0.0)), weight, out=means, where=weight > 0.0)
+        return means
+
+    def part(which: NDArray[np.bool_]) -> Array:
+        return found.total(found.trials * which) / trials
+
+    p2p = mean(m.p2p_rad)
+    values = {
+        "p2p_rad": p2p,
+        "p2p_counts": p2p / found.quantum_rad,
+        "frequency_hz": mean(m.frequency_hz),
+        "rms_rad": mean(m.rms_rad),
+        "orbit_count": found.total(weights > 0),
+        "certified_fraction": part(found.reason == Reason.NONE),
+        "at_rest_fraction": part(found.outcome == Outcome.REST),
+        "diverged_fraction": part(found.outcome == Outcome.DIVERGED),
+        "undecided_fraction": part(found.outcome == Outcome.UNDECIDED),
+        **(more or {}),
+    }
+    return _table(plan, axes, columns, values)
+
+
+def lay_out_orbits(
+    plan: SweepPlan,
+    axes: Axes,
+    found: Found,
+    columns: Sequence[Column] = ORBITS,
+    more: Mapping[str, Sequence[Any]] | None = None,
+) -> pa.Table:
+    """One row per attractor; ``axes``: values of its cells on each axis, ``more``: further columns."""
+    measures = found.measures._asdict()
+    values = {
+        "orbit": found.number,
+        "outcome": spell(_OUTCOMES, found.outcome),
+        "reason": spell(_REASONS, found.reason),
+        "period_samples": np.where(found.closed, found.period, nan),
+        "cycles_per_period": np.where(found.closed, measures.pop("cycles"), nan),
+        "basin_fraction": found.trials / found.total(found.trials)[found.cell],
+        "certified": found.reason == Reason.NONE,
+        "margin_counts": np.where(found.closed, found.edge, nan),
+        "closure_rad": np.where(found.closed, found.closure * found.quantum_rad[found.cell], nan),
+        **measures,
+        **(more or {}),
+    }
+    return _table(plan, {name: column[found.cell] for name, column in axes.items()}, columns, values)
+
+
+def _table(plan: SweepPlan, axes: Axes, columns: Sequence[Column], values: Mapping[str, Any]) -> pa.Table:
+    first = [axis_column(name, plan.units[name]) for name in plan.axes]
+    hand = plan.scene.hand
+    people: dict[str, Any] = {}
+    if hand and hand.by_person:
+        people = dict(zip([column.name for column in PEOPLE], hands_of(hand, axes[PERSON]), strict=True))
+        first += PEOPLE
+    kept = [one for one in columns if _is_counted(plan) or one.name not in NEEDS_COUNTS]
+    return join_columns([*first, *kept], {**values, **people, **axes})
+
+
+def _axes(plan: SweepPlan, results: Sequence[CellResult]) -> dict[str, NDArray[Any]]:
+    return {
+        name: np.array([result.cell[name] for result in results], dtype=np.int64 if name in WHOLE else np.float64)
+        for name in plan.axes
+    }
 
 
 def _is_counted(plan: SweepPlan) -> bool:
@@ -78,35 +161,7 @@ def _has_friction(plan: SweepPlan) -> bool:
     return plan.scene.knob.coulomb_torque > 0.0 or any(plan.axes.get("knob.coulomb_torque", []))
 
 
-def _cell_row(result: CellResult) -> dict[str, Any]:
-    total = sum(one.trials for one in result.attractors)
-    share = {outcome: sum(a.trials for a in result.attractors if a.outcome is outcome) / total for outcome in Outcome}
-    bounded = [
-        (a.trials, m)
-        for a, m in zip(result.attractors, result.measures, strict=True)
-        if a.outcome in (Outcome.CYCLE, Outcome.REST) or isfinite(m.p2p_rad)
-    ]
-    weight = sum(trials for trials, _ in bounded)
-
-    def mean(of: Callable[[OrbitMeasures], float]) -> float:
-        return sum(trials * of(m) for trials, m in bounded) / weight if weight else nan
-
-    p2p = mean(lambda m: m.p2p_rad)
-    return {
-        "p2p_rad": p2p,
-        "p2p_counts": p2p / result.quantum_rad,
-        "frequency_hz": mean(lambda m: m.frequency_hz),
-        "rms_rad": mean(lambda m: m.rms_rad),
-        "orbit_count": len(bounded),
-        "certified_fraction": sum(a.trials for a in result.attractors if a.certified) / total,
-        "at_rest_fraction": share[Outcome.REST],
-        "diverged_fraction": share[Outcome.DIVERGED],
-        "undecided_fraction": share[Outcome.UNDECIDED],
-        **_growth(result),
-    }
-
-
-def _growth(result: CellResult) -> dict[str, Any]:
+def _growth(results: Sequence[CellResult]) -> dict[str, list[Any]]:
     names = {
         "growth_j_per_s2": "growth_j_per_s2",
         "growth_std_j_per_s2": "growth_std_j_per_s2",
@@ -114,36 +169,19 @@ def _growth(result: CellResult) -> dict[str, Any]:
         "growth_fits": "fits",
         "bounces": "bounces",
     }
-    return {name: getattr(result.growth, field) if result.growth else None for name, field in names.items()}
+    return {
+        name: [getattr(result.growth, field) if result.growth else None for result in results]
+        for name, field in names.items()
+    }
 
 
-def _orbit_rows(result: CellResult) -> Iterator[dict[str, Any]]:
-    total = sum(one.trials for one in result.attractors)
-    for number, (one, m) in enumerate(zip(result.attractors, result.measures, strict=True)):
-        orbit = one.period > 0 or result.contact is not None
-        yield {
-            "orbit": number,
-            "outcome": one.outcome.name.lower(),
-            "reason": WORDS[one.reason],
-            "period_samples": one.period if orbit else None,
-            "cycles_per_period": m.cycles if orbit else None,
-            "p2p_rad": m.p2p_rad,
-            "min_rad": m.min_rad,
-            "max_rad": m.max_rad,
-            "rms_rad": m.rms_rad,
-            "frequency_hz": m.frequency_hz,
-            "basin_fraction": one.trials / total,
-            "certified": one.certified,
-            "margin_counts": one.edge if orbit else None,
-            "closure_rad": one.closure * result.quantum_rad if orbit else None,
-            "wall_work_j": m.wall_work_j,
-            "damping_loss_j": m.damping_loss_j,
-            "friction_loss_j": m.friction_loss_j,
-            "late_entry_j": m.late_entry_j,
-            "late_exit_j": m.late_exit_j,
-            "staircase_j": m.staircase_j,
-            **{
-                name: getattr(result.contact, name, None)
-                for name in ("contact_s", "settling_s", "bounces", "energy_drift")
-            },
-        }
+def _contact(results: Sequence[CellResult]) -> dict[str, list[Any]]:
+    return {
+        column.name: [getattr(result.contact, column.name, None) for result in results for _ in result.attractors]
+        for column in CONTACT
+    }
+
+
+def _turned(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Columns of rows that all have the same names."""
+    return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}

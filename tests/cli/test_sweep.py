@@ -114,5 +114,12 @@ def test_usage_errors(hknob, spec_file) -> None:
     assert hknob("sweep").returncode == 2
     assert hknob("sweep", spec_file(), "--jobs", "0").returncode == 2
     assert hknob("sweep", "nowhere.yaml").returncode == 2
-    dask = hknob("sweep", spec_file(), "--executor", "dask")
-    assert (dask.returncode, "dask is not in this version" in dask.stderr) == (2, True)
+    for options, wanted in {
+        ("--executor", "dask"): "--executor dask: needs --scheduler",
+        ("--scheduler", "tcp://here:8786"): "--scheduler: needs --executor dask",
+        ("--executor", "dask", "--scheduler", "nonsense://x"): "--scheduler: must be an address",
+    }.items():
+        done = hknob("sweep", spec_file(), *options)
+        assert (done.returncode, wanted in done.stderr) == (2, True), done.stderr
+    done = hknob("dfa", spec_file(), "--executor", "dask", "--scheduler", "tcp://here:8786")
+    assert (done.returncode, "dfa is not spread; dask is for sweep and run" in done.stderr) == (2, True)

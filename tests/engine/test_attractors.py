@@ -4,7 +4,8 @@ from collections import Counter
 
 import pytest
 
-from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search, sample_limit, settling_samples
+from hknob_cli.engine.attractors import Engine, NeedsCompilerError, Search
+from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
@@ -45,7 +46,14 @@ def search(engine: Engine, one: SampledKnob, phases: int = 64, max_samples: int 
 )
 def test_compiled_and_interpreted_agree_to_the_last_bit(rate: float, counts: int, parts: dict[str, object]) -> None:
     one = knob(rate, counts, **parts)
-    assert search(Engine(), one, phases=6) == search(Engine(compiled()), one, phases=6)
+    plain, fast = Engine(), Engine(compiled())
+    found = search(plain, one, phases=6)
+    assert found == search(fast, one, phases=6)
+    for orbit in found.attractors:
+        if orbit.outcome is Outcome.CYCLE:
+            assert plain.measure(one.loop, orbit) == fast.measure(one.loop, orbit)
+            pairs = zip(plain.holds(one.loop, orbit), fast.holds(one.loop, orbit), strict=True)
+            assert all((a == b).all() for a, b in pairs)
 
 
 def test_blocks_of_lanes_are_one_ensemble() -> None:

@@ -140,6 +140,10 @@ def test_files_in_the_way_that_are_no_files(hknob, spec_file, tmp_path: Path) ->
     out = tmp_path / "out"
     (out / "cells.parquet").mkdir(parents=True)
     done = hknob("sweep", spec_file(), "-o", out)
+    assert (done.returncode, "not written by hknob" in done.stderr) == (3, True)
+    (out / "cells.parquet").rmdir()
+    os.mkfifo(out / "cells.parquet")
+    done = hknob("sweep", spec_file(), "-o", out)
     assert (done.returncode, "is not a file" in done.stderr) == (3, True)
     assert hknob("sweep", spec_file(), "-o", tmp_path / ("x" * 300)).returncode == 1
 

@@ -112,16 +112,16 @@ def test_extrema_with_a_delay_that_splits_ringing_holds(rate: float, delay: floa
     cell = {"sample_rate_hz": rate, "counts_per_rev": 1024}
     result = stage.run_cell(cell)
     from hknob_cli.engine.attractors import Engine
-    from hknob_cli.measure.period import split_holds
     from hknob_cli.scene.sampled_knob import sample_knob
 
     knob = sample_knob(stage.plan.scene, sample_rate_hz=rate, counts_per_rev=1024)
     for attractor, measures in zip(result.attractors, result.measures, strict=True):
         if measures.cycles == 0:
             continue
-        period = split_holds(knob.loop, *Engine().trace(knob.loop, attractor))
+        xs, vs, drives = Engine().holds(knob.loop, attractor)
+        spans = [knob.loop.split, 1.0 - knob.loop.split] * attractor.period
         dense = []
-        for x, v, drive, span in zip(period.x, period.v, period.drive, period.duration, strict=False):
+        for x, v, drive, span in zip(xs[:-1], vs[:-1], drives, spans, strict=True):
             for t in np.linspace(0.0, span, 3001)[:-1]:
                 s, g, _ = hold_coefficients(knob.loop.alpha, knob.loop.beta, t)
                 dense.append(x + (s * v + g * (drive - knob.loop.beta * x)))

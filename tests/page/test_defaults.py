@@ -43,5 +43,5 @@ def test_tables_of_another_shape_have_no_sentence(tmp_path: Path, columns: dict[
 
 
 def test_tables_without_their_axis_are_not_shown(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"results: the tables of 'tried' in .* are not as its stage writes them"):
+    with pytest.raises(UsageError, match="'tried' has no column sample_rate_hz"):
         chapters_of(evidence(tmp_path, sample_rate_hz=None))

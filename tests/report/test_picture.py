@@ -1,6 +1,7 @@
 """Pictures as files: whole or not at all, and drawn whatever a spec calls its parts."""
 
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 from matplotlib.figure import Figure
@@ -33,8 +34,8 @@ def test_half_a_picture_is_not_left(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         (KeyboardInterrupt(), KeyboardInterrupt),
     ):
 
-        def fail(half: Path, raised: BaseException = error, **_: object) -> None:
-            half.write_bytes(b"half")
+        def fail(half: BinaryIO, raised: BaseException = error, **_: object) -> None:
+            half.write(b"half")
             raise raised
 
         figure = Figure()

@@ -3,13 +3,14 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results import store
-from hknob_cli.results.arrays import build_array, build_table
+from hknob_cli.results.arrays import build_array, build_table, lay_out, spell
 from hknob_cli.results.columns import CELLS, ORBITS, Column
 from hknob_cli.results.provenance import KEY, describe
 
@@ -36,6 +37,28 @@ def test_arrays_are_what_pyarrow_builds(kind: pa.DataType, values: list[object])
     array.validate(full=True)
     assert array.to_pylist() == [None if value != value else value for value in values]
     assert array.equals(pa.array(values, kind, from_pandas=True))
+
+
+@pytest.mark.parametrize(
+    ("kind", "values"),
+    [
+        (pa.float64(), [1.5, float("nan"), -0.0, float("inf")]),
+        (pa.int64(), [1.0, float("nan"), 2.0**40]),
+        (pa.int64(), [1, -(2**62)]),
+        (pa.bool_(), [True, False, False] * 5),
+        (pa.float64(), []),
+    ],
+)
+def test_columns_are_what_lists_give(kind: pa.DataType, values: list[object]) -> None:
+    array = lay_out(kind, np.array(values)[::-1])
+    array.validate(full=True)
+    assert array.equals(build_array(kind, values[::-1]))
+
+
+def test_words_by_number() -> None:
+    array = spell(["", "Δθ", "rest"], np.array([2, 0, 1, 2]))
+    array.validate(full=True)
+    assert array.equals(build_array(pa.string(), ["rest", "", "Δθ", "rest"]))
 
 
 def test_written_files_carry_units_and_provenance(tmp_path: Path) -> None:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.grid import AxisError, LinAxis, LogAxis, axis_unit, axis_values, scalar_paths
+from hknob_cli.spec.grid import AxisError, LinAxis, LogAxis, axis_values
+from hknob_cli.spec.scene_paths import axis_unit, scalar_paths
 from tests.conftest import SPEC, loaded
 
 

@@ -35,12 +35,33 @@ def test_experiments_satisfy_the_schema_and_name_it(path) -> None:
         {"grid": {"counts_per_rev": 1}},
         {"grid": {"sample_rate_hz": 1000, "counts_per_rev": 1024, "nonsense": [1]}},
         {"scene": {"knob": {"inertia": 1}, "wall": {"stiffness": 1}, "bias": {}}},
+        {"grid": {"sample_rate_hz": {"log": [100, 1000]}, "counts_per_rev": 1024}},
+        {"grid": {"design": {"sobol": 8}, "sample_rate_hz": {"log": [100, 1000, 4]}, "counts_per_rev": 1024}},
+        {"grid": {"design": {"sobol": 8, "halton": 8}, "sample_rate_hz": {"log": [100, 1000]}, "counts_per_rev": 1}},
+        {"grid": {"design": {}, "sample_rate_hz": {"log": [100, 1000]}, "counts_per_rev": 1024}},
+        {"limits": {"max_cells": 1e14}},
         {"extra": 1},
     ],
 )
 def test_an_editor_sees_faults(change: dict[str, object]) -> None:
     values = {**read(EXPERIMENTS / "smoke_grid.yaml").value, **change}
     assert not Draft202012Validator(json_schema("sweep")).is_valid(values)
+
+
+def test_a_design_passes_the_schema() -> None:
+    values = read(EXPERIMENTS / "smoke_grid.yaml").value
+    values["grid"] = {
+        "design": {"sobol": 64, "seed": 2},
+        "sample_rate_hz": {"log": [100, "10 kHz"]},
+        "counts_per_rev": [128, 256],
+        "hand.stiffness": {"lin": [0.02, 0.2]},
+        "bias.torque": 0.001,
+    }
+    for kind in ("sweep", "dfa", "predict"):
+        values["kind"] = kind
+        if kind != "sweep":
+            values.pop("starts", None)
+        assert Draft202012Validator(json_schema(kind)).is_valid(values)
 
 
 def test_units_pass_the_schema() -> None:

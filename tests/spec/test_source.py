@@ -82,9 +82,8 @@ def test_fifty_levels_are_read() -> None:
 
 
 def test_no_mapping_has_a_thousand_keys() -> None:
-    assert faults("a:\n" + "".join(f"  k{i}: 1\n" for i in range(1001))) == [
-        "f.yaml:2:3: a: more than 1000 keys, which nothing in a spec has"
-    ]
+    (found,) = faults("a:\n" + "".join(f"  k{i}: 1\n" for i in range(1001)))
+    assert found.startswith("f.yaml:2:3: a: more than 1000 keys in one mapping; HKNOB_SPEC_LIMIT=10 in the environment")
     assert len(parse("".join(f"k{i}: 1\n" for i in range(1000)), "f.yaml").value) == 1000
 
 
@@ -122,7 +121,7 @@ def test_unreadable_files(tmp_path: Path) -> None:
         read(binary)
     large = tmp_path / "l.yaml"
     large.write_bytes(b"#" * 1_000_001)
-    with pytest.raises(SpecError, match=r"l\.yaml:1:1: larger than"):
+    with pytest.raises(UsageError, match="larger than"):
         read(large)
 
 

@@ -66,7 +66,7 @@ def test_items_that_kill_every_worker_are_named() -> None:
             os.kill(os.getpid(), signal.SIGKILL)
         return plain(start, stop)
 
-    with pytest.raises(ComputationError, match=r"items 1[0-9] to .* died 8 times"):
+    with pytest.raises(ComputationError, match=r"items 17 to 17: .* died 8 times"):
         run(work, 30)
     assert not active_children()
 
@@ -110,3 +110,74 @@ def test_pieces_grow_to_their_time_and_shrink_at_the_end() -> None:
     for _ in range(20):
         pace.learn(10**6, 1e-9)
     assert pace.size(10**9, 2) == MOST
+
+
+def test_no_other_item_is_blamed() -> None:
+    """Others are at work whenever a worker dies, and take longer than the one that kills it."""
+
+    def work(start: int, stop: int) -> bytes:
+        time.sleep(0.02)
+        if start <= 17 < stop:
+            os.kill(os.getpid(), signal.SIGKILL)
+        time.sleep(0.2)
+        return plain(start, stop)
+
+    with pytest.raises(ComputationError, match=r"items 17 to 17: "):
+        run(work, 20, count=4)
+
+
+def test_a_large_piece_is_halved_until_one_item_is_left_to_blame() -> None:
+    def work(start: int, stop: int) -> bytes:
+        if start <= 100 < stop:
+            raise MemoryError
+        return b""
+
+    with pytest.raises(ComputationError, match=r"items 100 to 100: .* died 1[0-9] times"):
+        gather(Processes(work, 1), Ranges(2048), lambda *_: None, tick=lambda: None, pace=Pace(first=1024, most=1024))
+
+
+class Absent(Processes):
+    """Workers that are gone again and again, for no fault of what they were at."""
+
+    fragile = False
+    lost = (ConnectionError,)
+    sent = 0
+
+    def submit(self, start: int, stop: int):
+        self.sent += 1
+        if self.sent % 5 == 0:
+            raise ConnectionError
+        return super().submit(start, stop)
+
+
+def test_a_connection_that_is_lost_is_nobodys_fault() -> None:
+    found: list[int] = []
+    left = Ranges(60)
+    gather(Absent(plain, 1), left, lambda start, stop, _: found.extend(range(start, stop)), tick=lambda: None)
+    assert sorted(found) == list(range(60))
+
+
+class Forgetful(Processes):
+    """Workers that cannot be reached any more once nothing is left to do."""
+
+    finished = False
+    renewed = 0
+
+    def reachable(self) -> bool:
+        return not self.finished
+
+    def renew(self) -> None:
+        self.renewed += 1
+        super().renew()
+
+
+def test_nobody_is_looked_for_once_all_is_done() -> None:
+    workers = Forgetful(plain, 1)
+    found: list[int] = []
+
+    def deliver(start: int, stop: int, _: bytes) -> None:
+        found.extend(range(start, stop))
+        workers.finished = len(found) == 40
+
+    gather(workers, Ranges(40), deliver, tick=lambda: None)
+    assert (sorted(found), workers.renewed) == (list(range(40)), 0)

@@ -9,17 +9,20 @@ from hypothesis import strategies as st
 from hknob_cli.spread.ranges import Range, Ranges
 
 
-@given(st.integers(0, 200), st.integers(1, 50), st.data())
-def test_every_item_once(total: int, part: int, data: st.DataObject) -> None:
-    cuts = sorted(data.draw(st.sets(st.integers(0, total), max_size=6)))
+@given(st.integers(0, 200), st.integers(1, 50), st.integers(1, 5), st.data())
+def test_every_item_once(total: int, parts: int, unit: int, data: st.DataObject) -> None:
+    part = parts * unit
+    cuts = sorted(unit * cut for cut in data.draw(st.sets(st.integers(0, total // unit), max_size=6)))
     done = [pair for i, pair in enumerate(pairwise(cuts)) if i % 2 == 0]
-    left = Ranges(total, done=done, part=part)
+    left = Ranges(total, done=done, part=part, unit=unit)
     assert len(left) == total - sum(stop - start for start, stop in done)
     seen: list[int] = []
     lost = 0
     while len(left):
         one = left.take(data.draw(st.integers(1, 60)))
         assert one.items > 0
+        assert one.start % unit == 0
+        assert one.stop % unit == 0 or one.stop == total
         assert one.start // part == (one.stop - 1) // part
         if lost < 5 and data.draw(st.booleans()):
             lost += 1
@@ -38,3 +41,12 @@ def test_lost_items_come_back_first_and_in_halves() -> None:
     assert left.take(10) == Range(4, 10, 0)
     with pytest.raises(IndexError):
         left.take(1)
+
+
+def test_what_nobody_is_at_comes_back_as_it_was() -> None:
+    left = Ranges(10)
+    one, other = left.take(3), left.take(3)
+    left.put_back([one, other])
+    assert left.deaths == 0
+    assert [left.take(5), left.take(5), left.take(9)] == [one, other, Range(6, 10)]
+    assert left.deaths == 0

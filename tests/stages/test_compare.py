@@ -20,7 +20,7 @@ CELL: dict[str, Any] = {
     "undecided_fraction": [0.0],
     "at_rest_fraction": [0.5],
 }
-AXES = {"sample_rate_hz": [1000.0]}
+AXES, GRID = ["sample_rate_hz"], [{"sample_rate_hz": 1000.0}]
 
 
 def written(folder: Path, stage: str = "sweep", **columns: Any) -> str:
@@ -32,7 +32,7 @@ def written(folder: Path, stage: str = "sweep", **columns: Any) -> str:
 
 
 def test_what_cycles_is_compared(tmp_path: Path) -> None:
-    found = Against(written(tmp_path), AXES).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
+    found = Against(written(tmp_path), AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
     assert found["sweep_p2p_rad"] == pytest.approx(4e-3)  # the mean of all trials, half of them at rest
     assert found["p2p_difference"] == pytest.approx(-0.25)
 
@@ -41,13 +41,13 @@ def test_what_cycles_is_compared(tmp_path: Path) -> None:
 @pytest.mark.parametrize("column", ["p2p_rad", "frequency_hz"])
 def test_what_has_no_number_is_not_compared(tmp_path: Path, column: str, value: float | None) -> None:
     folder = written(tmp_path, **{column: pa.array([value], pa.float64())})
-    found = Against(folder, AXES).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
+    found = Against(folder, AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
     assert (found["sweep_p2p_rad"], found["p2p_difference"], found["frequency_difference"]) == (None, None, None)
 
 
 def test_a_difference_too_large_for_a_number_is_none(tmp_path: Path) -> None:
     folder = written(tmp_path, p2p_rad=[5e-324], at_rest_fraction=[0.0])
-    found = Against(folder, AXES).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
+    found = Against(folder, AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
     assert found["p2p_difference"] is None
 
 
@@ -57,7 +57,7 @@ def test_a_file_of_another_shape_is_told(tmp_path: Path, column: str, values: An
     if values == [None] and column in ("p2p_rad", "frequency_hz"):
         return
     with pytest.raises(UsageError, match=rf"against: .*cells.parquet has (no|cells without).*{column}"):
-        Against(written(tmp_path, **{column: values}), AXES)
+        Against(written(tmp_path, **{column: values}), AXES, GRID)
 
 
 def test_a_torn_file_is_told(tmp_path: Path) -> None:
@@ -65,11 +65,11 @@ def test_a_torn_file_is_told(tmp_path: Path) -> None:
     whole = path.read_bytes()
     path.write_bytes(whole[:4] + bytes(len(whole) // 4) + whole[4 + len(whole) // 4 :])
     with pytest.raises(UsageError, match=r"against: .*cells.parquet (cannot be read|is not there)"):
-        Against(str(tmp_path), AXES)
+        Against(str(tmp_path), AXES, GRID)
 
 
 def test_a_file_that_says_too_much_of_where_it_is_from_is_not_a_sweep(tmp_path: Path) -> None:
     table = pa.table(CELL).replace_schema_metadata({KEY: b"[" * 100_000})
     pq.write_table(table, tmp_path / "cells.parquet")
     with pytest.raises(UsageError, match="is not the result of a sweep"):
-        Against(str(tmp_path), AXES)
+        Against(str(tmp_path), AXES, GRID)

@@ -1,7 +1,5 @@
 """One result beside a sweep, like with like, cell by cell: differences, agreement, ratios."""
 
-from typing import Any
-
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, matching, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
@@ -150,10 +148,10 @@ def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:
     """The rows with the values of the sweep, or campaign, and the differences; what rests has none."""
     from hknob_cli.stages.compare import Against, cycling
 
-    values: dict[str, Any] = {axis: sorted({row[axis] for row in rows}) for axis in evidence[result].axes}
+    axes = evidence[result].axes
     recorded = evidence[against].table("cells") if evidence[against].stage == CAMPAIGN else None
-    sweep = Against(str(evidence[against].folder), values, table=recorded)
-    own = Against(str(evidence[result].folder), values) if evidence[result].stage == "sweep" else None
+    sweep = Against(str(evidence[against].folder), axes, rows, table=recorded)
+    own = Against(str(evidence[result].folder), axes, rows) if evidence[result].stage == "sweep" else None
     joined = []
     for row in rows:
         p2p, frequency = (row[name] or None for name in _NEEDS)

@@ -11,19 +11,16 @@ from numpy.typing import NDArray
 from hknob_cli.engine import follow
 from hknob_cli.engine.attractors import (
     FATES,
-    FINEST,
     PATIENCE,
     Attractor,
     NeedsCompilerError,
     Search,
     StoppedError,
     ranked,
-    sample_limit,
-    settling_samples,
-    trial_scale,
     whole,
     why_unrepeated,
 )
+from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general import ensemble, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
@@ -120,7 +117,7 @@ class GeneralEngine:
         ``rate``: decay of the slowest mode, per sample. Raises `NeedsCompilerError` in the interpreter, where the same
         search compiled would succeed, and `StoppedError` when told to stop.
         """
-        budget = max_samples or min(sample_limit(rate, damped=body.damped), MOST_SAMPLES[min(body.order, 3)])
+        budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
         scale = trial_scale(start[0], start[1], body.push, wall.kappa, spring)
         if not scale < FINEST:

@@ -1,10 +1,11 @@
-"""Opening a port: any URL that pyserial knows, with one clear line for each way it can fail."""
+"""Opening a port by its name or URL, with one clear line for each way it can fail."""
 
 import errno
 from typing import Any
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.wire.pump import READ_S
+from hknob_cli.spec.port_url import url_fault
 
 WRITE_S = 0.02
 
@@ -13,6 +14,8 @@ def open_port(url: str, *, baud: int) -> Any:
     """A port in raw mode, for this process alone, with nothing stale in it. Raises DeviceError."""
     import serial
 
+    if wrong := url_fault(url):
+        raise DeviceError(f"{url}: {wrong}")
     try:
         port = serial.serial_for_url(url, baudrate=baud, timeout=READ_S, write_timeout=WRITE_S, exclusive=True)
     except (serial.SerialException, OSError, ValueError) as error:

@@ -96,7 +96,7 @@ def grid(
     """Lay a result out over two axes: ``across`` (by default the first that varies) and ``down`` (the next).
 
     ``at`` gives values of further axes, ``where`` of other columns, such as a method. Raises `MissingError` if one of
-    these, or of ``columns``, is not there, or a further axis varies.
+    these, or of ``columns``, is not there, a further axis varies, or the cells are points of a design.
     """
     rows = rows_of(result, where)
     axes = axes_of(result, rows)
@@ -113,6 +113,8 @@ def grid(
     free = [axis for axis in order if axis not in (across, down)]
     across = across or (free.pop(0) if free else "")
     down = down or (free.pop(0) if free else "")
+    if result.is_design and len(varying) > 1:
+        raise MissingError(f"'{result.name}' is a design, whose points are on no grid of {' and '.join(varying)}")
     further = [axis for axis in varying if axis not in (across, down)]
     if further:
         raise MissingError(f"'{result.name}' varies over {', '.join(further)}, too: give its value in 'at'")

@@ -1,0 +1,119 @@
+"""Attractors of a run of cells, by compiled code: its work space, and its results as columns."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.attractors import CAPACITY, FATES, LANES, SLICE, StoppedError
+from hknob_cli.engine.cells import CELL, FIELD, FIELDS, MEASURES, UNMEASURED, Room
+from hknob_cli.engine.orbit.cycle import CycleMeasures
+from hknob_cli.engine.orbit.holds import PART
+from hknob_cli.engine.outcome import Outcome, Reason
+
+Array = NDArray[np.float64]
+Whole = NDArray[np.int64]
+
+MOST_PHASES = SLICE  # more trials a cell would leave no chance to be interrupted
+SAMPLES = 10_000_000  # trial-samples between two chances to be interrupted, a fraction of a second
+HOLDS = 65_536  # of a period, to begin with
+ROWS = 4096  # of attractors between two returns from compiled code, or more where one cell may have more
+
+END_OF = {**FATES, UNMEASURED: (Outcome.UNDECIDED, Reason.TOO_LONG)}
+OUTCOME_OF, REASON_OF = np.full(max(END_OF) + 1, -1), np.full(max(END_OF) + 1, -1)
+for _fate, (_outcome, _reason) in END_OF.items():
+    OUTCOME_OF[_fate], REASON_OF[_fate] = _outcome, _reason
+
+
+class Ends(NamedTuple):
+    """Attractors of a run of cells, those of a cell together and ranked; arrays with one entry each.
+
+    ``cell``: number within the run; ``outcome``, ``reason``: codes of `engine.outcome`; the rest as in `Attractor`, and
+    ``measures`` NaN where nothing is measured, of a rest point its position and 0.
+    """
+
+    cell: Whole
+    outcome: Whole
+    reason: Whole
+    trials: Whole
+    period: Whole
+    edge: Array
+    closure: Array
+    measures: CycleMeasures
+
+
+def run_cells(
+    cells: Array,
+    *,
+    sense: float,
+    phases: int,
+    max_samples: int | None,
+    functions: Mapping[str, Callable[..., Any]],
+    stopped: Callable[[], bool] = lambda: False,
+) -> tuple[Ends, int]:
+    """Attractors of all ``cells``, and the trial-samples they took.
+
+    Args:
+        cells: Numbers of each, `engine.cells.NUMBERS`, shape (n, 9).
+        sense: Of the encoder, `engine.loop.Loop`.
+        phases: Trials of a cell, at most `MOST_PHASES`.
+        max_samples: That a trial may take; None: by the plant's slowest mode.
+        functions: The compiled group "cells".
+        stopped: Asked every fraction of a second whether to give up.
+
+    Raises `StoppedError` when told to stop.
+    """
+    numbers = np.ascontiguousarray(cells, dtype=np.float64)
+    longest_line = int(numbers[:, CELL - 3].max()) if len(numbers) else 0
+    room = _room(phases, longest_line)
+    out = np.empty(FIELD * max(ROWS, 2 * len(room.order)))
+    found: list[Array] = []
+    at = taken = 0
+    while at < len(numbers):
+        if stopped():
+            raise StoppedError
+        at, rows, samples, holds = functions["run_cells"](
+            numbers.ravel(), at, len(numbers), sense, phases, max_samples or 0, SAMPLES, room, out
+        )
+        found.append(out[: FIELD * rows].reshape(rows, FIELD).copy())
+        taken += samples
+        if holds:
+            room = room._replace(**_holds(2 * holds))
+    return _columns(np.concatenate(found) if found else np.empty((0, FIELD))), taken
+
+
+def _room(phases: int, line: int) -> Room:
+    """Work space for cells with delay lines of up to ``line`` commands."""
+    lanes, rows = min(LANES, phases), min(CAPACITY, phases)
+    return Room(
+        x=np.zeros(lanes),
+        v=np.zeros(lanes),
+        line=np.zeros(lanes * line),
+        ring=np.zeros(line),
+        table=np.zeros(10 * (rows + 1)),
+        lines=np.zeros(max(1, rows * line)),
+        order=np.zeros(rows + 1),
+        parts=np.zeros(2 * PART),
+        outcome_of=OUTCOME_OF.astype(np.float64),
+        **_holds(HOLDS),
+    )
+
+
+def _holds(count: int) -> dict[str, Array]:
+    return {"xs": np.empty(count + 1), "vs": np.empty(count + 1), "drive": np.empty(count)}
+
+
+def _columns(rows: Array) -> Ends:
+    column = dict(zip(FIELDS, rows.T, strict=True))
+    whole = {name: column[name].astype(np.int64) for name in ("cell", "fate", "trials", "period")}
+    return Ends(
+        cell=whole["cell"],
+        outcome=OUTCOME_OF[whole["fate"]],
+        reason=REASON_OF[whole["fate"]],
+        trials=whole["trials"],
+        period=whole["period"],
+        edge=column["edge"],
+        closure=column["closure"],
+        measures=CycleMeasures(*(column[name] for name in FIELDS[MEASURES:])),
+    )

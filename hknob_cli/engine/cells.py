@@ -1,0 +1,162 @@
+"""A run of cells: from their numbers to their attractors, ranked and measured, without leaving compiled code.
+
+What `attractors.Engine` does for one cell, by the same functions, so that results are the same to the last bit.
+"""
+
+from typing import Any, NamedTuple
+
+from hknob_cli.engine.budget import OPEN, TOO_MANY, prospect, unrepeated
+from hknob_cli.engine.ensemble import ensemble, first_sample
+from hknob_cli.engine.follow import CYCLE_CONTINUUM, REST_EDGE, REST_PROVEN, UNSETTLED
+from hknob_cli.engine.loop import make_loop
+from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_cycle
+from hknob_cli.engine.orbit.holds import LENGTH
+from hknob_cli.engine.propagator import slowest_rate
+from hknob_cli.engine.trace import holds_per_sample
+
+UNMEASURED = 20  # the end of a cycle that does not turn but by rounding
+
+# Numbers of a cell: the given ones of its loop, but for the sense; commands under way; and its start.
+NUMBERS = ("alpha", "beta", "kappa", "gamma", "offset", "split", "delay_line", "x", "v")
+# Numbers of an attractor, the last of which are its measures.
+FIELDS = ("cell", "fate", "trials", "period", "edge", "closure", *CycleMeasures._fields)
+CELL, FIELD, MEASURES = len(NUMBERS), len(FIELDS), FIELDS.index("cycles")
+
+
+class Room(NamedTuple):
+    """Work space of one cell: arrays of floats.
+
+    ``x``, ``v``, ``line``: a block of lanes; ``ring``: a delay line; ``table``, ``lines``: the orbits of a cell, as
+    `ensemble` wants them, with one row more; ``order``: of their rows; ``xs``, ``vs``, ``drive``: the holds of one
+    period; ``parts``: their numbers; ``outcome_of``: outcome of every fate.
+    """
+
+    x: Any
+    v: Any
+    line: Any
+    ring: Any
+    table: Any
+    lines: Any
+    order: Any
+    xs: Any
+    vs: Any
+    drive: Any
+    parts: Any
+    outcome_of: Any
+
+
+def set_end(table, row, fate, trials):
+    """Make a row of the table an end without an orbit."""
+    for k in range(10):
+        table[row * 10 + k] = 0.0
+    table[row * 10] = fate
+    table[row * 10 + 8] = trials
+
+
+def find_ends(loop, x, v, delay, phases, max_samples, capacity, room):
+    """Fill the table with the ends of all trials of a cell; ``(rows, samples)``."""
+    table = room.table
+    fate, budget, skip, limit = prospect(x, v, max_samples, loop)
+    if fate != OPEN:
+        set_end(table, 0, fate, phases)
+        return 1, 0
+    ax, av = first_sample(x, v, phases, loop)
+    line, ring = room.line[: len(room.x) * delay], room.ring[:delay]
+    rows, overflow, samples, _, _ = ensemble(
+        ax, av, phases, 0, phases, room.x, room.v, line, ring, skip, budget, limit, capacity, 0, table, room.lines, loop
+    )
+    why = unrepeated(slowest_rate(loop.alpha, loop.beta), budget, loop.beta > 0.0)
+    for row in range(rows):
+        if table[row * 10] == UNSETTLED:
+            table[row * 10] = why
+    if overflow > 0:
+        set_end(table, rows, TOO_MANY, overflow)
+        rows += 1
+    return rows, samples
+
+
+def precedes(one, other, table, outcome_of):
+    """Whether the end in row ``one`` comes before that in ``other``, as `attractors.ranked` has them."""
+    a, b = one * 10, other * 10
+    if table[a + 8] != table[b + 8]:
+        return table[a + 8] > table[b + 8]
+    first, second = outcome_of[int(table[a])], outcome_of[int(table[b])]
+    if first != second:
+        return first < second
+    if table[a + 1] != table[b + 1]:
+        return table[a + 1] < table[b + 1]
+    return table[a + 1] > 0.0 and table[a + 2] < table[b + 2]
+
+
+def rank(rows, table, order, outcome_of):
+    """Put the rows in order, the most frequent first; equal ones stay as they are."""
+    for row in range(rows):
+        at = row
+        while at > 0 and precedes(row, int(order[at - 1]), table, outcome_of):
+            order[at] = order[at - 1]
+            at -= 1
+        order[at] = row
+
+
+def measure_end(row, delay, loop, room, out, base):
+    """Write the numbers of one end, but for its cell, to ``out`` from ``base`` on."""
+    table, at = room.table, row * 10
+    fate, n, x, v = int(table[at]), int(table[at + 1]), table[at + 2], table[at + 3]
+    edge, closure, trials = table[at + 5], table[at + 6], table[at + 8]
+    for k in range(MEASURES, FIELD):
+        out[base + k] = float("nan")
+    if fate <= CYCLE_CONTINUUM:
+        ring = room.lines[row * delay : (row + 1) * delay]
+        cycles, swing, lowest, highest, rms, work, loss, entry, left, staircase = measure_cycle(
+            x, v, ring, 0, n, loop, room.parts, room.xs, room.vs, room.drive
+        )
+        if cycles == 0:
+            fate, n, edge, closure = UNMEASURED, 0, 0.0, 0.0
+        else:
+            found = (float(cycles), swing, lowest, highest, rms, work, loss, entry, left, staircase)
+            for k in range(len(found)):
+                out[base + MEASURES + k] = found[k]
+    elif fate == REST_PROVEN or fate == REST_EDGE:
+        edge = min(x % 1.0, 1.0 - x % 1.0)
+        for k in range(MEASURES, FIELD):
+            out[base + k] = 0.0
+        out[base + MEASURES + 2] = out[base + MEASURES + 3] = x
+    out[base + 1], out[base + 2], out[base + 3] = fate, trials, n
+    out[base + 4], out[base + 5] = edge, closure
+
+
+def run_cells(cells, first, stop, sense, phases, max_samples, most, room, out):
+    """Run cells ``first`` to ``stop``, or fewer: until ``most`` trial-samples are taken, or ``out`` is full.
+
+    ``cells`` holds `NUMBERS` of every cell, ``out`` takes `FIELDS` of every attractor. Returns ``(next, rows, samples,
+    holds)``: the first cell not run, rows of ``out`` filled, trial-samples taken, and, where the next cell has a period
+    too long for ``room``, its number of holds, else 0.
+    """
+    capacity = len(room.order) - 1
+    rows, samples = 0, 0
+    plant = (-1.0, -1.0, -1.0)
+    for at in range(first, stop):
+        if samples > most or rows + len(room.order) > len(out) // FIELD:
+            return at, rows, samples, 0
+        base = at * CELL
+        alpha, beta, kappa, gamma = cells[base], cells[base + 1], cells[base + 2], cells[base + 3]
+        loop = make_loop(alpha, beta, kappa, gamma, sense, cells[base + 4], cells[base + 5])
+        delay = int(cells[base + 6])
+        found, taken = find_ends(loop, cells[base + 7], cells[base + 8], delay, phases, max_samples, capacity, room)
+        longest = 0
+        for row in range(found):
+            if room.table[row * 10] <= CYCLE_CONTINUUM:
+                longest = max(longest, int(room.table[row * 10 + 1]))
+        longest *= holds_per_sample(loop)
+        if longest > len(room.drive):
+            return at, rows, samples, longest
+        rank(found, room.table, room.order, room.outcome_of)
+        if alpha != plant[0] or beta != plant[1] or loop.split != plant[2]:
+            plant = alpha, beta, loop.split
+            room.parts[LENGTH] = 0.0  # of another plant than the cell's before
+        for k in range(found):
+            out[rows * FIELD] = at
+            measure_end(int(room.order[k]), delay, loop, room, out, rows * FIELD)
+            rows += 1
+        samples += taken
+    return stop, rows, samples, 0

@@ -1,0 +1,109 @@
+"""Results that someone hostile made: what they say of themselves is text on a page and a terminal, or a fault."""
+
+import copy
+import json
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from hknob_cli.results.provenance import KEY, axes_of, describe, origin, record_of, scene_of
+from tests.conftest import SPEC, loaded
+from tests.identified import PEOPLE, conditions, write_conditions
+from tests.page.test_layout import Tree
+
+HOSTILE = "</code></pre><script>alert(1)</script>\x1b[31m\"' onload='$\\frac{$"
+RECORD: dict[str, Any] = json.loads(describe(stage="sweep", values=loaded(SPEC).values, overrides=("a=1",)))
+
+
+def changed(**others: Any) -> bytes:
+    return json.dumps({**copy.deepcopy(RECORD), **others}).encode()
+
+
+# What a file may say of where it comes from, instead of that.
+WRONG = {
+    "nothing": b"",
+    "a list": b"[1]",
+    "a number": b"3",
+    "not JSON": b"{",
+    "nested without end": b"[" * 100_000 + b"]" * 100_000,
+    "no spec": changed(spec=None),
+    "a list of axes": changed(spec={**RECORD["spec"], "grid": [1]}),
+    "no inputs": changed(inputs=[]),
+    "inputs without the digest": changed(inputs={}),
+    "a number for overrides": changed(overrides=3),
+    "a list for the stage": changed(stage=[HOSTILE]),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_what_is_no_provenance_is_none(name: str) -> None:
+    metadata = {KEY: WRONG[name]}
+    assert record_of(metadata) is None
+    assert scene_of(metadata) is None
+    assert axes_of(metadata) == []
+    origin(metadata)
+    assert record_of({KEY: changed()}) == RECORD
+
+
+def result(folder: Path, stamp: bytes) -> Path:
+    folder.mkdir()
+    columns = {"sample_rate_hz": [1000.0], "counts_per_rev": [1024], "p2p_rad": [1e-3], "frequency_hz": [80.0]}
+    fractions = {f"{name}_fraction": [0.0] for name in ("certified", "at_rest", "diverged", "undecided")}
+    table = pa.table({**columns, **fractions, "orbit_count": [1], "note": [HOSTILE]})
+    pq.write_table(table.replace_schema_metadata({KEY: stamp}), folder / "cells.parquet")
+    return folder
+
+
+@pytest.mark.parametrize("name", ["nested without end", "no inputs", "a number for overrides"])
+def test_results_of_no_origin_are_a_fault(name: str, hknob, spec_file, tmp_path: Path) -> None:
+    result(tmp_path / "odd", WRONG[name])
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"))
+    assert done.returncode == 2
+    assert done.stderr.splitlines() == ["no result 'odd' in odd"]
+
+
+def test_hostile_provenance_is_text_on_the_page(hknob, spec_file, tmp_path: Path) -> None:
+    spec = {**RECORD["spec"], HOSTILE: HOSTILE, "name": HOSTILE}
+    stamp = changed(spec=spec, overrides=[HOSTILE], inputs={"spec_sha256": HOSTILE}, stage=HOSTILE)
+    result(tmp_path / "odd", stamp)
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"), "-o", "page")
+    assert done.returncode == 0, done.stderr
+    tree = Tree((tmp_path / "page" / "report.html").read_text())
+    assert tree.open == []
+    assert tree.count("script") == 1
+    assert "".join(tree.text).count("alert(1)") >= 4
+    done = hknob(
+        "report", spec_file(f"kind: report\nname: page\ntitle: {json.dumps(HOSTILE)}\nresults: {{odd: odd}}\n")
+    )
+    assert Tree((tmp_path / "results" / "page" / "report.html").read_text()).count("script") == 1
+
+
+def test_an_axis_that_is_no_column_is_a_fault(hknob, spec_file, tmp_path: Path) -> None:
+    result(tmp_path / "odd", changed(spec={**RECORD["spec"], "grid": {HOSTILE: [1]}}))
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"))
+    assert done.returncode == 2
+    assert done.stderr.startswith("'odd' has no column </code>")
+    assert "\x1b" not in done.stderr
+
+
+def test_hostile_names_of_persons(hknob, spec_file, tmp_path: Path) -> None:
+    people = {f"{name}{HOSTILE}": numbers for name, numbers in PEOPLE.items()}
+    rows = conditions(people, experiment=HOSTILE)
+    write_conditions(tmp_path / "hands" / "conditions.parquet", rows)
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {hands: hands}\n"), "-o", "page")
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "page" / "report.html").read_text()
+    tree = Tree(page)
+    assert tree.open == []
+    assert tree.count("script") == 1
+    assert "alert(1)" in "".join(tree.text)
+    text = SPEC.replace(
+        "{inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}", "{from: hands, grip_n: 0.71, subject: s}"
+    )
+    done = hknob("sweep", spec_file(text))
+    assert done.returncode == 2
+    assert "scene.hand.subject: must be one of" in done.stderr
+    assert "\x1b" not in done.stderr
