@@ -6,8 +6,8 @@ same command and no clearing up, until one run comes through; then its folder mu
 byte for byte, and nothing else, and what was finished before a kill must have stayed as it was. `test_campaign.py` does
 a share of it.
 
-2026-11-21, --kills 200 --seed 20261121, two busy cores, 334 s: 40 kills of each kind, and 66 runs that came through (sweep
-3, spread 25, parts 19, run 16, hw-run 3), all as undisturbed. At the kills 0 to 14 pieces or parts were finished.
+2026-11-21, --kills 200 --seed 20261121, two busy cores, 334 s: 40 kills of each kind, and 66 runs that came through
+(sweep 3, spread 25, parts 19, run 16, hw-run 3), all as undisturbed. At the kills 0 to 14 pieces or parts were finished.
 """
 
 import argparse
