@@ -47,6 +47,7 @@ def test_kill_at_fifty_random_instants(tmp_path: Path) -> None:
     """Of four stages that wait for each other by twos, small ones: what they compute is nothing to a kill."""
     campaign.write(tmp_path)
     pipeline = tmp_path / "run.yaml"
+    start(pipeline, tmp_path / "first").communicate(timeout=300)  # which may have to compile the engine
     undisturbed = tmp_path / "undisturbed"
     begin = time.monotonic()
     process = start(pipeline, undisturbed)
