@@ -112,7 +112,7 @@ def spread_progress(total: int, *, show: bool, done: int = 0, what: str = "cells
         rate.add(more)
         if show and rate.done < total and time.monotonic() - spoken > LINE_EVERY:
             spoken = time.monotonic()
-            say(f"{rate.done} of {total} {what}, {rate.text(what)}")
+            say(", ".join(filter(None, (f"{rate.done} of {total} {what}", rate.text(what)))))
 
     yield now_and_then
 

@@ -52,12 +52,19 @@ class DfaWork(Work):
         return table, compare.statistics_table("method", groups)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """Nyquist curves with the relay's rays, and sizes over the grid."""
+        """Nyquist curves with the relay's rays, and sizes over the grid; over many axes what matters most."""
         from hknob_cli.report.nyquist import draw_dfa
 
         drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:
-            note(job, "no picture: more than two axes have several values")
+            from hknob_cli.report.what_matters_picture import draw_by
+
+            axes, name = list(job.plan.axes), job.plan.name
+            drawn = draw_by(
+                tables[0], "method", axes, title=name, path=paths[0], stage=job.kind, points=job.plan.points
+            )
+        if not drawn:
+            note(job, "no picture: more than two axes or a design, and too few cells to tell what matters")
         return paths if drawn else []
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:

@@ -51,12 +51,17 @@ class PredictWork(Work):
         return predictions, passivity, compare.statistics_table("law", groups)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """Every law over one axis or two."""
+        """Every law over one axis or two; over more, or over a design, what matters most."""
         from hknob_cli.report.predict_picture import draw_predictions
 
-        drawn = draw_predictions(tables[0], list(job.plan.axes), title=job.plan.name, path=paths[0])
+        axes, name = list(job.plan.axes), job.plan.name
+        drawn = draw_predictions(tables[0], axes, title=name, path=paths[0])
         if not drawn:
-            note(job, "no picture: more than two axes have several values")
+            from hknob_cli.report.what_matters_picture import draw_by
+
+            drawn = draw_by(tables[0], "law", axes, title=name, path=paths[0], stage=job.kind, points=job.plan.points)
+        if not drawn:
+            note(job, "no picture: more than two axes or a design, and too few cells to tell what matters")
         return paths if drawn else []
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:

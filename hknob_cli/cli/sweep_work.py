@@ -10,7 +10,7 @@ from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
-from hknob_cli.results.parted import PART_CELLS, Parted
+from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
@@ -67,12 +67,14 @@ class SweepWork(Work):
         """The grid, over one axis or two, and the recordings."""
         cells, orbits = tables[:2]
         drawn = []
-        if isinstance(cells, Parted):
-            note(job, f"no {paths[0].name}: it has more than {PART_CELLS} cells")
-        elif _draw_grid(job, cells, orbits, paths[0]):
+        if _draw_grid(job, cells, orbits, paths[0]):
             drawn.append(paths[0])
         else:
-            why = "more than two axes have several values" if job.plan.axes else "the grid has no axis"
+            why = (
+                "more than two axes or a design, and too few cells to tell what matters"
+                if job.plan.axes
+                else "the grid has no axis"
+            )
             note(job, f"no {paths[0].name}: {why}")
         if job.plan.record:
             from hknob_cli.report.trajectory_picture import draw_trajectories
@@ -112,15 +114,34 @@ def _recorded(job: Job) -> Tables:
 
 
 def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
-    """The grid; of a population the people."""
+    """The grid; of a population the people; of more than two axes, a design, or too many cells, what matters most."""
     axes = list(job.plan.axes)
+    if isinstance(cells, Parted):
+        from hknob_cli.report.large import matters_at_large
+
+        names, columns = matters_at_large(cells, axes)
+        return _draw_matters(job, columns, names, path)
     if PERSON in axes:
         from hknob_cli.report.population_picture import draw_population
 
-        return draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
-    from hknob_cli.report.picture import draw_sweep
+        drawn = draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
+    else:
+        from hknob_cli.report.picture import draw_sweep
 
-    return draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
+        drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
+    if drawn or not axes:
+        return drawn
+    from hknob_cli.report.what_matters import axes_that_matter, columns_of
+
+    names = axes_that_matter(axes, cells.column_names)
+    return _draw_matters(job, columns_of(cells, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names, path)
+
+
+def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path) -> bool:
+    from hknob_cli.report.what_matters_picture import draw_matters
+
+    scales = job.plan.points.scales if job.plan.points else {}
+    return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales)
 
 
 WORK = SweepWork()

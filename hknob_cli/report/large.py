@@ -1,16 +1,26 @@
 """A sweep of more cells than anyone reads: counts, shares and extremes, taken from its parts one by one."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from math import ceil
 from typing import Any
 
 import numpy as np
 
 from hknob_cli.report.matrix import short
-from hknob_cli.results.parted import Parted
+from hknob_cli.report.what_matters import (
+    Columns,
+    axes_that_matter,
+    columns_of,
+    describe_matters,
+    matters_text,
+    what_matters,
+)
+from hknob_cli.results.parted import PART_CELLS, Parted
 
 OUTCOMES = ("cycle", "rest", "diverged", "undecided")
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
 MEASURES = ("p2p_rad", "frequency_hz")
+MOST_LOOKED_AT = 256  # parts, to say what matters most
 
 
 def describe_large(
@@ -32,6 +42,7 @@ def describe_large(
         still += int((column["at_rest_fraction"] == 1.0).sum())
         for name in MEASURES:
             _widen(extremes, name, column[name], table, list(axes))
+    names, columns = matters_at_large(cells, list(axes))
     found = dict.fromkeys(OUTCOMES, 0)
     for table in orbits.tables(["outcome"]):
         for entry in table["outcome"].value_counts().to_pylist():
@@ -49,8 +60,27 @@ def describe_large(
         "orbits": found,
         **{name: total / count for name, total in sums.items()},
         "cells_at_rest": still,
+        "what_matters": describe_matters(what_matters(columns, names)),
         "extremes": extremes,
     }
+
+
+def thinned(cells: Parted, names: Sequence[str]) -> Columns:
+    """Columns of some cells from all over a table, at random, as many as a part has; the same every time."""
+    parts = sorted({(2 * i + 1) * cells.parts // (2 * MOST_LOOKED_AT) for i in range(MOST_LOOKED_AT)})
+    each = ceil(PART_CELLS / len(parts))
+    found = []
+    for number in parts:
+        table = cells.part(number, names)
+        rows = np.sort(np.random.default_rng(number).permutation(table.num_rows)[:each])
+        found.append(columns_of(table.take(rows), names))
+    return {name: np.concatenate([one[name] for one in found]) for name in names}
+
+
+def matters_at_large(cells: Parted, axes: Sequence[str]) -> tuple[list[str], Columns]:
+    """Axes that may matter in so many cells, and columns of some of them."""
+    names = axes_that_matter(axes, cells.column_names)
+    return names, thinned(cells, [*names, *MEASURES, "at_rest_fraction"])
 
 
 def _widen(extremes: dict[str, dict[str, Any]], name: str, values: Any, table: Any, axes: list[str]) -> None:
@@ -85,4 +115,7 @@ def large_text(summary: dict[str, Any]) -> str:
         what, scale, unit = names[name]
         where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis != name)
         lines.append(f"{words[which]} {what}: {short(scale * row[name])} {unit}, at {where}")
+    if summary["what_matters"]:
+        looked_at = sum(one["cells"] for one in summary["what_matters"][0]["bins"])
+        lines += ["", *matters_text(summary["what_matters"], looked_at)]
     return "\n".join(lines)

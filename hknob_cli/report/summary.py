@@ -7,6 +7,7 @@ import pyarrow as pa
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.perceived import perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.spec.plan import PERSON
 
 
@@ -15,21 +16,28 @@ def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dic
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
     people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
+    matters = describe_matters(matters_of(rows, axes))
     return {
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
         **people,
+        **({"what_matters": matters} if matters else {}),
         "cells": rows,
     }
 
 
 def table_text(summary: dict[str, Any], axes: list[str]) -> str:
-    """The table on the terminal: two matrices over two axes, else one line per cell."""
+    """The table on the terminal: two matrices over two axes, else what matters most, or one line per cell."""
     rows = summary["cells"]
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
     fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in (*wide, PERSON)]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if "what_matters" in summary:
+        lines += ["", *matters_text(summary["what_matters"], len(rows))]
+        if len(rows) > MAX_ROWS:
+            notes = [*_notes(rows), *perceived_text(rows)]
+            return "\n".join([*lines, *(["", *notes] if notes else [])])
     if "population" in summary:
         return "\n".join([*lines, "", *people_text(summary, axes)])
     if "growth_j_per_s2" in rows[0] and len(wide) == 2 and fits(rows, wide):

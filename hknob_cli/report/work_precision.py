@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.report.picture import save
+from hknob_cli.report.ticks import plain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -45,7 +46,6 @@ STYLES = {
     "mujoco_implicitfast": Style("P", "-.", "#7A7A7A", "MuJoCo implicitfast"),
     "mujoco_rk4": Style("8", "-.", "#7A7A7A", "MuJoCo RK4"),
 }
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _OTHER_FRICTION = ("smoothed", "soft")
 
 
@@ -100,8 +100,7 @@ def _draw(axes: "Axes", rows: Rows, *, accurate: float, size: float) -> None:
     axes.set_yscale("log")
     axes.set_ylim(LEAST / 3.0, TOP)
     ticks = [10.0**power for power in range(-16, 1 + round(log10(LARGEST)), 3)]
-    powers = [str(round(log10(tick))).translate(_RAISED) for tick in ticks]
-    axes.set_yticks([*ticks, STRIP], [*(f"10{power}" for power in powers), "none"])
+    axes.set_yticks([*ticks, STRIP], [*map(plain, ticks), "none"])
     axes.tick_params(axis="y", which="minor", length=0)
     axes.grid(alpha=0.25)
     for y, text in ((accurate * 0.6, "accurate"), (TOP * 0.5, "failed, too slow, or off scale")):

@@ -32,13 +32,16 @@ class Parted(NamedTuple):
     def tables(self, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
         """Part by part; all columns if None. Raises `ComputationError` for a damaged part."""
         for number in range(self.parts):
-            path = self.folder / part_name(number)
-            try:
-                with pq.ParquetFile(path) as file:
-                    table = file.read(columns=None if columns is None else list(columns))
-            except (OSError, pa.ArrowException) as error:
-                raise ComputationError(f"{path}: cannot be read: {error}; run again with --force") from None
-            yield table
+            yield self.part(number, columns)
+
+    def part(self, number: int, columns: Sequence[str] | None = None) -> pa.Table:
+        """One part. Raises as `tables`."""
+        path = self.folder / part_name(number)
+        try:
+            with pq.ParquetFile(path) as file:
+                return file.read(columns=None if columns is None else list(columns))
+        except (OSError, pa.ArrowException) as error:
+            raise ComputationError(f"{path}: cannot be read: {error}; run again with --force") from None
 
     def table(self, columns: Sequence[str] | None = None) -> pa.Table:
         """All parts as one table in memory."""

@@ -101,3 +101,27 @@ def test_two_ranges_are_no_map(hknob, spec_file, tmp_path: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "whose points are on no grid" in (tmp_path / "maps" / "report.html").read_text()
+
+
+def test_what_matters_in_words_and_as_a_picture(hknob, spec_file, tmp_path: Path) -> None:
+    done = hknob("sweep", spec_file(DESIGN), "-o", "out", "--plot", "--set", "grid.design.sobol=64")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    lines = done.stdout.splitlines()
+    first = lines.index(next(line for line in lines if line.startswith("what matters most")))
+    # Size goes as 1 / counts and 1 / rate in the law, and hardly with the hand's stiffness; rate spans 8, counts 4.
+    assert [line.split()[0] for line in lines[first + 1 : first + 4]] == [
+        "sample_rate_hz", "counts_per_rev", "hand.stiffness",
+    ]  # fmt: skip
+    assert (tmp_path / "out" / "grid.png").stat().st_size > 50_000
+    summary = json.loads(hknob("sweep", spec_file(DESIGN), "-o", "small", "--json").stdout)
+    assert [one["axis"] for one in summary["what_matters"]][-1] == "hand.stiffness"
+    assert sum(found["cells"] for found in summary["what_matters"][0]["bins"]) == 16
+
+
+@pytest.mark.parametrize(("kind", "file"), [("dfa", "dfa.png"), ("predict", "predict.png")])
+def test_analyses_of_a_design_have_a_picture(kind: str, file: str, hknob, spec_file, tmp_path: Path) -> None:
+    done = hknob(kind, spec_file(analysis(kind)), "-o", "out", "--plot", "--set", "grid.design.sobol=32")
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert (tmp_path / "out" / file).stat().st_size > 50_000

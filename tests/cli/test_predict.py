@@ -77,7 +77,7 @@ def test_over_one_axis(hknob, spec_file, tmp_path: Path) -> None:
 def test_no_picture_of_three_axes(hknob, spec_file) -> None:
     done = hknob("predict", spec_file(GRID.replace("grid:", "grid:\n  hand.stiffness: [0, 0.04]")), "--plot")
     assert done.returncode == 0
-    assert "no picture: more than two axes" in done.stderr
+    assert "no picture: more than two axes or a design, and too few cells" in done.stderr
 
 
 @pytest.mark.parametrize(

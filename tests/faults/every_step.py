@@ -162,7 +162,7 @@ def main() -> None:
     plan = load(spec)
     undisturbed = Job(kind=plan.values["kind"], plan=plan, out=work / "undisturbed", jobs=1)
     said, report = work / "said", work / "report"
-    with contextlib.redirect_stdout(io.StringIO()):
+    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
         undisturbed.run()  # in this process, so that all it needs is loaded and compiled in the copies
     wanted = files(undisturbed.out)
     at = 0

@@ -20,6 +20,7 @@ from tests.hardware.campaigns import SPEC as CAMPAIGN
 EVERY_STEP = Path(__file__).with_name("every_step.py")
 PART = 4
 SIX = SPEC.replace("[1000]", "[1000, 1500]").replace("[1024]", "[512, 1024, 2048]").replace("phases: 8", "phases: 3")
+ONE_FILE = "from hknob_cli.results import parted; parted.PART_CELLS = 99"
 INTERRUPTED = "interrupted; finished files are kept, run the same command again\n"
 
 
@@ -111,16 +112,13 @@ def test_killed_while_results_of_another_spec_are_replaced(part: int, tmp_path: 
 
 def drawn_by_us(spec: Path, folder: Path) -> bytes:
     """A picture of the results that are to be replaced, which would be stale beside the new ones."""
-    assert (
-        run(spec, folder / "drawn", "--plot", fault="from hknob_cli.results import parted; parted.PART_CELLS = 99")[0]
-        == 0
-    )
+    assert run(spec, folder / "drawn", "--plot", fault=ONE_FILE)[0] == 0
     return (folder / "drawn" / "grid.png").read_bytes()
 
 
 def test_a_page_killed(tmp_path: Path) -> None:
-    (tmp_path / "sweep.yaml").write_text(SPEC)
-    assert run(tmp_path / "sweep.yaml", tmp_path / "grid")[0] == 0
+    (tmp_path / "sweep.yaml").write_text(SIX)
+    assert run(tmp_path / "sweep.yaml", tmp_path / "grid", fault=ONE_FILE)[0] == 0
     text = f"kind: report\nname: page\ntitle: A page\nresults: [{tmp_path / 'grid'}]\n"
     steps = at_every_step(tmp_path, "kill", text=text)
     assert {step["code"] for step in steps} == {-9}

@@ -13,7 +13,7 @@ import pytest
 from tests.conftest import HKNOB, SPEC
 from tests.faults import campaign
 
-KILLS = 50
+KILLS = 25  # `campaign.py` does more
 BUSY = SPEC.replace("phases: 8", "phases: 20000").replace("[1000]", "{lin: [1000, 2000, 30]}")
 
 
@@ -43,10 +43,11 @@ def recorded(out: Path) -> set[str]:
     return names
 
 
-def test_kill_at_fifty_random_instants(tmp_path: Path) -> None:
+def test_kill_at_random_instants(tmp_path: Path) -> None:
     """Of four stages that wait for each other by twos, small ones: what they compute is nothing to a kill."""
     campaign.write(tmp_path)
     pipeline = tmp_path / "run.yaml"
+    start(pipeline, tmp_path / "first").communicate(timeout=300)  # which may have to compile the engine
     undisturbed = tmp_path / "undisturbed"
     begin = time.monotonic()
     process = start(pipeline, undisturbed)

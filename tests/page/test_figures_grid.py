@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.page import ink
 from hknob_cli.page.figures import MODULES, draw
 from hknob_cli.page.figures.grid import grid, number
-from hknob_cli.page.figures.ticks import log_ticks
+from hknob_cli.report.ticks import log_ticks
 from hknob_cli.results.evidence import Evidence, MissingError
 from tests.conftest import EXPERIMENTS, HKNOB
 

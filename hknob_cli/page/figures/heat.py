@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures.grid import MOST_WRITTEN, Grid, tick_labels
-from hknob_cli.page.figures.ticks import log_ticks
+from hknob_cli.report.ticks import log_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

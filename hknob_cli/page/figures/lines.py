@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
-from hknob_cli.page.figures.ticks import log_ticks
+from hknob_cli.report.ticks import log_ticks
 from hknob_cli.results.evidence import Evidence, MissingError
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.difference import differences
 from hknob_cli.page.figures.grid import grid, number
-from hknob_cli.page.figures.ticks import log_ticks
+from hknob_cli.report.ticks import log_ticks
 from hknob_cli.results.evidence import Evidence, MissingError
 
 if TYPE_CHECKING:
