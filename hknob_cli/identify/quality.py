@@ -96,12 +96,12 @@ def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]
             found.append(f"{name} came out negative: {one.value:.2g}")
     inertia, damping, stiffness = (estimates[name].value for name in ("inertia", "damping", "stiffness"))
     if inertia > 0.0 and stiffness > 0.0 and damping > 0.0:
-        ratio = damping / (2.0 * sqrt(inertia * stiffness))
-        slow = stiffness / damping
+        ratio = damping / (2.0 * sqrt(inertia) * sqrt(stiffness))  # a product of both may be too small for a number
+        slow = damping / stiffness
         if ratio > OVERDAMPED:
             found.append(f"overdamped (damping ratio {ratio:.2g}): inertia shows only in the first milliseconds")
-            if slow * window < 1.0:
-                found.append(f"the window of {1e3 * window:.3g} ms ends before the slow return ({1e3 / slow:.3g} ms)")
+            if window < slow:
+                found.append(f"the window of {1e3 * window:.3g} ms ends before the slow return ({1e3 * slow:.3g} ms)")
         elif ratio < UNDAMPED:
             found.append(f"hardly damped (damping ratio {ratio:.2g})")
     return tuple(found)

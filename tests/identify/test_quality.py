@@ -62,6 +62,8 @@ def test_residuals_that_averaging_leaves_are_no_misfit() -> None:
         ((2e-6, 3e-3, 0.005), "ends before the slow return (600 ms)"),
         ((2e-6, 1e-6, 0.2), "hardly damped"),
         ((2e-6, 3e-4, -0.2), "stiffness came out negative"),
+        ((1e-200, 1e-150, 1e-200), "overdamped (damping ratio 5e+49)"),  # their product is too small for a number
+        ((2e-6, 3e-3, 1e-322), "ends before the slow return ("),
     ],
 )
 def test_doubts(values, words: str) -> None:
