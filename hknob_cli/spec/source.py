@@ -124,7 +124,7 @@ def parse(text: str, name: str) -> Source:
         line = text.count("\n", 0, version.start()) + 1
         raise SpecError([Fault(name, line, 1, "", f"must be YAML 1.2, not {version[1][:20]}")])
     try:
-        loader, node = _composed(text)
+        node = _composed(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
@@ -137,7 +137,7 @@ def parse(text: str, name: str) -> Source:
         raise SpecError([Fault(name, 1, 1, "", "empty; a spec starts with 'kind: ...'")])
     if not isinstance(node, MappingNode):
         raise SpecError([Fault(name, *_place(node), "", "a spec is a mapping of keys to values")])
-    reader = _Reader(source, loader)
+    reader = _Reader(source)
     source.value = reader.construct(node, ())
     if reader.faults:
         raise SpecError(reader.faults)
@@ -145,12 +145,13 @@ def parse(text: str, name: str) -> Source:
 
 
 @lru_cache(maxsize=2)  # a spec's kind is asked before the spec is loaded
-def _composed(text: str) -> tuple[YAML, Node | None]:
-    """The tree of a text, and what can construct its scalars. Raises what the parser does."""
+def _composed(text: str) -> Node | None:
+    """The tree of a text, which nobody changes. Raises what the parser does."""
     loader = YAML(typ="rt", pure=True)
     loader.Scanner = _Scanner
     loader.composer.warn_double_anchors = False  # YAML 1.2 lets an anchor be used again
-    return loader, loader.compose(text)
+    node: Node | None = loader.compose(text)
+    return node
 
 
 def parse_value(text: str) -> Any:
@@ -176,9 +177,9 @@ def _place(node: Node) -> tuple[int, int]:
 class _Reader:
     """Turns nodes into values and notes positions and faults on the way."""
 
-    def __init__(self, source: Source, loader: YAML) -> None:
+    def __init__(self, source: Source) -> None:
         self.source = source
-        self.loader = loader
+        self.constructor = YAML(typ="rt", pure=True).constructor  # of this reading: it does not forget what failed
         self.faults: list[Fault] = []
         self.count = 0
         self.limit = size_limit()
@@ -218,7 +219,7 @@ class _Reader:
             # The round-trip parser marks where folded text (">") was broken with a bell.
             return str(node.value).replace("\a", "") if node.style == ">" else str(node.value)
         try:
-            value = self.loader.constructor.construct_object(node)
+            value = self.constructor.construct_object(node)
         except (YAMLError, ValueError, OverflowError) as error:
             self.fail(node, path, f"cannot be read as a number: {error}")
             return None

@@ -112,6 +112,11 @@ def test_what_is_read_once_more_is_its_own() -> None:
     assert str(parse(text, "g.yaml").fault(("a",), "wrong")) == "g.yaml:1:4: a: wrong"
 
 
+def test_what_cannot_be_read_cannot_be_read_again() -> None:
+    text = f"a: {'9' * 5000}\n"
+    assert faults(text) == faults(text)
+
+
 def test_unreadable_files(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"none\.yaml: No such file"):
         read(tmp_path / "none.yaml")
