@@ -8,7 +8,7 @@ OUT ?= results
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep paper ladder maps smoke test firmware lint schemas compare bench clean
+.PHONY: help sweep paper ladder maps smoke test long firmware lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -48,11 +48,14 @@ ladder: $(VENV)/.run ## that grid at half a count's bias: formulas, describing f
 smoke: $(VENV)/.run ## every kind of stage on a 3x3 grid, in seconds
 	@$(BIN)/hknob run experiments/smoke.yaml --out $(OUT)/smoke
 
-test: $(VENV)/.dev ## lint, types, and every test; ends with what was left out, and why
+test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with what was left out, and why
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
-	@$(BIN)/python -m pytest -n $(WORKERS) -rs
+	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m 'not long'
+
+long: $(VENV)/.dev ## the tests that take minutes: clusters, kills at every step and at random, ten thousand spoilt inputs
+	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py

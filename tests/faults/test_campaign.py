@@ -6,6 +6,8 @@ import pytest
 
 from tests.faults.campaign import kill_over_and_over, write
 
+pytestmark = pytest.mark.long
+
 
 @pytest.mark.parametrize("name", ["sweep", "spread", "parts"])
 def test_killed_over_and_over(name: str, tmp_path: Path) -> None:

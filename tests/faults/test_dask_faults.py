@@ -16,6 +16,8 @@ from tests.faults.dask_cluster import ROOT, LocalCluster
 from tests.faults.proxy import Proxy
 from tests.faults.spread_runs import IMPATIENT, SWEEP, finish, left, pieces, run, start, wait_until
 
+pytestmark = pytest.mark.long
+
 pytest.importorskip("distributed")
 
 

@@ -17,6 +17,8 @@ from tests.conftest import SPEC
 from tests.faults.spread_runs import run
 from tests.hardware.campaigns import SPEC as CAMPAIGN
 
+pytestmark = pytest.mark.long
+
 EVERY_STEP = Path(__file__).with_name("every_step.py")
 PART = 4
 SIX = SPEC.replace("[1000]", "[1000, 1500]").replace("[1024]", "[512, 1024, 2048]").replace("phases: 8", "phases: 3")
