@@ -67,5 +67,5 @@ def _named(plan: Any, one: Range) -> str:
     """Cells by number, and the first by its values."""
     cell = next(cells_of(plan).run(one.start, one.start + 1))
     values = ", ".join(f"{name} = {short(value)}" for name, value in cell.items())
-    which = f"cell {one.start}" if one.items == 1 else f"cells {one.start} to {one.stop - 1}, from"
+    which = f"cell {one.start}," if one.items == 1 else f"cells {one.start} to {one.stop - 1}, from"
     return f"{which} {values}"

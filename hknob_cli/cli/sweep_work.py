@@ -11,7 +11,7 @@ from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
-from hknob_cli.results.staging import clear_staged, staged
+from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
@@ -42,6 +42,7 @@ class SweepWork(Work):
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""
         begin = time.perf_counter()
+        _say_what_goes(job, self)
         stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
         if stage.spreads or job.scheduler:
             from hknob_cli.cli.sweep_spread import spread_sweep
@@ -104,6 +105,12 @@ class SweepWork(Work):
         return table_text(summary, list(job.plan.axes))
 
 
+def _say_what_goes(job: Job, work: Work) -> None:
+    """Say so where another run was cut short in this folder: what it had finished is removed."""
+    if (found := staged(job.out)) and found != [Staging(job.out, stamp_of(job, work)).folder]:
+        note(job, f"removing what a run of another spec, --set or version had finished in {job.out}")
+
+
 def _recorded(job: Job) -> Tables:
     """Trajectories, where they are asked for."""
     if not job.plan.record:
@@ -120,7 +127,7 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         from hknob_cli.report.large import matters_at_large
 
         names, columns = matters_at_large(cells, axes)
-        return _draw_matters(job, columns, names, path)
+        return _draw_matters(job, columns, names, path, total=cells.num_rows)
     if PERSON in axes:
         from hknob_cli.report.population_picture import draw_population
 
@@ -137,11 +144,11 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
     return _draw_matters(job, columns_of(cells, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names, path)
 
 
-def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path) -> bool:
+def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:
     from hknob_cli.report.what_matters_picture import draw_matters
 
     scales = job.plan.points.scales if job.plan.points else {}
-    return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales)
+    return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales, total=total)
 
 
 WORK = SweepWork()

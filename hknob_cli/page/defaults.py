@@ -148,7 +148,6 @@ _MEAN = "Means over the trials of a cell; cells where trials come to rest or sta
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
 _TRIALS = "Means over the trials of a cell, cycles per second; trials without a sustained buzz are at rest."
-_DOTS = "A dot for each orbit, sized by its share of the trials."
 _LARGEST = "Of several cycles in a cell the largest."
 
 

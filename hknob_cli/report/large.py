@@ -66,13 +66,17 @@ def describe_large(
 
 
 def thinned(cells: Parted, names: Sequence[str]) -> Columns:
-    """Columns of some cells from all over a table, at random, as many as a part has; the same every time."""
-    parts = sorted({(2 * i + 1) * cells.parts // (2 * MOST_LOOKED_AT) for i in range(MOST_LOOKED_AT)})
-    each = ceil(PART_CELLS / len(parts))
+    """Columns of some cells from all over a table, at random, about as many as a part has; the same every time.
+
+    Of every part that is looked at the same share is taken: the last one has fewer cells than the others.
+    """
+    # At random: parts evenly spaced may all have the same value of an axis.
+    parts = np.sort(np.random.default_rng(0).permutation(cells.parts)[:MOST_LOOKED_AT]).tolist()
+    share = min(1.0, PART_CELLS * cells.parts / (cells.num_rows * len(parts)))
     found = []
     for number in parts:
         table = cells.part(number, names)
-        rows = np.sort(np.random.default_rng(number).permutation(table.num_rows)[:each])
+        rows = np.sort(np.random.default_rng(number).permutation(table.num_rows)[: ceil(share * table.num_rows)])
         found.append(columns_of(table.take(rows), names))
     return {name: np.concatenate([one[name] for one in found]) for name in names}
 
@@ -117,5 +121,5 @@ def large_text(summary: dict[str, Any]) -> str:
         lines.append(f"{words[which]} {what}: {short(scale * row[name])} {unit}, at {where}")
     if summary["what_matters"]:
         looked_at = sum(one["cells"] for one in summary["what_matters"][0]["bins"])
-        lines += ["", *matters_text(summary["what_matters"], looked_at)]
+        lines += ["", *matters_text(summary["what_matters"], f"{looked_at:,} of {summary['cell_count']:,}")]
     return "\n".join(lines)

@@ -34,7 +34,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in (*wide, PERSON)]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
     if "what_matters" in summary:
-        lines += ["", *matters_text(summary["what_matters"], len(rows))]
+        lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
         if len(rows) > MAX_ROWS:
             notes = [*_notes(rows), *perceived_text(rows)]
             return "\n".join([*lines, *(["", *notes] if notes else [])])

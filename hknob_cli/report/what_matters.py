@@ -172,8 +172,8 @@ def describe_matters(matters: Sequence[Matter]) -> list[dict[str, Any]]:
     return [{**one._asdict(), "bins": [found._asdict() for found in one.bins]} for one in matters]
 
 
-def matters_text(matters: Sequence[dict[str, Any]], cells: int) -> list[str]:
-    """Lines of the terminal's table: what each axis explains, and what there is at its two ends."""
+def matters_text(matters: Sequence[dict[str, Any]], cells: str) -> list[str]:
+    """Lines of the terminal's table: what each axis explains, and what there is at its two ends; of how many cells."""
     heads = ["what matters most", "explains", "", "p2p mrad", "frequency Hz", "at rest %"]
     body = [[one["axis"], f"{100.0 * one['explained']:.0f} %", _way(one), *_ends(one["bins"])] for one in matters]
     widths = [max(len(line[i]) for line in (heads, *body)) for i in range(len(heads))]

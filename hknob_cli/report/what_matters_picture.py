@@ -35,11 +35,14 @@ def draw_matters(
     stage: str,
     scales: Mapping[str, str] | None = None,
     share: str = "at_rest_fraction",
+    total: int | None = None,
 ) -> bool:
     """Draw into ``path`` (PNG); False, drawing nothing, where too few cells have a size.
 
     ``series``: columns by method or law, or of a sweep alone; the first decides the order. ``scales``: log or lin, by
-    the name of an axis that is a range. Raises `ComputationError` if the file cannot be written.
+    the name of an axis that is a range. ``total``: cells there are, if the columns have some of them.
+
+    Raises `ComputationError` if the file cannot be written.
     """
     found = {name: what_matters(columns, axes, share=share) for name, columns in series.items()}
     name, matters = next(iter(found.items()))
@@ -71,7 +74,8 @@ def draw_matters(
     if len(found) > 1:
         places[0, 0].legend(fontsize=7)
     cells = len(next(iter(series.values()))["p2p_rad"])
-    figure.suptitle(f"{title}: what matters most for limit cycles against a virtual wall ({cells:,} cells)")
+    of = f"{cells:,} of {total:,}" if total and total != cells else f"{cells:,}"
+    figure.suptitle(f"{title}: what matters most for limit cycles against a virtual wall ({of} cells)")
     figure.supxlabel(_note(matters, name if len(found) > 1 else "", 60 * across), fontsize=8)
     save(figure, path, stage=stage, name=title)
     return True

@@ -56,7 +56,8 @@ class Ranges:
 
     def put_back(self, gone: Iterable[Range]) -> None:
         """Items that nobody is at any more, for no fault of theirs."""
-        self._left += sorted(gone, reverse=True)
+        self._left += gone
+        self._left.sort(reverse=True)
 
     def give_back(self, lost: Iterable[Range]) -> None:
         """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""

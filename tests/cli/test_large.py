@@ -92,3 +92,20 @@ def test_one_file_takes_the_place_of_parts_and_back(both: Path) -> None:
     assert in_parts("sweep", GRID, "-o", "swap", "--force", cwd=both).returncode == 0
     assert (both / "swap" / "cells.parquet").is_dir()
     assert {path.name for path in (both / "swap").iterdir()} == {"cells.parquet", "orbits.parquet", ".hknob.lock"}
+
+
+def test_what_another_spec_had_finished_is_not_removed_in_silence(tmp_path: Path) -> None:
+    said = "removing what a run of another spec, --set or version had finished in out"
+    for more, spoken in (((), True), (("-q",), False)):
+        left = tmp_path / "out" / ".hknob.partial-0123456789abcdef"
+        left.mkdir(parents=True)
+        (left / "0-2.piece").write_bytes(b"")
+        done = subprocess.run(
+            [HKNOB, "sweep", GRID, "-o", "out", "--force", *more],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert (said in done.stderr) == spoken
+        assert not left.exists()

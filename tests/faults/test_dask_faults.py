@@ -209,7 +209,7 @@ def test_a_cell_that_no_worker_survives(shared, undisturbed, tmp_path: Path) -> 
     shared.mend(0)
     shared.end(shared.scheduler)
     assert (code, errors.count("\n")) == (1, 1), errors
-    assert errors.startswith("cell 17 sample_rate_hz = 2000, counts_per_rev = 1024: ")
+    assert errors.startswith("cell 17, sample_rate_hz = 2000, counts_per_rev = 1024: ")
     assert run(spec, out, "-q") == (0, "")
     assert left(out) == wanted
 

@@ -160,7 +160,7 @@ def test_a_cell_that_nobody_survives_is_named_and_all_else_is_kept(undisturbed, 
     code, errors = run(spec, out, "-j", 1, fault=f"import os\n{deadly}")
     assert (code, errors) == (
         1,
-        "cell 17 sample_rate_hz = 2000, counts_per_rev = 1024: the process that computed this died 8 times "
+        "cell 17, sample_rate_hz = 2000, counts_per_rev = 1024: the process that computed this died 8 times "
         "(out of memory?); all else that is finished is kept, run the same command again\n",
     )
     assert pieces(out) >= 8

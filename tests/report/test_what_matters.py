@@ -7,6 +7,7 @@ import pyarrow as pa
 import pytest
 from scipy.stats import kruskal, qmc, rankdata, spearmanr
 
+from hknob_cli.report import large
 from hknob_cli.report.large import thinned
 from hknob_cli.report.what_matters import (
     MOST_BINS,
@@ -84,7 +85,7 @@ def test_rest_is_the_smallest_and_told_apart() -> None:
     assert one.bins[0].p2p_rad is None
     assert one.bins[-1].share == 0.0
     assert one.bins[-1].p2p_rad == (1e-3, 1e-3, 1e-3)
-    text = "\n".join(matters_text(describe_matters([one]), COUNT))
+    text = "\n".join(matters_text(describe_matters([one]), str(COUNT)))
     assert "- to 1" in text
     assert "100 to 0" in text
 
@@ -127,3 +128,26 @@ def test_large_tables_are_looked_at_all_over(tmp_path: Path) -> None:
     assert parted is not None
     values = thinned(parted, ["a"])["a"]
     assert sorted(values.tolist()) == list(range(300))  # fewer than may be looked at: all
+
+
+def test_cells_of_a_short_last_part_count_as_much_as_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(large, "PART_CELLS", 100)
+    for number, rows in enumerate((100, 20)):
+        write_part(pa.table({"part": np.full(rows, float(number))}), tmp_path, number, 2, b"stamp")
+    parted = read_parted(tmp_path)
+    assert parted is not None
+    values = thinned(parted, ["part"])["part"]
+    assert [int((values == number).sum()) for number in range(2)] == [84, 17]  # 100 of 120 cells, rounded up
+
+
+def test_parts_are_looked_at_out_of_step_with_the_grid(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # An axis of two values, each a part long: parts evenly spaced would all have the same.
+    monkeypatch.setattr(large, "MOST_LOOKED_AT", 16)
+    for number in range(64):
+        write_part(pa.table({"a": np.full(4, float(number % 2))}), tmp_path, number, 64, b"stamp")
+    parted = read_parted(tmp_path)
+    assert parted is not None
+    values = thinned(parted, ["a"])["a"]
+    assert len(values) == 4 * 16
+    assert set(values.tolist()) == {0.0, 1.0}
+    assert thinned(parted, ["a"])["a"].tolist() == values.tolist()
