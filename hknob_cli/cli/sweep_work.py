@@ -106,9 +106,11 @@ class SweepWork(Work):
 
 
 def _say_what_goes(job: Job, work: Work) -> None:
-    """Say so where another run was cut short in this folder: what it had finished is removed."""
+    """Say so where another run was cut short in this folder: what it had finished goes when this one is done."""
     if (found := staged(job.out)) and found != [Staging(job.out, stamp_of(job, work)).folder]:
-        note(job, f"removing what a run of another spec, --set or version had finished in {job.out}")
+        note(
+            job, f"{job.out}: what a run of another spec, --set or version had finished here goes when this one is done"
+        )
 
 
 def _recorded(job: Job) -> Tables:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import CAPACITY, FATES, LANES, SLICE, StoppedError
-from hknob_cli.engine.cells import CELL, FIELD, FIELDS, MEASURES, UNMEASURED, Room
+from hknob_cli.engine.cells import FIELD, FIELDS, MEASURES, NUMBERS, UNMEASURED, Room
 from hknob_cli.engine.orbit.cycle import CycleMeasures
 from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -65,7 +65,7 @@ def run_cells(
     Raises `StoppedError` when told to stop.
     """
     numbers = np.ascontiguousarray(cells, dtype=np.float64)
-    longest_line = int(numbers[:, CELL - 3].max()) if len(numbers) else 0
+    longest_line = int(numbers[:, NUMBERS.index("delay_line")].max()) if len(numbers) else 0
     room = _room(phases, longest_line)
     out = np.empty(FIELD * max(ROWS, 2 * len(room.order)))
     found: list[Array] = []

@@ -28,13 +28,12 @@ class Staging:
         self.folder = out / f"{_PREFIX}{hashlib.sha256(provenance).hexdigest()[:16]}"
 
     def begin(self, *, afresh: bool = False) -> None:
-        """Make the folder, and remove those of other runs; ``afresh``: and what is in it.
+        """Make the folder, or go on with it; ``afresh``: without what is in it.
 
         Raises `RefusedError` if something else is in the way.
         """
-        for other in staged(self.folder.parent):
-            if other != self.folder or afresh:
-                shutil.rmtree(other)
+        if afresh and self.folder in staged(self.folder.parent):
+            shutil.rmtree(self.folder)
         make_folder(self.folder)
         for half in self.folder.glob("*.half"):
             half.unlink()

@@ -69,7 +69,7 @@ def too_many(count: int, limit: Limit, beside: str = "") -> str:
 def _axis_fault(name: str, scene: SceneSpec | None) -> str | None:
     """Why a value of the scene cannot be an axis; None if it can."""
     if scalar_field(name) is None:
-        return nearest(name, [RATE, COUNTS, *scalar_paths()])
+        return nearest(name, [RATE, COUNTS, "design", *scalar_paths()])
     if scene is None:
         return None
     part: Any = scene

@@ -1,5 +1,6 @@
 """The sweep: every cell of the grid to its proven limit cycles, as two tables."""
 
+import random
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
@@ -69,7 +70,8 @@ class SweepStage:
         every = cells_of(self.plan)
         if len(every) <= 4 * LOOKED_AT:
             return self._expected(every)
-        some = ((2 * i + 1) * len(every) // (2 * LOOKED_AT) for i in range(LOOKED_AT))
+        chance = random.Random(0)  # evenly spaced ones may all have the same value on an axis
+        some = (chance.randrange(len(every)) for _ in range(LOOKED_AT))
         found = self._expected(cell for number in some for cell in every.run(number, number + 1))
         return {group: samples * len(every) / LOOKED_AT for group, samples in found.items()}
 

@@ -95,7 +95,7 @@ def test_one_file_takes_the_place_of_parts_and_back(both: Path) -> None:
 
 
 def test_what_another_spec_had_finished_is_not_removed_in_silence(tmp_path: Path) -> None:
-    said = "removing what a run of another spec, --set or version had finished in out"
+    said = "out: what a run of another spec, --set or version had finished here goes when this one is done"
     for more, spoken in (((), True), (("-q",), False)):
         left = tmp_path / "out" / ".hknob.partial-0123456789abcdef"
         left.mkdir(parents=True)

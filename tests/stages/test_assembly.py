@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.parted import Parted
-from hknob_cli.results.staging import Staging
+from hknob_cli.results.staging import Staging, clear_staged
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.stages.assembly import Assembly
 from hknob_cli.stages.piece import PieceFinder, decode, encode, find_piece, unit_of
@@ -120,18 +120,20 @@ def test_damaged_pieces_are_done_again(stage, tmp_path: Path, spoil) -> None:
     assert not list(tmp_path.rglob("*.piece"))
 
 
-def test_what_another_spec_had_finished_is_removed(stage, tmp_path: Path) -> None:
+def test_what_another_spec_had_finished_is_left_until_results_are_in_place(stage, tmp_path: Path) -> None:
     other = Staging(tmp_path, b"another")
     other.begin()
     other.put(0, 3, b"theirs")
     mine = Staging(tmp_path, STAMP)
     mine.begin()
     mine.put(0, 3, b"mine")
-    assert not other.folder.exists()
     mine.begin()
     assert mine.get(0, 3) == b"mine"
     mine.begin(afresh=True)
     assert mine.pieces() == []
+    assert other.get(0, 3) == b"theirs"
+    clear_staged(tmp_path)
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_piece_damaged_under_way_says_so(tmp_path: Path) -> None:
