@@ -29,7 +29,7 @@ CELLS = [
 def orbit_levels(one: Settled) -> tuple[int, ...]:
     """Levels of one period, by the package's own trace."""
     n, loop = one.attractor.period, one.knob.loop
-    xs, spare = [0.0] * (n + 1), [[0.0] * (n + 1) for _ in range(3)]
+    xs, spare = [0.0] * (n + 1), [[0.0] * (n + 1) for _ in range(2)]
     trace(one.attractor.x, one.attractor.v, [], 0, n, loop, xs, *spare)
     return tuple(min(int(x // 1), 0) for x in xs[:n])
 
