@@ -18,6 +18,7 @@ from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
 
 Array = NDArray[np.float64]
 
+MOST_TURNS = 1e5  # in a sample interval: each is an event that is followed
 UNIT_RAD = 1e-3  # a "count" of a continuous sensor
 
 
@@ -66,7 +67,10 @@ class GeneralKnob(NamedTuple):
 
 
 def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> GeneralKnob:
-    """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
+    """Reduce a scene to one cell.
+
+    Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
+    """
     actuator = scene.actuator or Actuator()
     encoder = scene.encoder or Encoder()
     hand = scene.hand or Hand()
@@ -94,6 +98,12 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     if not all(isfinite(value * value) for value in numbers):
         place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
         raise ComputationError(f"{place} the scene's numbers overflow")
+    turns = _turns(body)
+    if turns > MOST_TURNS:
+        often = f"it rings to and fro {turns:.2g} times in each interval"
+        raise ComputationError(
+            f"at {sample_rate_hz:g} Hz the scene cannot be followed: {often}, at most {MOST_TURNS:g}"
+        )
     return GeneralKnob(
         body=body,
         wall=wall,
@@ -205,6 +215,12 @@ def _slowest(a: Array) -> float:
     rates = -np.linalg.eigvals(a).real
     decaying = rates[rates > 1e-13 * np.abs(a).max()]
     return float(decaying.min()) if decaying.size else 0.0
+
+
+def _turns(body: Body) -> float:
+    """Times that the fastest mode of a body turns round in a sample interval."""
+    a = np.array(body.matrices[: body.order**2]).reshape(body.order, body.order)
+    return float(np.abs(np.linalg.eigvals(a).imag).max()) / pi
 
 
 def _short_increment(a: Array, t: float) -> Array:

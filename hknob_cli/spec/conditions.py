@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
 from hknob_cli.spec.grip import same_grip
-from hknob_cli.spec.named_file import inside, open_named
+from hknob_cli.spec.named_file import inside, read_named
 
 FILE = "conditions.parquet"
 # Columns of what a spec chooses by, in the order of the choice.
@@ -53,8 +53,7 @@ def read_conditions(place: Path) -> Conditions:
     import pyarrow.parquet as pq
 
     file = inside(place, FILE)
-    with open_named(file) as stream:
-        data = stream.read()
+    data = read_named(file)
     try:
         with pq.ParquetFile(BytesIO(data)) as parquet:
             table = parquet.read()

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.named_file import open_named
+from hknob_cli.spec.named_file import read_named
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Path_, Source
@@ -223,10 +223,10 @@ def _ledger(source: Source, spec: ReportSpec) -> list[Fault]:
     if spec.claims is None:
         return []
     try:
-        with open_named(Path(source.name).parent / spec.claims):
-            return []
+        read_named(Path(source.name).parent / spec.claims)
     except UsageError as error:
         return [source.fault(("claims",), str(error))]
+    return []
 
 
 def _placeholders(source: Source, place: Path_, text: str, values: dict[str, ValueSpec]) -> list[Fault]:

@@ -8,6 +8,7 @@ from math import isfinite, pi
 import pytest
 
 from hknob_cli.engine.outcome import Outcome
+from hknob_cli.errors import ComputationError
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.spec.load import validate
 from hknob_cli.spec.source import Source
@@ -136,6 +137,7 @@ SCENES = {
     # combined
     "stiff wall, no inertia, slow": (scene(wall=1e6, inertia=1e-12, rate=1.0), ANY),
     "stiff wall, heavy, fast, 1 count": (scene(wall=1e6, inertia=1.0, rate=1e6, counts=1, phases=1), ANY),
+    "a hand that rings 1e8 times in an interval": (scene(k=1e12, rate=1.0, phases=1), UNDECIDED),
     "everything small": (scene(wall=1e-12, inertia=1e-12, b=1e-15, k=1e-12, bias=1e-15), ANY),
     "everything large": (scene(wall=1e6, inertia=1.0, b=1e6, k=1e6, bias=1e6, rate=1e7, phases=1), ANY),
     "overdamped, stiff, delayed": (scene(wall=1e6, b=1e3, actuator={"delay_samples": 3.5}), ANY),
@@ -143,6 +145,28 @@ SCENES = {
     "far start": (scene(angle=1e3), ANY),
     "deep start": (scene(angle=-1e3), ANY),
 }
+
+
+@pytest.mark.parametrize(
+    "part",
+    [
+        {"knob": {"inertia": 1.9e-6, "coulomb_torque": 1e-4}, "hand": {"stiffness": 1e12}},
+        {"hand": {"finger": {"inertia": 1e-9, "stiffness": 1e9}, "fingerpad": {"stiffness": 1e9}}},
+        {"hand": {"stiffness": 1e12}, "encoder": "none"},
+    ],
+)
+def test_what_rings_too_often_to_be_followed_is_told(part: dict) -> None:
+    """Each turn is an event where there is friction, a finger, or a sensor without counts."""
+    values = scene(rate=1.0)
+    values["scene"] |= part
+    if part.get("encoder") == "none":
+        del values["grid"]["counts_per_rev"]
+    source = Source("extreme")
+    source.value = values
+    with pytest.raises(
+        ComputationError, match=r"at 1 Hz the scene cannot be followed: it rings to and fro .*e\+0[78] "
+    ):
+        SweepStage(validate(source), jobs=1).run()
 
 
 @pytest.mark.parametrize("name", SCENES)

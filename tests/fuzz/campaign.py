@@ -55,7 +55,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--families", default=",".join(FAMILIES), help="default: %(default)s")
     parser.add_argument("--kind", help="of specs: only this kind")
     parser.add_argument("--run-share", type=float, default=0.02, help="of specs: whose stage is run, where it is cheap")
-    parser.add_argument("--save", default="fuzz-failures", help="folder for inputs that break a rule")
+    parser.add_argument("--save", default="results/fuzz", help="folder for inputs that break a rule")
     return parser.parse_args()
 
 

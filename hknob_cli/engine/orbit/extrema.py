@@ -10,6 +10,8 @@ from hknob_cli.engine.orbit.holds import LENGTH, PART
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
 
+MOST_TURNS = 1e7  # of a period: a second of compiled code, and of a knob that rings millions of times in an interval
+
 
 def direction(x, v, drive, beta):
     """Which way the knob moves just after it was at ``(x, v)`` under a ``drive``: 1, -1, or 0 if it stays."""
@@ -34,9 +36,12 @@ def turns_within(first, span, spacing, odd):
 def find_extrema(x, v, drive, count, parts, kinds, alpha, beta, reference):
     """All local maxima and minima of a period of ``count`` holds, relative to ``reference``.
 
-    Returns ``(peaks, sum of peaks, highest, troughs, sum of troughs, lowest)``; no peaks where nothing moves.
+    Returns ``(peaks, sum of peaks, highest, troughs, sum of troughs, lowest)``; no peaks where nothing moves, or where
+    there are more than `MOST_TURNS`.
     """
     spacing = zero_spacing(alpha, beta)
+    if count > MOST_TURNS * kinds * spacing:
+        return 0, 0.0, 0.0, 0, 0.0, 0.0
     peaks, peak_sum, highest = 0, 0.0, -float("inf")
     troughs, trough_sum, lowest = 0, 0.0, float("inf")
     # A knob that stays where it is for a hold moves as it did before; so does the first hold of a period.
