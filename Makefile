@@ -5,10 +5,12 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := PIP_CONSTRAINT=constraints.txt PIP_DISABLE_PIP_VERSION_CHECK=1 $(BIN)/python -m pip install --quiet
 OUT ?= results
+COUNT ?= 10000
+SEED ?= 1000000
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help sweep paper ladder maps smoke test firmware lint schemas compare bench clean
+.PHONY: help fuzz sweep paper ladder maps smoke test firmware lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
@@ -70,6 +72,9 @@ schemas: $(VENV)/.run ## regenerate schemas/ and docs/page.md from the program
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench
+
+fuzz: $(VENV)/.run ## odd specs, tables and sessions, COUNT of each, other ones by SEED; saves what breaks a rule
+	@$(BIN)/python tests/fuzz/campaign.py --count $(COUNT) --seed $(SEED) --save $(OUT)/fuzz
 
 bench: $(VENV)/.dev ## throughput, many cells, start-up, rival methods, and identification
 	@for name in throughput cells friction rivals startup sysid; do \
