@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 sys.path[0] = str(Path(__file__).parents[2])  # the folder of this file has modules with names of others
 
+from hknob_cli.spread.cores import usable_cores  # noqa: E402
 from tests.fuzz.families import FAMILIES, Failure  # noqa: E402
 from tests.fuzz.worker import Task, work  # noqa: E402
 
@@ -51,7 +52,7 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--count", type=int, default=10_000, help="inputs of each family")
     parser.add_argument("--seed", type=int, default=0, help="of the first input")
-    parser.add_argument("--workers", type=int, default=1, help="processes")
+    parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; default: all cores")
     parser.add_argument("--families", default=",".join(FAMILIES), help="default: %(default)s")
     parser.add_argument("--kind", help="of specs: only this kind")
     parser.add_argument("--run-share", type=float, default=0.02, help="of specs: whose stage is run, where it is cheap")
