@@ -55,8 +55,7 @@ def _try_all(task: Task, arena: Arena, send: Callable[[str, Any], None], now: An
         counts[case.kind, "inputs", None] += 1
         if tried and tried[-1].breaches:
             failure = Failure(task.family, seed, case, tried[-1])
-            small = len(case.data) < LARGE and not any(rule == "hang" for rule, _ in tried[-1].breaches)
-            if small and failure.signature not in shrunk:
+            if failure.signature not in shrunk:
                 shrunk.add(failure.signature)
                 failure = smaller(failure, arena)
             send("failure", failure)
@@ -74,7 +73,9 @@ def _said(command: tuple[str, ...]) -> str:
 
 
 def smaller(failure: Failure, arena: Arena) -> Failure:
-    """The failure with less of its input, as long as it is the same."""
+    """The failure with less of its input, as long as it is the same; a hang, or what is large, as it is."""
+    if len(failure.case.data) > LARGE or any(rule == "hang" for rule, _ in failure.attempt.breaches):
+        return failure
     family = FAMILIES[failure.family]
     best = failure
 
