@@ -24,7 +24,6 @@ from hknob_cli.spec.plan import BenchPlan, BenchScene
 from hknob_cli.stages.bench_run import Run, exact_settings, reference_angles, timed_run
 from hknob_cli.stages.verdict import judge, measure
 
-PATIENCE = 100.0  # times that a reference may take longer than a run
 Progress = Callable[[int, int], None]
 
 
@@ -81,9 +80,7 @@ class BenchStage:
     def _results(self) -> Generator[Any, None, None]:
         """Angles of the references, then the runs, in the order of the entries."""
         limit = self.plan.seconds_per_run
-        work: list[Callable[[], Any]] = [
-            partial(reference_angles, trial, limit_s=PATIENCE * limit) for trial in self.plan.scenes
-        ]
+        work: list[Callable[[], Any]] = [partial(reference_angles, trial) for trial in self.plan.scenes]
         work += [partial(timed_run, *entry, limit_s=limit) for entry in self.entries]
         if self.jobs == 1:
             yield from (piece() for piece in work)
