@@ -123,5 +123,5 @@ def test_what_matters_in_words_and_as_a_picture(hknob, spec_file, tmp_path: Path
 def test_analyses_of_a_design_have_a_picture(kind: str, file: str, hknob, spec_file, tmp_path: Path) -> None:
     done = hknob(kind, spec_file(analysis(kind)), "-o", "out", "--plot", "--set", "grid.design.sobol=32")
     assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    assert done.stderr.splitlines()[1:] == []  # it may be the first to compile
     assert (tmp_path / "out" / file).stat().st_size > 50_000
