@@ -12,7 +12,8 @@ import pytest
 from hknob_cli.spec.load import load, validate
 from hknob_cli.spec.plan import SweepPlan
 from hknob_cli.spec.source import parse
-from hknob_cli.stages.sweep import SweepResult, SweepStage
+from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep_tables import SweepTables
 
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"
@@ -38,7 +39,7 @@ def loaded(text: str = SPEC) -> SweepPlan:
     return validate(parse(text, "spec.yaml"))
 
 
-def swept(path: Path, *overrides: str) -> SweepResult:
+def swept(path: Path, *overrides: str) -> SweepTables:
     """Result of a spec file with overrides."""
     return SweepStage(load(path, overrides)).run()
 

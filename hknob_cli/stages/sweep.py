@@ -4,9 +4,7 @@ import random
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
-
-import pyarrow as pa
+from typing import Any
 
 from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.results.parted import PART_CELLS
@@ -14,7 +12,7 @@ from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
-from hknob_cli.stages.sweep_tables import cells_table, orbits_table
+from hknob_cli.stages.sweep_tables import SweepTables, cells_table, orbits_table
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
 THREADS_ABOVE = 20_000_000
@@ -30,14 +28,6 @@ HEAVIER = {
 }  # times that a sample takes longer than in the plain loop
 
 Progress = Callable[[int, int], None]
-
-
-class SweepResult(NamedTuple):
-    """The two tables of a sweep, and the trial-samples they took."""
-
-    cells: pa.Table
-    orbits: pa.Table
-    samples: int
 
 
 class SweepStage:
@@ -123,10 +113,10 @@ class SweepStage:
         self._compile(group)
         return self._functions[group]
 
-    def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
+    def run(self, progress: Progress = lambda _done, _total: None) -> SweepTables:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
         results, taken = self._find(None, progress)
-        return SweepResult(
+        return SweepTables(
             cells=cells_table(self.plan, results), orbits=orbits_table(self.plan, results), samples=taken
         )
 

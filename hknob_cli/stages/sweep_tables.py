@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -22,6 +22,14 @@ _OUTCOMES = [outcome.name.lower() for outcome in Outcome]
 _REASONS = [WORDS[reason] for reason in Reason]
 
 Axes = Mapping[str, NDArray[Any]]
+
+
+class SweepTables(NamedTuple):
+    """The two tables of a sweep, or of some of its cells, and the trial-samples they took."""
+
+    cells: pa.Table
+    orbits: pa.Table
+    samples: int
 
 
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
