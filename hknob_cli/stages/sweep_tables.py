@@ -15,7 +15,7 @@ from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
-from hknob_cli.stages.found import Array, Found, gather
+from hknob_cli.stages.found import Array, Found, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 _OUTCOMES = [outcome.name.lower() for outcome in Outcome]
@@ -49,7 +49,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
             shares = [one.trials / total for one in result.attractors]
             rows.append(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
         more |= _turned(rows)
-    return lay_out_cells(plan, _axes(plan, results), gather(results), columns, more)
+    return lay_out_cells(plan, _axes(plan, results), in_columns(results), columns, more)
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
@@ -67,7 +67,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         more |= _turned(
             [orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived]
         )
-    return lay_out_orbits(plan, _axes(plan, results), gather(results), columns, more)
+    return lay_out_orbits(plan, _axes(plan, results), in_columns(results), columns, more)
 
 
 def lay_out_cells(
