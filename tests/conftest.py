@@ -1,6 +1,7 @@
 """Fixtures shared by all tests: specs as text, and sweeps of the main grid, run once."""
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,6 +19,9 @@ from hknob_cli.stages.sweep_tables import SweepTables
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"
 HKNOB = Path(sys.executable).with_name("hknob")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background: what is run here would ignore it, too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SPEC = """\
 kind: sweep
