@@ -14,9 +14,8 @@ from hknob_cli.results.layout import as_file
 from hknob_cli.results.parting import Parting
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import SweepPlan
-from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
 from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import SweepTables, cells_table, orbits_table
+from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 
 _HEAD = 8  # bytes, that say how long the first file is
 _MOST = 8192  # cells found at a time, which bounds the memory that a piece takes
@@ -75,16 +74,13 @@ def find_piece(stage: SweepStage, start: int, stop: int) -> SweepTables:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
     unit = unit_of(stage.plan)
     step = unit if unit > 1 else _MOST
-    found = [_find(stage, a, min(stop, a + step)) for a in range(start, stop, step)]
-    cells, orbits = (pa.concat_tables([getattr(one, name) for one in found]) for name in ("cells", "orbits"))
-    return SweepTables(cells, orbits, sum(one.samples for one in found))
+    return joined([_find(stage, a, min(stop, a + step)) for a in range(start, stop, step)])
 
 
 def _find(stage: SweepStage, start: int, stop: int) -> SweepTables:
-    grid = cells_of(stage.plan)
     if stage.plain:
-        return plain_chunk(stage.plan, grid.columns(start, stop), stage.functions(GROUP), stage.stopped)
-    found = stage.find(list(grid.run(start, stop)))
+        return stage.find_plain(start, stop)
+    found = stage.find(list(cells_of(stage.plan).run(start, stop)))
     samples = sum(one.samples for one in found)
     return SweepTables(cells_table(stage.plan, found), orbits_table(stage.plan, found), samples)
 

@@ -32,6 +32,12 @@ class SweepTables(NamedTuple):
     samples: int
 
 
+def joined(found: Sequence[SweepTables]) -> SweepTables:
+    """The tables of runs of cells, one run behind the other."""
+    cells, orbits = (pa.concat_tables([getattr(one, name) for one in found]) for name in ("cells", "orbits"))
+    return SweepTables(cells.combine_chunks(), orbits.combine_chunks(), sum(one.samples for one in found))
+
+
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per cell."""
     columns: tuple[Column, ...] = CELLS

@@ -248,6 +248,32 @@ def test_tables_are_those_of_the_interpreter(functions: Functions, text: str) ->
     assert_same(result, all_at_once(stage.plan, functions))
 
 
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_many_cells_are_found_in_runs(functions: Functions, jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": 400})
+    told: list[tuple[int, int]] = []
+    monkeypatch.setattr(SweepStage, "run_cell", None)
+    result = SweepStage(plan, jobs=jobs).run(lambda done, total: told.append((done, total)))
+    assert_same(result, one_by_one(plan, functions))
+    assert told[-1] == (9, 9)
+    assert len(told) > 2
+
+
+def test_runs_of_many_cells_give_up_when_interrupted(functions: Functions, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    stage = SweepStage(
+        planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 1e-3], starts={"phases": 400}), jobs=2
+    )
+
+    def interrupt(_done: int, _total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stage.run(interrupt)
+    assert stage.stopped()
+
+
 def test_chunks_are_parts_of_the_whole(functions: Functions) -> None:
     plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3])
     cells = cells_of(plan)
