@@ -15,6 +15,14 @@ from hknob_cli.stages.piece import decode, files_of
 TABLES = ("cells", "orbits")
 
 
+def finished(staging: Staging, parting: Parting) -> int:
+    """Cells that an earlier run has finished, as far as names tell; nothing is read or changed. Raises `OSError`."""
+    folders = [staging.folder / name for name in TABLES]
+    parts = set.intersection(*(set(part_numbers(folder)) if folder.is_dir() else set() for folder in folders))
+    ranges = [*map(parting.range, parts), *(one for one in staging.names() if one[0] // parting.items not in parts)]
+    return sum(stop - start for start, stop in ranges)
+
+
 class Assembly:
     """The results of a sweep, cut as ``parting`` says. Raises `OSError`."""
 

@@ -14,7 +14,7 @@ from hknob_cli.results.parted import Parted
 from hknob_cli.results.parting import Parting
 from hknob_cli.results.staging import Staging, clear_staged
 from hknob_cli.results.versions import grid_versions
-from hknob_cli.stages.assembly import Assembly
+from hknob_cli.stages.assembly import Assembly, finished
 from hknob_cli.stages.piece import PieceFinder, decode, encode, find_piece, unit_of
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import SPEC, loaded
@@ -94,6 +94,22 @@ def test_an_earlier_run_is_gone_on_with(stage, tmp_path: Path) -> None:
     for one in (every[2], every[4]):
         second.take(*one)
     assert second.tables()[0].table().equals(stage.run().cells)
+
+
+def test_what_is_finished_is_told_without_touching_it(stage, tmp_path: Path) -> None:
+    staging = Staging(tmp_path, STAMP)
+    assert finished(staging, PARTS) == 0
+    assembly = Assembly(staging, PARTS)
+    assembly.begin()
+    every = parted(stage, [8, 12, 16])
+    for one in (every[0], every[1], every[3]):
+        assembly.take(*one)
+    staging.put(3, 5, b"of a part that is there")
+    before = sorted(tmp_path.rglob("*"))
+    assert finished(staging, PARTS) == 16
+    assert sorted(tmp_path.rglob("*")) == before
+    (staging.folder / "orbits" / "part-000000.parquet").unlink()
+    assert finished(staging, PARTS) == 10
 
 
 def test_a_part_whose_pieces_were_all_there_is_written_at_once(stage, tmp_path: Path) -> None:
