@@ -54,14 +54,16 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of the first input")
     parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; default: all cores")
     parser.add_argument("--families", default=",".join(FAMILIES), help="default: %(default)s")
-    parser.add_argument("--kind", help="of specs: only this kind")
+    parser.add_argument("--kinds", help="of specs: only these, with commas; one said twice comes twice as often")
     parser.add_argument("--run-share", type=float, default=0.02, help="of specs: whose stage is run, where it is cheap")
     parser.add_argument("--save", default="results/fuzz", help="folder for inputs that break a rule")
     return parser.parse_args()
 
 
 def _options(asked: argparse.Namespace, family: str) -> dict[str, Any]:
-    return {"kind": asked.kind, "run_share": asked.run_share} if family == "spec" else {}
+    if family != "spec":
+        return {}
+    return {"kinds": asked.kinds.split(",") if asked.kinds else None, "run_share": asked.run_share}
 
 
 class Campaign:
