@@ -2,6 +2,7 @@
 
 import faulthandler
 import gc
+import importlib.metadata
 import os
 import resource
 import shutil
@@ -9,7 +10,7 @@ import tempfile
 import warnings
 from collections import Counter
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -38,6 +39,10 @@ def work(task: Task, send: Callable[[str, Any], None], now: Any) -> None:
     """Try the inputs. ``now`` has the seed being tried; ``send`` gets counts, and each failure."""
     faulthandler.enable()
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
+    if not FAMILIES[task.family].on_disk:
+        warnings.simplefilter("error")
+        _try_all(task, None, send, now)
+        return
     memory = MEMORY if os.access(MEMORY, os.W_OK) else None
     folder = Path(tempfile.mkdtemp(prefix="hknob-fuzz-", dir=memory))
     try:
@@ -50,18 +55,20 @@ def work(task: Task, send: Callable[[str, Any], None], now: Any) -> None:
 
 
 def _make_quick() -> None:
-    """Spare what has nothing to do with an input: to parse again the files that all of them name, to look for garbage.
+    """Spare what has nothing to do with an input: what takes a command milliseconds, and the same each time.
 
-    The program keeps the trees of the last two texts; what it makes of a tree is made anew each time.
+    The versions of libraries, the trees of files that many inputs name (the program keeps the last two; what it makes
+    of a tree is made anew), and garbage from before.
     """
     from hknob_cli.spec import source
 
+    importlib.metadata.version = cache(importlib.metadata.version)
     source._composed = lru_cache(TREES)(source._composed.__wrapped__)
     gc.collect()
     gc.freeze()
 
 
-def _try_all(task: Task, arena: Arena, send: Callable[[str, Any], None], now: Any) -> None:
+def _try_all(task: Task, arena: Arena | None, send: Callable[[str, Any], None], now: Any) -> None:
     family = FAMILIES[task.family]
     counts: Counter[tuple[str, str, int | None]] = Counter()
     shrunk: set[str] = set()
@@ -91,7 +98,7 @@ def _said(command: tuple[str, ...]) -> str:
     return "dry run" if "--dry-run" in command else "run"
 
 
-def smaller(failure: Failure, arena: Arena) -> Failure:
+def smaller(failure: Failure, arena: Arena | None) -> Failure:
     """The failure with less of its input, as long as it is the same; a hang, or what is large, as it is."""
     if len(failure.case.data) > LARGE or any(rule == "hang" for rule, _ in failure.attempt.breaches):
         return failure
