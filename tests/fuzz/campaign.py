@@ -51,7 +51,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of the first input")
     parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; default: all cores")
     parser.add_argument("--families", default=",".join(FAMILIES), help="default: %(default)s")
-    parser.add_argument("--kinds", help="of specs: only these, with commas; one said twice comes twice as often")
+    parser.add_argument("--kinds", help="of specs or tables: only these, with commas; one twice: oftener")
     parser.add_argument("--run-share", type=float, default=0.02, help="of specs: whose stage is run, where it is cheap")
     parser.add_argument("--save", default="results/fuzz", help="folder for inputs that break a rule")
     return parser.parse_args()
@@ -65,9 +65,10 @@ def _pieces(asked: argparse.Namespace, family: str) -> Iterator[Task]:
 
 
 def _options(asked: argparse.Namespace, family: str) -> dict[str, Any]:
-    if family != "spec":
+    if family == "frame":
         return {}
-    return {"kinds": asked.kinds.split(",") if asked.kinds else None, "run_share": asked.run_share}
+    kinds = {"kinds": asked.kinds.split(",") if asked.kinds else None}
+    return {**kinds, "run_share": asked.run_share} if family == "spec" else kinds
 
 
 class Campaign:
