@@ -13,13 +13,13 @@ SQUARED_ARM = ("inertia", "damping", "stiffness")
 
 
 def damping_ratio(fit: Fit) -> Estimate:
-    """Damping ratio B / (2 sqrt(J K)) with its standard error by the delta method; NaN where J or K is not positive.
+    """Damping ratio B / (2 sqrt(J K)) with its standard error by the delta method; NaN where J, K or J K is not > 0.
 
     With the fit's covariance where it has one, else as if the errors were independent. Source: Section 4.3.
     """
     one = [fit.parameters[name] for name in SQUARED_ARM]
     inertia, damping, stiffness = (estimate.value for estimate in one)
-    if not (inertia > 0.0 and stiffness > 0.0):
+    if not (inertia > 0.0 and stiffness > 0.0 and inertia * stiffness > 0.0):  # which may underflow
         return Estimate(nan, nan, False)
     ratio = damping / (2.0 * sqrt(inertia * stiffness))
     slope = np.array([-0.5 * ratio / inertia, 1.0 / (2.0 * sqrt(inertia * stiffness)), -0.5 * ratio / stiffness])
@@ -28,8 +28,8 @@ def damping_ratio(fit: Fit) -> Estimate:
         chosen = [names.index(name) for name in SQUARED_ARM]
         covariance = np.array(fit.covariance)[np.ix_(chosen, chosen)]
     else:
-        covariance = np.diag([estimate.std**2 for estimate in one])
-    with np.errstate(invalid="ignore"):
+        covariance = np.diag([estimate.std * estimate.std for estimate in one])
+    with np.errstate(invalid="ignore", over="ignore"):
         std = float(np.sqrt(slope @ covariance @ slope))
     told = judged(ratio, std)
     return told._replace(identifiable=told.identifiable and all(estimate.identifiable for estimate in one))
@@ -43,7 +43,7 @@ def without_apparatus(
     An ``apparatus`` without a standard error counts as exact.
     """
     own = apparatus if isinstance(apparatus, Estimate) else Estimate(apparatus, 0.0)
-    hand = judged(estimate.value - own.value, sqrt(estimate.std**2 + own.std**2))
+    hand = judged(estimate.value - own.value, sqrt(estimate.std * estimate.std + own.std * own.std))
     hand = hand._replace(identifiable=hand.identifiable and estimate.identifiable)
     if hand.value < 0.0:
         return hand, (f"{what} is below the apparatus's own: {estimate.value:.3g} less {own.value:.3g}",)

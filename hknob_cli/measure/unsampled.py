@@ -233,14 +233,19 @@ def events(
     chatter_counts: float = CHATTER,
     max_events: int = 2_000_000,
     functions: Functions | None = None,
+    look: Callable[[], None] = lambda: None,
 ) -> Motion:
     """Exact motion of a trial up to ``duration_s``.
 
     Chatter over a count edge that ends in rest on it is rest as soon as it stays within ``chatter_counts`` of the
-    edge. Raises `ComputationError` where there are more than ``max_events`` events.
+    edge. ``look`` is called whenever the motion has grown to twice as long, and may end it by raising. Raises
+    `ComputationError` where there are more than ``max_events`` events, or its numbers overflow.
     """
     loop = knob.loop
     x, v = knob.position(angle_rad), knob.speed(velocity_rad_s)
+    until = duration_s / knob.unit_s
+    if not isfinite((1.0 + abs(x) + abs(v)) * until * until):
+        raise ComputationError("the scene's numbers overflow")
     low, high = rest_range(loop)
     single = isfinite(low) and isfinite(high) and high - low <= 16.0 * _EPSILON * (1.0 + abs(low))
     n, edge, u = place(x, v, loop)
@@ -254,11 +259,11 @@ def events(
     filled, done = 1, way == 0.0
     while not done:
         if filled == len(rows):
+            look()
             if filled > max_events:
                 raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
             rows = np.concatenate([rows, np.zeros_like(rows)])
         t, n, edge, u, v, way = (float(value) for value in rows[filled - 1])
-        until = duration_s / knob.unit_s
         filled, done = record(
             t, n, edge, u, v, way, until, single, low, chatter_counts, loop, rows.reshape(-1), filled, len(rows)
         )

@@ -2,7 +2,14 @@
 
 from typing import Any
 
-VERDICTS = {"accurate": "A", "inaccurate": "i", "wrong attractor": "W", "failed": "F", "too slow": "S"}
+VERDICTS = {
+    "accurate": "A",
+    "inaccurate": "i",
+    "wrong attractor": "W",
+    "failed": "F",
+    "too slow": "S",
+    "no reference": "N",
+}
 
 Rows = list[dict[str, Any]]
 
@@ -37,6 +44,7 @@ def equal_error(rows: Rows) -> dict[str, Any]:
     return {
         "scene": rows[0]["scene"],
         "reference": rows[0]["reference"],
+        "no_reference": rows[0].get("no_reference", ""),
         "exact_relative_error": exact["relative_error"] if exact else None,
         "exact_seconds": exact["seconds"] if exact else None,
         "rival": f"{rival['method']}, {rival['setting']}" if rival else None,
@@ -50,15 +58,19 @@ def bench_text(summary: dict[str, Any]) -> str:
     rows = summary["runs"]
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     heading = f"{summary['name']}: {len(summary['scenes'])} scenes, {len(rows)} runs{stale}"
-    key = ", ".join(f"{letter} {verdict}" for verdict, letter in VERDICTS.items())
+    used = {row["verdict"] for row in rows} | {*list(VERDICTS)[:-1]}
+    key = ", ".join(f"{letter} {verdict}" for verdict, letter in VERDICTS.items() if verdict in used)
     lines = [heading, "", f"verdicts, a letter for each setting, the coarsest first: {key}", ""]
     lines += _aligned([["scene", *summary["methods"]], *_letters(summary)])
     lines += ["", "time of the fastest accurate run (processor time), and of the fastest accurate rival", ""]
     lines += _aligned(
         [["scene", "exact error", "exact s", "rival s", "ratio", "rival"], *map(_equal, summary["equal_error"])]
     )
-    if any(one["reference"] == "exact" for one in summary["equal_error"]):
+    if any(one["reference"] == "exact" and not one["no_reference"] for one in summary["equal_error"]):
         lines += ["", "* the exact engine is its own reference here; reference: digits60 checks it"]
+    without = [one for one in summary["equal_error"] if one["no_reference"]]
+    lines += [""] * bool(without)
+    lines += [f"{one['scene']}: no reference, so errors are unknown: {one['no_reference']}" for one in without]
     return "\n".join(lines)
 
 
@@ -86,7 +98,7 @@ def _equal(one: dict[str, Any]) -> list[str]:
         _seconds(one["exact_seconds"]),
         _seconds(one["rival_seconds"]),
         "-" if one["ratio"] is None else f"{one['ratio']:.3g}",
-        one["rival"] or "none is accurate",
+        one["rival"] or ("no reference" if one["no_reference"] else "none is accurate"),
     ]
 
 

@@ -11,13 +11,14 @@ from typing import Any
 from hknob_cli.errors import UsageError
 from hknob_cli.rivals.controller import Controller
 from hknob_cli.rivals.plant import bias_torque, build_plant, start_state
-from hknob_cli.rivals.run import LostError
+from hknob_cli.rivals.run import Deadline, LostError
 from hknob_cli.spec.plan import BenchScene
 
 DIGITS = 60
 BITS = 220  # T / 2^BITS is the resolution of events
 _GUARD = 20
 _TERMS = 8  # of the exponential over the shortest time, whose argument is below 2^-100
+_FASTEST = 2.0 ** (BITS - 100)  # norm of the matrix, a sample interval
 _MOST_EVENTS = 100_000
 
 State = list[Any]
@@ -41,17 +42,22 @@ def context() -> Any:
 class Digits60:
     """See `run.Integrator`."""
 
-    def __init__(self, trial: BenchScene, mp: Any) -> None:
-        """Make ready, in the context ``mp``."""
+    def __init__(self, trial: BenchScene, mp: Any, deadline: Deadline) -> None:
+        """Make ready, in the context ``mp``. Raises `LostError` where a motion is too fast for the resolution."""
         import numpy as np
 
-        self.mp = mp
+        self.mp, self.deadline = mp, deadline
         self.controller = Controller(trial, mp.mpf, mp.floor, 2 * mp.pi)
         self.plant = build_plant(trial.scene, mp.mpf)
         self.bias = bias_torque(trial.scene, self.controller.quantum, mp.mpf)
         self.order = self.plant.order
-        rates = np.linalg.eigvals(np.array([[float(x) for x in row] for row in self.plant.a]))
+        analog = not trial.scene.sampled and not self.controller.rounding
+        generators = [self._generator(stuck=False, inside=inside) for inside in {False, analog}]
+        matrices = np.array([[[float(x) for x in row] for row in generator] for generator in generators])
         period = float(self.controller.period)
+        if not np.linalg.norm(matrices, np.inf, axis=(1, 2)).max() * period < _FASTEST:
+            raise LostError("its motion is too fast for the sample interval")
+        rates = np.linalg.eigvals(matrices)
         # Events are looked for on a net that no mode can slip through: short at first, then as the slow modes allow.
         self.finest = _halvings(16.0 * period * (abs(rates).max() + 1.0 / period))
         self.coarsest = _halvings(8.0 * period * (abs(rates.imag).max() + 0.5 / period))
@@ -108,6 +114,7 @@ class Digits60:
         loose = 0
         while gone < ticks:
             self.steps += 1
+            self.deadline.look()
             if self.steps > _MOST_EVENTS:
                 raise LostError(f"more than {_MOST_EVENTS} events")
             events = leaves(low, high)
@@ -142,6 +149,7 @@ class Digits60:
         """Move up to the first event: time taken, state just before it, number of the event."""
         gone, j = 0, self.finest
         while gone < ticks:
+            self.deadline.look()  # a stiff scene has a net of millions
             while BITS - j > 0 and (1 << (BITS - j)) > ticks - gone:
                 j += 1
             after = self._apply(table[j], state)

@@ -1,5 +1,6 @@
 """One trial of any sampled scene, sample by sample, exact."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,10 +38,12 @@ def simulate(
     samples: int,
     compiled: bool = False,
     knob: GeneralKnob | None = None,
+    look: Callable[[], None] = lambda: None,
 ) -> Trial:
     """Run one trial exactly, for ``samples`` intervals from its first sample, ``phase`` of a period after the start.
 
     ``compiled``: by the compiled engine, to the same last bit. ``knob``: the scene reduced before, to save time.
+    ``look`` is called whenever the trial has become twice as long, and may end it by raising.
     Raises `ComputationError` if the scene's numbers overflow, or if it has no sample clock.
     """
     if not scene.sampled:
@@ -55,16 +58,25 @@ def simulate(
 
     pad = zeros(2 * order)
     state, ring = zeros(order), zeros(delay)
-    states, torques = zeros((samples + 1) * order), zeros(samples + 1)
+    table, torques = np.zeros((samples + 1, order)), np.zeros(samples + 1)
     start: Any = knob.start(angle_rad, velocity_rad_s)
     first = functions["general.begin"] if functions else begin
     through = functions["general.run"] if functions else run
     first(state, np.array(start) if compiled else start, phase, body, pad)
-    through(state, read(state[0], knob.wall), ring, 0, samples, body, knob.wall, pad, states, torques)
-    table = np.asarray(states).reshape(samples + 1, order)
+    before, head, done = read(state[0], knob.wall), 0, 0
+    while True:  # an interval may take seconds
+        count = min(max(done, 1), samples - done)
+        some, acting = zeros((count + 1) * order), zeros(count + 1)
+        before, head = through(state, before, ring, head, count, body, knob.wall, pad, some, acting)
+        table[done : done + count + 1] = np.asarray(some).reshape(count + 1, order)
+        torques[done : done + count + 1] = acting
+        done += count
+        if done == samples:
+            break
+        look()
     return Trial(
         time_s=(phase + np.arange(samples + 1, dtype=np.float64)) * knob.period_s,
         angle_rad=(table[:, 0] + knob.shift) * knob.quantum_rad,
         velocity_rad_s=table[:, 1] * (knob.quantum_rad / knob.period_s),
-        torque_nm=np.asarray(torques) * knob.torque_nm,
+        torque_nm=torques * knob.torque_nm,
     )

@@ -71,7 +71,10 @@ class SettingsSpec(Part):
 class BenchLimitsSpec(Part):
     """Bounds on the work."""
 
-    seconds_per_run: Annotated[PositiveSeconds, Field(description="processor time after which a run is too slow")] = 5.0
+    seconds_per_run: Annotated[
+        PositiveSeconds,
+        Field(description="processor time after which a run is too slow; a reference has 20 times that, at least 1 s"),
+    ] = 5.0
 
 
 class VerdictsSpec(Part):

@@ -21,7 +21,7 @@ from hknob_cli.rivals import mujoco_hinge
 from hknob_cli.rivals.catalogue import Setting, settings
 from hknob_cli.rivals.controller import Controller
 from hknob_cli.spec.plan import BenchPlan, BenchScene
-from hknob_cli.stages.bench_run import Run, exact_settings, reference_angles, timed_run
+from hknob_cli.stages.bench_run import Reference, Run, exact_settings, reference, timed_run
 from hknob_cli.stages.verdict import judge, measure
 
 Progress = Callable[[int, int], None]
@@ -78,9 +78,9 @@ class BenchStage:
         return build_table(RUNS, rows)
 
     def _results(self) -> Generator[Any, None, None]:
-        """Angles of the references, then the runs, in the order of the entries."""
+        """The references, then the runs, in the order of the entries."""
         limit = self.plan.seconds_per_run
-        work: list[Callable[[], Any]] = [partial(reference_angles, trial) for trial in self.plan.scenes]
+        work: list[Callable[[], Any]] = [partial(reference, trial, limit_s=limit) for trial in self.plan.scenes]
         work += [partial(timed_run, *entry, limit_s=limit) for entry in self.entries]
         if self.jobs == 1:
             yield from (piece() for piece in work)
@@ -97,7 +97,7 @@ class BenchStage:
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
 
-    def _row(self, entry: Entry, run: Run, reference: list[float]) -> dict[str, Any]:
+    def _row(self, entry: Entry, run: Run, against: Reference) -> dict[str, Any]:
         trial, plan = entry.trial, self.plan
         row: dict[str, Any] = dict.fromkeys(column.name for column in RUNS)
         row |= {
@@ -115,11 +115,16 @@ class BenchStage:
             "evaluations": run.evaluations,
             "samples": trial.samples,
             "reference": trial.reference,
-            "reference_swing_rad": measure(trial, reference).swing_rad,
+            "no_reference": against.missing,
         }
+        if against.angles is None:
+            if run.angles is not None:
+                row["verdict"] = "no reference"
+            return row
+        row["reference_swing_rad"] = measure(trial, against.angles).swing_rad
         if run.angles is not None:
             judged = judge(
-                trial, run.angles, reference, accurate=plan.accurate, same_attractor=plan.same_attractor
+                trial, run.angles, against.angles, accurate=plan.accurate, same_attractor=plan.same_attractor
             )._asdict()
             quantum = Controller(trial).quantum
             row |= judged

@@ -4,12 +4,13 @@ import time
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.engine.jit import compiled as compiled_functions
-from hknob_cli.errors import HknobError, UsageError
+from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events
 from hknob_cli.rivals import digits60
 from hknob_cli.rivals.catalogue import Setting, run_rival
@@ -23,6 +24,7 @@ from hknob_cli.spec.plan import BenchScene
 
 QUICK_S = 0.03  # runs are repeated while they take no longer together
 MOST_REPEATS = 7
+PATIENCE, LEAST_PATIENCE_S = 20.0, 1.0  # how many times longer than a run a reference may take, and at least
 COMPILED = "compiled"
 _WARM_SAMPLES = 4
 
@@ -42,6 +44,13 @@ class Run(NamedTuple):
     evaluations: int | None
 
 
+class Reference(NamedTuple):
+    """Angles (rad) at the samples that errors are against; None where there are none, and ``missing`` says why."""
+
+    angles: list[float] | None
+    missing: str = ""
+
+
 def exact_settings(trial: BenchScene) -> list[Setting]:
     """How the exact engine is run: the same source both ways."""
     friction = "stick" if trial.scene.knob.coulomb_torque > 0.0 else "none"
@@ -50,7 +59,7 @@ def exact_settings(trial: BenchScene) -> list[Setting]:
 
 def timed_run(trial: BenchScene, method: str, setting: Setting, *, limit_s: float) -> Run:
     """Run a method, again while it is quick; set-up included, compilation and imports not."""
-    _warm(trial, method, setting)
+    _warm(trial, method, setting, limit_s=limit_s)
     best, total, repeats = float("inf"), 0.0, 0
     motion: Motion | None = None
     reason, too_slow = "", False
@@ -82,28 +91,37 @@ def timed_run(trial: BenchScene, method: str, setting: Setting, *, limit_s: floa
     )
 
 
-def reference_angles(trial: BenchScene) -> list[float]:
-    """Angles (rad) at the samples, by the scene's reference. Raises `HknobError` if there are none."""
-    if trial.reference == "exact":
-        return [float(angle) for angle in _exact(trial, compiled=True).angles]
-    mp = digits60.context()
-    model = digits60.Digits60(trial, mp)
+def reference(trial: BenchScene, *, limit_s: float) -> Reference:
+    """The scene's reference, in `PATIENCE` times ``limit_s``. Raises `UsageError` if it needs what is not installed."""
+    patience = max(PATIENCE * limit_s, LEAST_PATIENCE_S)
     try:
-        motion = follow(trial, model.controller, model, model.start(trial), Deadline(float("inf")))
-    except LostError as error:
-        raise UsageError(f"scene {trial.name}: reference: digits60 cannot follow it: {error}") from None
-    return [float(angle) for angle in motion.angles]
+        angles = _reference_motion(trial, patience).angles
+    except TooSlowError:
+        return Reference(None, f"{trial.reference} takes longer than {patience:g} s")
+    except (LostError, ComputationError) as error:
+        return Reference(None, f"{trial.reference} cannot follow it: {error}")
+    return Reference([float(angle) for angle in angles])
+
+
+def _reference_motion(trial: BenchScene, patience: float) -> Motion:
+    if trial.reference == "exact":
+        _warm(trial, "exact", Setting(COMPILED), limit_s=patience)
+        return _exact(trial, Deadline(patience), compiled=True)
+    mp = digits60.context()
+    deadline = Deadline(patience)
+    model = digits60.Digits60(trial, mp, deadline)
+    return follow(trial, model.controller, model, model.start(trial), deadline)
 
 
 def _once(trial: BenchScene, method: str, setting: Setting, deadline: Deadline) -> Motion:
     if method == "exact":
-        return _exact(trial, compiled=setting.label == COMPILED)
+        return _exact(trial, deadline, compiled=setting.label == COMPILED)
     return run_rival(trial, method, setting, deadline)
 
 
-def _exact(trial: BenchScene, *, compiled: bool) -> Motion:
+def _exact(trial: BenchScene, deadline: Deadline, *, compiled: bool) -> Motion:
     if not trial.scene.sampled:
-        return _exact_unsampled(trial, compiled=compiled)
+        return _exact_unsampled(trial, deadline, compiled=compiled)
     found = simulate(
         trial.scene,
         sample_rate_hz=trial.sample_rate_hz,
@@ -113,11 +131,12 @@ def _exact(trial: BenchScene, *, compiled: bool) -> Motion:
         phase=PHASE,
         samples=trial.samples,
         compiled=compiled,
+        look=deadline.look,
     )
     return Motion(found.angle_rad.tolist(), trial.samples, None)
 
 
-def _exact_unsampled(trial: BenchScene, *, compiled: bool) -> Motion:
+def _exact_unsampled(trial: BenchScene, deadline: Deadline, *, compiled: bool) -> Motion:
     """The knob without a sample clock, at the times at which a sampled one would be read."""
     times = (PHASE + np.arange(trial.samples + 1, dtype=np.float64)) / trial.sample_rate_hz
     motion = events(
@@ -126,6 +145,7 @@ def _exact_unsampled(trial: BenchScene, *, compiled: bool) -> Motion:
         velocity_rad_s=trial.velocity,
         duration_s=float(times[-1]) * (1.0 + 1e-9),
         functions=compiled_functions("unsampled") if compiled else None,
+        look=deadline.look,
     )
     return Motion(motion.at(times)[0].tolist(), len(motion.time_s), None)
 
@@ -141,13 +161,14 @@ def _unwarned(method: str) -> Iterator[None]:
         yield
 
 
-def _warm(trial: BenchScene, method: str, setting: Setting) -> None:
+def _warm(trial: BenchScene, method: str, setting: Setting, *, limit_s: float) -> None:
     """Load and compile what the run needs, which its time does not count."""
     if method in FIXED or method in MUJOCO or method == "exact":
         short = trial._replace(samples=min(trial.samples, _WARM_SAMPLES))
+        few = setting if setting.substeps is None else setting._replace(substeps=1)
         try:
             with _unwarned(method):
-                _once(short, method, setting, Deadline(60.0))
+                _once(short, method, few, Deadline(limit_s if method == "exact" else inf))
         except (LostError, TooSlowError, HknobError, ArithmeticError, ValueError):
             return  # the run itself will say so
     else:

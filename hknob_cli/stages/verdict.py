@@ -6,7 +6,8 @@
   shows the same counts, where a count is not below that;
 - wrong attractor: it ends in another cycle, at rest instead of in a cycle, or flies off;
 - failed: an exception, an angle that is not a number, a scene that the method cannot express;
-- too slow: stopped at the time limit.
+- too slow: stopped at the time limit;
+- no reference: the run is good, but the scene's reference has failed or takes too long.
 
 The swing is the reference's peak to peak in the last third, or, where that is below a thousandth of what it is over the
 whole trial, as at rest, the latter.

@@ -11,6 +11,8 @@ import multiprocessing
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
+from math import ceil
 from pathlib import Path
 from queue import Empty
 from typing import Any, NamedTuple
@@ -21,7 +23,6 @@ from hknob_cli.spread.cores import usable_cores  # noqa: E402
 from tests.fuzz.families import FAMILIES, Failure  # noqa: E402
 from tests.fuzz.worker import Task, work  # noqa: E402
 
-PIECE = 2000  # inputs that a process tries before another takes its place: what a library hoards is freed
 STUCK_S = 300.0
 
 
@@ -36,11 +37,7 @@ class Runner(NamedTuple):
 def main() -> int:
     """Run the campaign; 1 if any rule was broken."""
     asked = _arguments()
-    tasks = [
-        Task(family, start, min(start + PIECE, asked.seed + asked.count), _options(asked, family))
-        for family in asked.families.split(",")
-        for start in range(asked.seed, asked.seed + asked.count, PIECE)
-    ]
+    tasks = [task for family in asked.families.split(",") for task in _pieces(asked, family)]
     campaign = Campaign(tasks[::-1], asked.workers, Path(asked.save))
     begin = time.monotonic()
     campaign.run()
@@ -54,14 +51,24 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=0, help="of the first input")
     parser.add_argument("--workers", type=int, default=usable_cores(), help="processes; default: all cores")
     parser.add_argument("--families", default=",".join(FAMILIES), help="default: %(default)s")
-    parser.add_argument("--kind", help="of specs: only this kind")
+    parser.add_argument("--kinds", help="of specs or tables: only these, with commas; one twice: oftener")
     parser.add_argument("--run-share", type=float, default=0.02, help="of specs: whose stage is run, where it is cheap")
     parser.add_argument("--save", default="results/fuzz", help="folder for inputs that break a rule")
     return parser.parse_args()
 
 
+def _pieces(asked: argparse.Namespace, family: str) -> Iterator[Task]:
+    """The inputs of a family, so that each process has its share and none too many."""
+    stop, size = asked.seed + asked.count, min(FAMILIES[family].piece, ceil(asked.count / asked.workers))
+    for start in range(asked.seed, stop, size):
+        yield Task(family, start, min(start + size, stop), _options(asked, family))
+
+
 def _options(asked: argparse.Namespace, family: str) -> dict[str, Any]:
-    return {"kind": asked.kind, "run_share": asked.run_share} if family == "spec" else {}
+    if family == "frame":
+        return {}
+    kinds = {"kinds": asked.kinds.split(",") if asked.kinds else None}
+    return {**kinds, "run_share": asked.run_share} if family == "spec" else kinds
 
 
 class Campaign:

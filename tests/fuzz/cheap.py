@@ -79,9 +79,12 @@ def _hw_run(plan: Any) -> bool:
 
 
 def _bench(plan: Any) -> bool:
-    settings = 2 * (len(plan.tolerances) + 1 + len(plan.substeps))
+    from hknob_cli.stages.bench_run import LEAST_PATIENCE_S, PATIENCE
+
+    runs = 2 * (len(plan.tolerances) + 1 + len(plan.substeps)) * len(plan.methods)
     work = sum(one.samples * (20 if one.reference == "digits60" else 1) for one in plan.scenes)
-    return work <= 2000 and plan.seconds_per_run * settings * len(plan.methods) * len(plan.scenes) <= 3.0
+    patience = max(PATIENCE * plan.seconds_per_run, LEAST_PATIENCE_S)
+    return work <= 2000 and (plan.seconds_per_run * runs + patience) * len(plan.scenes) <= 5.0
 
 
 def _report(plan: Any) -> bool:

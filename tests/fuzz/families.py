@@ -6,7 +6,6 @@ from random import Random
 from typing import Any, NamedTuple
 
 from tests.fuzz import frame_attempt, spec_attempt, table_attempt
-from tests.fuzz.arena import Arena
 from tests.fuzz.attempt import Attempt
 from tests.fuzz.frame_case import frame_case
 from tests.fuzz.spec_case import spec_case
@@ -15,18 +14,21 @@ from tests.fuzz.spec_case import spec_case
 class Family(NamedTuple):
     """``make`` an input in an arena with dice, ``attempts`` of it there, and the ``file`` that it is saved as.
 
-    An input has a ``kind`` and its ``data``, bytes.
+    An input has a ``kind`` and its ``data``, bytes. ``piece``: how many a process tries before another takes its place.
+    Where nothing is on a disk there is no arena.
     """
 
     make: Callable[..., Any]
-    attempts: Callable[[Any, Arena], Sequence[Attempt]]
+    attempts: Callable[[Any, Any], Sequence[Attempt]]
     file: str
+    piece: int
+    on_disk: bool = True
 
 
 FAMILIES = {
-    "spec": Family(lambda _arena, dice, **how: spec_case(dice, **how), spec_attempt.attempts, "spec.yaml"),
-    "frame": Family(lambda _arena, dice: frame_case(dice), frame_attempt.attempts, "session.txt"),
-    "table": Family(table_attempt.table_case, table_attempt.attempts, "table.dat"),
+    "spec": Family(lambda _arena, dice, **how: spec_case(dice, **how), spec_attempt.attempts, "spec.yaml", 5000),
+    "frame": Family(lambda _, dice: frame_case(dice), frame_attempt.attempts, "session.txt", 50_000, on_disk=False),
+    "table": Family(table_attempt.table_case, table_attempt.attempts, "table.dat", 5000),
 }
 
 

@@ -1,5 +1,6 @@
 """A spec to try: bytes of a file and overrides, made of a seed by a few changes."""
 
+from collections.abc import Sequence
 from random import Random
 from typing import Any, NamedTuple
 
@@ -25,9 +26,9 @@ class SpecCase(NamedTuple):
     run: tuple[str, ...] | None = None
 
 
-def spec_case(dice: Random, *, kind: str | None = None, run_share: float = 0.0) -> SpecCase:
-    """A spec of a kind, any if none is said, spoilt; of ``run_share`` of them the stage is to be run."""
-    kind = kind or dice.choice(KINDS)
+def spec_case(dice: Random, *, kinds: Sequence[str] | None = None, run_share: float = 0.0) -> SpecCase:
+    """A spec of one of some kinds, of any if none is said, spoilt; of ``run_share`` of them the stage is to be run."""
+    kind = kinds[0] if kinds and len(kinds) == 1 else dice.choice(kinds or KINDS)
     tree = trimmed(dice.choice(seeds()[kind]), dice)
     shape = shape_of(kind) if kind != CASE else {}
     run = dice.choice(((), (), ("--json",), ("--verbose",), ("--plot",))) if dice.random() < run_share else None

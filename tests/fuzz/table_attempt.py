@@ -1,6 +1,7 @@
 """A table of numbers through the command that reads it: recordings, readings, hands, sweeps, campaigns, results."""
 
 import shutil
+from collections.abc import Sequence
 from random import Random
 from typing import NamedTuple
 
@@ -56,9 +57,10 @@ USES = {
 }
 
 
-def table_case(arena: Arena, dice: Random) -> TableCase:
-    """A table for one of the uses, spoilt."""
-    (kind,) = dice.choices(list(USES), [use.weight for use in USES.values()])
+def table_case(arena: Arena, dice: Random, *, kinds: Sequence[str] | None = None) -> TableCase:
+    """A table for one of some uses, of any if none is said, spoilt."""
+    kinds = kinds or list(USES)
+    (kind,) = dice.choices(kinds, [USES[kind].weight for kind in kinds])
     use = USES[kind]
     return TableCase(kind, spoilt_table(arena.table(use.table), dice, csv=use.csv and dice.random() < 0.6))
 

@@ -53,7 +53,7 @@ def test_ten_thousand_specs_are_tried() -> None:
 
 @pytest.mark.parametrize(("kind", "first"), PIECES)
 def test_specs(arena: Arena, kind: str, first: int) -> None:
-    try_all("spec", first, first + PIECE, arena, kind=kind, run_share=RUN_SHARE)
+    try_all("spec", first, first + PIECE, arena, kinds=[kind], run_share=RUN_SHARE)
 
 
 @pytest.mark.parametrize("first", [0, PIECE])

@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.combine import over_blocks, over_subjects, student
-from hknob_cli.identify.fit import Estimate
+from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.models import at_the_skin, damping_ratio, without_apparatus
 from hknob_cli.identify.output_error import output_error
 from tests.identify.pulses import LIGHT, motion, pulse, seen
@@ -20,6 +20,15 @@ def test_damping_ratio_has_the_spread_of_repeated_fits() -> None:
     values = [one.value for one in found]
     assert np.mean(values) == pytest.approx(LIGHT[1] / (2.0 * math.sqrt(LIGHT[0] * LIGHT[2])), rel=1e-3)
     assert np.mean([one.std for one in found]) == pytest.approx(np.std(values), rel=0.2)
+
+
+def test_no_damping_ratio_of_next_to_nothing() -> None:
+    """1e-200 kg·m² on 1e-200 N·m/rad: both are positive, their product is no number any more."""
+    tiny = {name: Estimate(1e-200, 1e200) for name in ("inertia", "damping", "stiffness")}
+    assert math.isnan(damping_ratio(Fit("least_squares", tiny, 0.0)).value)
+    vague = {name: Estimate(1.0, 1e200) for name in tiny}
+    assert not damping_ratio(Fit("least_squares", vague, 0.0)).identifiable
+    assert not without_apparatus(Estimate(1.0, 1e200), 0.5)[0].identifiable
 
 
 def test_no_damping_ratio_without_a_spring() -> None:

@@ -30,8 +30,9 @@ def trial(*, angle: float = 0.01, velocity: float = 0.0, samples: int = 3, **par
 
 def by_digits60(case: BenchScene) -> list[Any]:
     """Angles at the samples, to 60 digits."""
-    model = Digits60(case, context())
-    return follow(case, model.controller, model, model.start(case), Deadline(60.0)).angles
+    deadline = Deadline(60.0)
+    model = Digits60(case, context(), deadline)
+    return follow(case, model.controller, model, model.start(case), deadline).angles
 
 
 def by(method: str, case: BenchScene, setting: Setting = FINE) -> list[float]:
