@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.spec.plan import PERSON
 
@@ -51,7 +52,7 @@ class Matter(NamedTuple):
 
 def columns_of(table: pa.Table, names: Sequence[str]) -> Columns:
     """Columns of a table as numbers, nan for none."""
-    return {name: table[name].to_numpy(zero_copy_only=False).astype(float) for name in names}
+    return {name: reals(table[name]) for name in names}
 
 
 def axes_that_matter(axes: Sequence[str], names: Sequence[str]) -> list[str]:
@@ -69,10 +70,7 @@ def matters_of(rows: Sequence[dict[str, Any]], axes: Sequence[str]) -> list[Matt
 
 
 def columns_in(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Columns:
-    """Columns of rows as numbers, nan for none.
-
-    Arrow loads pandas to hand over a column of a table, which would take longer than a small sweep.
-    """
+    """Columns of rows as numbers, nan for none."""
     import numpy as np
 
     return {name: np.array([row[name] for row in rows], dtype=float) for name in names}  # None becomes nan

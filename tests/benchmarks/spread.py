@@ -109,7 +109,7 @@ def kernel_seconds(points: int, processes: int) -> float:
     for i in range(processes):
         child = os.fork()
         if not child:
-            kernel(ready[i::processes], room, PHASES)
+            kernel(np.ascontiguousarray(ready[i::processes]), room, PHASES)
             os._exit(0)
         children.append(child)
     for child in children:
