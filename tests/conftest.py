@@ -1,6 +1,7 @@
 """Fixtures shared by all tests: specs as text, and sweeps of the main grid, run once."""
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable
@@ -12,11 +13,15 @@ import pytest
 from hknob_cli.spec.load import load, validate
 from hknob_cli.spec.plan import SweepPlan
 from hknob_cli.spec.source import parse
-from hknob_cli.stages.sweep import SweepResult, SweepStage
+from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep_tables import SweepTables
 
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"
 HKNOB = Path(sys.executable).with_name("hknob")
+
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background: what is run here would ignore it, too
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SPEC = """\
 kind: sweep
@@ -38,7 +43,7 @@ def loaded(text: str = SPEC) -> SweepPlan:
     return validate(parse(text, "spec.yaml"))
 
 
-def swept(path: Path, *overrides: str) -> SweepResult:
+def swept(path: Path, *overrides: str) -> SweepTables:
     """Result of a spec file with overrides."""
     return SweepStage(load(path, overrides)).run()
 

@@ -64,6 +64,10 @@ class Work:
         """What is there of that which is needed only until the results are in place."""
         return []
 
+    def finished(self, _job: Job) -> str:
+        """What an earlier run that was cut short has finished, from which the next goes on; empty if there is none."""
+        return ""
+
     def finish(self, job: Job) -> None:
         """Clear it away."""
 
@@ -95,7 +99,7 @@ class Work:
 def run_stage(job: Job, work: Work) -> None:
     """Run a stage and say what it found. Raises `RefusedError` or `ComputationError`."""
     if job.dry_run:
-        _say_plan(job, *_state(job, work)[1:])
+        _say_plan(job, work, *_state(job, work)[1:])
         return
     tables, files, computed = make(job, work)
     summary = {
@@ -172,19 +176,22 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
     return stamp, [*tables, *texts], current
 
 
-def _say_plan(job: Job, paths: list[Path], tables: Tables | None) -> None:
+def _say_plan(job: Job, work: Work, paths: list[Path], tables: Tables | None) -> None:
     current = tables is not None
     missing = [path.name for path in paths if not path.exists()]
     changed = "the spec or the program has changed since"
     why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
+    there = work.finished(job) if not current and work.scaffold(job) else ""
     if job.as_json:
+        reasons = {"why": why, **({"finished": there} if there else {})}
         plan = {"kind": job.kind, "name": job.plan.name, "status": "up to date" if current else "would run"}
-        print(json.dumps({**plan, **({} if current else {"why": why}), "files": [str(path) for path in paths]}))
+        print(json.dumps({**plan, **({} if current else reasons), "files": [str(path) for path in paths]}))
         return
     if current:
         tell(f"nothing would run: {job.out} is up to date")
         return
-    tell(f"{job.kind} would run, because: {why}; it would write {' and '.join(str(path) for path in paths)}")
+    on = f"; it would go on from {there}" if there else ""
+    tell(f"{job.kind} would run, because: {why}{on}; it would write {' and '.join(str(path) for path in paths)}")
 
 
 def note(job: Job, text: str) -> None:

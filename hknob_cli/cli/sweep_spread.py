@@ -7,6 +7,7 @@ from hknob_cli.cli.console import heed, spread_progress
 from hknob_cli.cli.job import Job
 from hknob_cli.errors import unwritable
 from hknob_cli.report.matrix import short
+from hknob_cli.results.parting import Parting
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.spec.cells import cells_of
@@ -21,10 +22,11 @@ from hknob_cli.stages.sweep import SweepStage
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:
     """Cells and orbits of a sweep whose results will have the provenance ``stamp``. Raises `ComputationError`."""
     total, staging = stage.cell_count, Staging(job.out, stamp)
+    parting = Parting(total, stamp)
     try:
-        assembly = Assembly(staging, total, stamp)
+        assembly = Assembly(staging, parting)
         done = assembly.begin(afresh=job.force)
-        left = Ranges(total, done=done, part=assembly.part, unit=unit_of(job.plan))
+        left = Ranges(total, done=done, part=parting.items, unit=unit_of(job.plan))
         if done and left:
             notify(f"{total - len(left)} of {total} cells are there from an earlier run")
         if left:
@@ -37,8 +39,9 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
 
 
 def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notify: Callable[[str], None]) -> None:
-    finder = PieceFinder(job.plan, grid_versions(job.plan.points))
-    with spread_progress(assembly.total, show=not job.quiet, done=assembly.total - len(left)) as progress:
+    parting = assembly.parting
+    finder = PieceFinder(job.plan, parting, grid_versions(job.plan.points))
+    with spread_progress(parting.total, show=not job.quiet, done=parting.total - len(left)) as progress:
 
         def deliver(start: int, stop: int, data: bytes) -> None:
             assembly.take(start, stop, data)

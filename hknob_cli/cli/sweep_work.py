@@ -60,6 +60,16 @@ class SweepWork(Work):
         """Finished pieces and parts."""
         return staged(job.out)
 
+    def finished(self, job: Job) -> str:
+        """Cells of a long sweep."""
+        from hknob_cli.results.parting import Parting
+        from hknob_cli.spec.cells import cells_of
+        from hknob_cli.stages.assembly import finished
+
+        stamp, total = stamp_of(job, self), len(cells_of(job.plan))
+        there = 0 if job.force else finished(Staging(job.out, stamp), Parting(total, stamp))
+        return f"{there} of {total} cells" if there else ""
+
     def finish(self, job: Job) -> None:
         """Remove what this run, or one of another spec that was cut short, had finished."""
         clear_staged(job.out)

@@ -5,6 +5,7 @@ functions, and to `floor`, replaced by compiled ones, so that nothing in the sou
 side reorders or fuses arithmetic: results are the same to the last bit.
 """
 
+import contextlib
 import hashlib
 import importlib
 import os
@@ -139,4 +140,18 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
             copy.__qualname__ = key
             copy.__module__ = module.__name__
             done[function] = named[f"{prefix}.{key}" if prefix else key] = numba.njit(copy, cache=keep, nogil=True)
+            if keep:
+                _keep_if_room(done[function])
     return named
+
+
+def _keep_if_room(function: Any) -> None:
+    """Let a function's compiled code not be kept where the disk is full; numba would raise for the run itself."""
+    cache = function._cache
+    save = cache.save_overload
+
+    def save_if_room(*given: Any) -> None:
+        with contextlib.suppress(OSError):
+            save(*given)
+
+    cache.save_overload = save_if_room

@@ -2,6 +2,7 @@
 
 import os
 import stat
+import tempfile
 from pathlib import Path
 
 _OTHERS, _GROUP = stat.S_IWOTH, stat.S_IWGRP
@@ -15,7 +16,16 @@ def make_own_folder(folder: Path) -> str:
         return f"{folder} cannot be made: {error.strerror or error}"
     if not os.access(folder, os.W_OK):
         return f"{folder} cannot be written"
-    return why_foreign(folder)
+    return why_foreign(folder) or _why_full(folder)
+
+
+def _why_full(folder: Path) -> str:
+    """Why a folder within this one cannot be made; empty if it can be."""
+    try:
+        with tempfile.TemporaryDirectory(dir=folder):
+            return ""
+    except OSError as error:
+        return f"{folder} cannot be written: {error.strerror or error}"
 
 
 def why_foreign(folder: Path) -> str:

@@ -78,15 +78,18 @@ def _sweep(result: Result) -> list[FigurePlan]:
         figures = [
             _figure(result, "staircase", "every orbit", "A dot for each orbit, sized by its share of the trials.")
         ]
+    elif len(wide) > 1 and "p2p_rad" in columns:
+        figures = [_figure(result, "what_matters", "what matters", _MATTERS)]
     if "trajectories.parquet" in result.files:
         figures.append(_figure(result, "time_response", "motion", "Angle and torque over time."))
     return figures
 
 
 def _methods(result: Result) -> list[FigurePlan]:
-    if not _is_map(result, _wide(result, "dfa")):
-        return []
+    wide = _wide(result, "dfa")
     methods = dict.fromkeys(result.table("dfa").column("method").to_pylist())
+    if not _is_map(result, wide):
+        return _matters(result, wide, "method", list(methods))
     return [
         _figure(result, "grid_map", f"peak to peak by {method}", _LARGEST, column="p2p_rad", where={"method": method})
         for method in methods
@@ -94,11 +97,20 @@ def _methods(result: Result) -> list[FigurePlan]:
 
 
 def _laws(result: Result) -> list[FigurePlan]:
-    if not _is_map(result, _wide(result, "predict")):
-        return []
+    wide = _wide(result, "predict")
     laws = dict.fromkeys(result.table("predict").column("law").to_pylist())
+    if not _is_map(result, wide):
+        return _matters(result, wide, "law", list(laws))
     return [
         _figure(result, "grid_map", f"peak to peak by {law}", "", column="p2p_rad", where={"law": law}) for law in laws
+    ]
+
+
+def _matters(result: Result, wide: list[str], choice: str, names: list[str]) -> list[FigurePlan]:
+    """What matters by each method or law, where more than one axis varies."""
+    every = names if len(wide) > 1 else []
+    return [
+        _figure(result, "what_matters", f"what matters by {name}", _MATTERS, where={choice: name}) for name in every
     ]
 
 
@@ -148,6 +160,7 @@ _MEAN = "Means over the trials of a cell; cells where trials come to rest or sta
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
 _TRIALS = "Means over the trials of a cell, cycles per second; trials without a sustained buzz are at rest."
+_MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from hknob_cli.engine.outcome import Outcome
 from hknob_cli.report.matrix import short
 from hknob_cli.report.what_matters import (
     Columns,
@@ -17,7 +18,6 @@ from hknob_cli.report.what_matters import (
 )
 from hknob_cli.results.parted import PART_CELLS, Parted
 
-OUTCOMES = ("cycle", "rest", "diverged", "undecided")
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
 MEASURES = ("p2p_rad", "frequency_hz")
 MOST_LOOKED_AT = 256  # parts, to say what matters most
@@ -36,14 +36,14 @@ def describe_large(
     extremes: dict[str, dict[str, Any]] = {}
     for table in cells.tables([*axes, *SHARES, *MEASURES]):
         count += table.num_rows
-        column = {name: table[name].to_numpy() for name in (*SHARES, *MEASURES)}
+        column = columns_of(table, [*SHARES, *MEASURES])
         for name in SHARES:
             sums[name] += float(column[name].sum())
         still += int((column["at_rest_fraction"] == 1.0).sum())
         for name in MEASURES:
             _widen(extremes, name, column[name], table, list(axes))
     names, columns = matters_at_large(cells, list(axes))
-    found = dict.fromkeys(OUTCOMES, 0)
+    found = dict.fromkeys((outcome.name.lower() for outcome in Outcome), 0)
     for table in orbits.tables(["outcome"]):
         for entry in table["outcome"].value_counts().to_pylist():
             found[entry["values"]] += entry["counts"]
@@ -77,7 +77,7 @@ def thinned(cells: Parted, names: Sequence[str]) -> Columns:
     for number in parts:
         table = cells.part(number, names)
         rows = np.sort(np.random.default_rng(number).permutation(table.num_rows)[: ceil(share * table.num_rows)])
-        found.append(columns_of(table.take(rows), names))
+        found.append({name: values[rows] for name, values in columns_of(table, names).items()})
     return {name: np.concatenate([one[name] for one in found]) for name in names}
 
 

@@ -7,12 +7,13 @@ epsilon squared of Kelley, 1935). It sees a turn as well as a rise, any scale is
 the axes together leave is their interplay.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.spec.plan import PERSON
 
@@ -51,7 +52,7 @@ class Matter(NamedTuple):
 
 def columns_of(table: pa.Table, names: Sequence[str]) -> Columns:
     """Columns of a table as numbers, nan for none."""
-    return {name: table[name].to_numpy(zero_copy_only=False).astype(float) for name in names}
+    return {name: reals(table[name]) for name in names}
 
 
 def axes_that_matter(axes: Sequence[str], names: Sequence[str]) -> list[str]:
@@ -61,16 +62,18 @@ def axes_that_matter(axes: Sequence[str], names: Sequence[str]) -> list[str]:
 
 def matters_of(rows: Sequence[dict[str, Any]], axes: Sequence[str]) -> list[Matter]:
     """What matters in the cells of a sweep; nothing where they are a map, which shows it."""
-    import numpy as np
-
-    # From rows: Arrow loads pandas to hand over a column, which would take longer than a small sweep.
-    def columns(names: Sequence[str]) -> Columns:
-        return {name: np.array([row[name] for row in rows], dtype=float) for name in names}  # None becomes nan
-
-    if is_map(columns([axis for axis in axes if axis != PERSON]), [axis for axis in axes if axis != PERSON]):
+    plain = [axis for axis in axes if axis != PERSON]
+    if is_map(columns_in(rows, plain), plain):
         return []
     names = axes_that_matter(axes, list(rows[0]))
-    return what_matters(columns([*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names)
+    return what_matters(columns_in(rows, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names)
+
+
+def columns_in(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Columns:
+    """Columns of rows as numbers, nan for none."""
+    import numpy as np
+
+    return {name: np.array([row[name] for row in rows], dtype=float) for name in names}  # None becomes nan
 
 
 def is_map(columns: Columns, axes: Sequence[str]) -> bool:

@@ -20,9 +20,11 @@ from hknob_cli.spec.points_plan import Points
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
+    from matplotlib.figure import Figure
 
 _ACROSS = 4  # blocks beside one another
 _MOST_DOTS = 4000
+_MOST_TICKS = 6
 _SHARES = {"at_rest_fraction": "at rest, %", "in_domain": "in domain, %"}
 
 
@@ -51,8 +53,30 @@ def draw_matters(
     from matplotlib.figure import Figure
 
     across = min(_ACROSS, len(matters))
+    figure = Figure(figsize=(3.5 * across + 0.6, 5.4 * ceil(len(matters) / across) + 0.9), layout="constrained")
+    draw_blocks(figure, found, series, across=across, scales=scales or {}, share=share)
+    cells = len(next(iter(series.values()))["p2p_rad"])
+    of = f"{cells:,} of {total:,}" if total and total != cells else f"{cells:,}"
+    figure.suptitle(f"{title}: what matters most for limit cycles against a virtual wall ({of} cells)")
+    figure.supxlabel(note_of(matters, name if len(found) > 1 else "", 60 * across), fontsize=8)
+    save(figure, path, stage=stage, name=title)
+    return True
+
+
+def draw_blocks(
+    figure: "Figure",
+    found: Mapping[str, Sequence[Matter]],
+    series: Mapping[str, Columns],
+    *,
+    across: int,
+    scales: Mapping[str, str],
+    share: str,
+    dots: int = _MOST_DOTS,
+) -> None:
+    """The blocks of all axes, ``across`` of them in a row; ``found``: what matters, by method; ``dots``: at most."""
+    name, matters = next(iter(found.items()))
     down = ceil(len(matters) / across)
-    figure = Figure(figsize=(3.5 * across + 0.6, 5.4 * down + 0.9), layout="constrained")
+    ticks = min(_MOST_TICKS, round(1.75 * figure.get_figwidth() / across))
     heights = [3.0, 1.5, 0.9]
     places = figure.subplots(3 * down, across, squeeze=False, sharey="none", height_ratios=heights * down)
     for i, one in enumerate(matters):
@@ -65,20 +89,15 @@ def draw_matters(
         for method, every in found.items():
             same = next((other for other in every if other.axis == one.axis), None)
             if same:
-                _draw(block, same, series[method], label=method if len(found) > 1 else None)
-        _dress(block, one, i + 1, _is_log(one, series[name], scales or {}), _SHARES[share], left=i % across == 0)
+                _draw(block, same, series[method], label=method if len(found) > 1 else None, dots=dots)
+        _dress(block, one, i + 1, _is_log(one, series[name], scales), _SHARES[share], left=i % across == 0, ticks=ticks)
     for i in range(len(matters), down * across):
         for row in range(3):
             places[3 * (i // across) + row, i % across].set_axis_off()
-    _few_ticks(places[1, 0].yaxis, *places[1, 0].get_ylim())
+    for panel in places[:2, 0]:
+        _few_ticks(panel.yaxis, *panel.get_ylim())
     if len(found) > 1:
         places[0, 0].legend(fontsize=7)
-    cells = len(next(iter(series.values()))["p2p_rad"])
-    of = f"{cells:,} of {total:,}" if total and total != cells else f"{cells:,}"
-    figure.suptitle(f"{title}: what matters most for limit cycles against a virtual wall ({of} cells)")
-    figure.supxlabel(_note(matters, name if len(found) > 1 else "", 60 * across), fontsize=8)
-    save(figure, path, stage=stage, name=title)
-    return True
 
 
 def draw_by(
@@ -97,11 +116,11 @@ def draw_by(
     return draw_matters(series, axes, title=title, path=path, stage=stage, scales=scales, share="in_domain")
 
 
-def _draw(block: "list[Axes]", one: Matter, columns: Columns, *, label: str | None) -> None:
+def _draw(block: "list[Axes]", one: Matter, columns: Columns, *, label: str | None, dots: int) -> None:
     """One method in the panels of an axis; without a ``label``, the only one, with its cells and bands."""
     values = [found.value for found in one.bins]
     if label is None:
-        _dots(block, one.axis, columns)
+        _dots(block, one.axis, columns, dots)
     for panel, name, scale in ((block[0], "p2p_rad", 1e3), (block[1], "frequency_hz", 1.0)):
         bands = [getattr(found, name) for found in one.bins]
         low, middle, high = ([_scaled(band, i, scale) for band in bands] for i in range(3))
@@ -118,12 +137,12 @@ def _scaled(band: tuple[float, float, float] | None, i: int, scale: float) -> fl
     return float("nan") if band is None else scale * band[i]
 
 
-def _dots(block: "list[Axes]", axis: str, columns: Columns) -> None:
-    """The cells themselves, as many as can be told apart."""
+def _dots(block: "list[Axes]", axis: str, columns: Columns, most: int) -> None:
+    """Cells themselves, at most so many, evenly chosen."""
     import numpy as np
 
     buzzing = np.flatnonzero(columns["p2p_rad"] > 0.0)
-    buzzing = buzzing[:: max(1, ceil(len(buzzing) / _MOST_DOTS))]
+    buzzing = buzzing[:: max(1, ceil(len(buzzing) / most))]
     for panel, name, scale in ((block[0], "p2p_rad", 1e3), (block[1], "frequency_hz", 1.0)):
         values, sizes = columns[axis][buzzing], scale * columns[name][buzzing]
         panel.plot(values, sizes, ".", color="0.6", markersize=1.6, alpha=0.5, zorder=0)
@@ -141,7 +160,7 @@ def _is_log(one: Matter, columns: Columns, scales: Mapping[str, str]) -> bool:
     return bool(values[0] > 0.0 and is_geometric(values.tolist()))
 
 
-def _dress(block: "list[Axes]", one: Matter, place: int, log: bool, share: str, *, left: bool) -> None:
+def _dress(block: "list[Axes]", one: Matter, place: int, log: bool, share: str, *, left: bool, ticks: int) -> None:
     top, middle, bottom = block
     top.set_title(f"{place}. {axis_name(one.axis)}\nexplains {100.0 * one.explained:.0f} %", fontsize=10)
     bottom.set_ylim(-4.0, 104.0)
@@ -155,7 +174,7 @@ def _dress(block: "list[Axes]", one: Matter, place: int, log: bool, share: str, 
         panel.tick_params(which="both", labelleft=left)
     if log:
         low, high = bottom.get_xlim()
-        _few_ticks(bottom.xaxis, low, high)
+        _few_ticks(bottom.xaxis, low, high, ticks)
         bottom.set_xlim(low, high)
     else:
         bottom.locator_params(axis="x", nbins=5)
@@ -164,16 +183,16 @@ def _dress(block: "list[Axes]", one: Matter, place: int, log: bool, share: str, 
             panel.set_ylabel(label, fontsize=9)
 
 
-def _few_ticks(axis: "Axis", low: float, high: float) -> None:
+def _few_ticks(axis: "Axis", low: float, high: float, most: int = _MOST_TICKS) -> None:
     """A few numbers, as they are said, along an axis on a log scale."""
     from matplotlib.ticker import NullLocator
 
-    ticks, texts = log_ticks(low, high)
+    ticks, texts = log_ticks(low, high, most)
     axis.set_ticks(ticks, texts)
     axis.set_minor_locator(NullLocator())
 
 
-def _note(matters: Sequence[Matter], first: str, width: int) -> str:
+def note_of(matters: Sequence[Matter], first: str, width: int) -> str:
     """What a reader must know, in lines of so many letters at most."""
     left = 100.0 * max(0.0, 1.0 - sum(one.explained for one in matters))
     order = f"the order of the cells by size{f' ({first})' if first else ''}, rest the least"
@@ -182,4 +201,4 @@ def _note(matters: Sequence[Matter], first: str, width: int) -> str:
         f"explains: by itself, of the variance of places in {order}, between the bins of the axis (epsilon squared); "
         f"{left:.0f} % is the interplay of axes, or within bins.  {drawn}, of cells that buzz"
     )
-    return fill(text, width)
+    return fill(text.replace(" %", "~%"), width).replace("~%", " %")  # a number stays with its sign

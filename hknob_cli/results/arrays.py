@@ -37,7 +37,7 @@ def build_array(kind: pa.DataType, values: Sequence[Any]) -> pa.Array:
     filled = [value if there else 0 for value, there in zip(values, present, strict=True)]
     if kind == pa.string():
         pieces = [value.encode() if there else b"" for value, there in zip(values, present, strict=True)]
-        return _text(pieces, np.array([len(piece) for piece in pieces], dtype=np.int64), present)
+        return _text(b"".join(pieces), np.array([len(piece) for piece in pieces], dtype=np.int64), present)
     return _numbers(kind, np.array(filled, dtype=_kept(kind)), present)
 
 
@@ -52,8 +52,34 @@ def lay_out(kind: pa.DataType, values: NDArray[Any]) -> pa.Array:
 def spell(words: Sequence[str], codes: NDArray[np.int64]) -> pa.Array:
     """Array of text: of the ``words``, those with these numbers."""
     pieces = [word.encode() for word in words]
-    lengths = np.array([len(piece) for piece in pieces], dtype=np.int64)[codes]
-    return _text([pieces[code] for code in codes.tolist()], lengths, np.ones(len(codes), dtype=bool))
+    letters = np.array(pieces, dtype=bytes)
+    letters = letters.view(np.uint8).reshape(len(pieces), letters.itemsize)
+    lengths = np.array([len(piece) for piece in pieces])
+    kept = np.arange(letters.shape[1]) < lengths[:, np.newaxis]
+    return _text(letters[codes][kept[codes]].tobytes(), lengths[codes], np.ones(len(codes), dtype=bool))
+
+
+def reals(column: pa.ChunkedArray) -> NDArray[np.float64]:
+    """Values of a column of numbers or flags, NaN for none; Arrow would load pandas to hand them over."""
+    pieces = [_reals(chunk) for chunk in column.chunks if len(chunk)]
+    return np.concatenate(pieces) if pieces else np.empty(0)
+
+
+def _reals(chunk: pa.Array) -> NDArray[np.float64]:
+    if chunk.type not in (pa.float64(), pa.int64(), pa.bool_()):
+        converted: NDArray[np.float64] = chunk.to_numpy(zero_copy_only=False).astype(np.float64)
+        return converted
+    valid, data = chunk.buffers()
+    here = slice(chunk.offset, chunk.offset + len(chunk))
+    kept = _bits(data) if chunk.type == pa.bool_() else np.frombuffer(data, _kept(chunk.type))
+    values = kept[here].astype(np.float64)
+    if chunk.null_count:
+        values[_bits(valid)[here] == 0] = np.nan
+    return values
+
+
+def _bits(buffer: pa.Buffer) -> NDArray[np.uint8]:
+    return np.unpackbits(np.frombuffer(buffer, np.uint8), bitorder="little")
 
 
 def _kept(kind: pa.DataType) -> Any:
@@ -67,11 +93,11 @@ def _numbers(kind: pa.DataType, filled: NDArray[Any], present: NDArray[np.bool_]
     return pa.Array.from_buffers(kind, len(present), [_valid(present), pa.py_buffer(numbers)])
 
 
-def _text(pieces: list[bytes], lengths: NDArray[np.int64], present: NDArray[np.bool_]) -> pa.Array:
-    ends = np.zeros(len(pieces) + 1, dtype=np.int32)
+def _text(letters: bytes, lengths: NDArray[np.int64], present: NDArray[np.bool_]) -> pa.Array:
+    ends = np.zeros(len(lengths) + 1, dtype=np.int32)
     np.cumsum(lengths, out=ends[1:])
-    buffers = [_valid(present), pa.py_buffer(ends), pa.py_buffer(b"".join(pieces))]
-    return pa.Array.from_buffers(pa.string(), len(pieces), buffers)
+    buffers = [_valid(present), pa.py_buffer(ends), pa.py_buffer(letters)]
+    return pa.Array.from_buffers(pa.string(), len(lengths), buffers)
 
 
 def _valid(present: NDArray[np.bool_]) -> pa.Buffer | None:

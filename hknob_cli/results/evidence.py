@@ -92,6 +92,13 @@ class Result:
         """Whether its cells are the points of a design, not every combination of axis values. Raises `MissingError`."""
         return self.stage != CAMPAIGN and bool((self.provenance["spec"].get("grid") or {}).get(DESIGN))
 
+    @property
+    def scales(self) -> dict[str, str]:
+        """Whether an axis that is a range is one by factors, "log", or by steps, "lin". Raises `MissingError`."""
+        grid = self.provenance["spec"].get("grid") or {}
+        ranges = {axis: kind for axis, value in grid.items() if isinstance(value, dict) for kind in value}
+        return {axis: kind for axis, kind in ranges.items() if kind in ("log", "lin")}
+
     @cached_property
     def scene(self) -> Scene:
         """The scene it was computed for, in SI numbers. Raises `MissingError` where its stage has none."""

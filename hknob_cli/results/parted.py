@@ -13,7 +13,6 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.layout import write_table
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
 from hknob_cli.spec.regular import is_endless
@@ -82,28 +81,33 @@ def part_name(number: int) -> str:
     return f"part-{number:06d}.parquet"
 
 
-def write_part(table: pa.Table, folder: Path, number: int, count: int, provenance: bytes) -> None:
-    """Write one part of ``count``, whole or not at all. Raises `OSError`."""
+def part_numbers(folder: Path) -> list[int]:
+    """Numbers of the parts that have files in a folder, in order."""
+    names = (path.name.removeprefix("part-").removesuffix(".parquet") for path in folder.iterdir() if _is_part(path))
+    return sorted(int(name) for name in names if name.isdecimal())
+
+
+def part_metadata(number: int, count: int, provenance: bytes) -> dict[bytes, bytes]:
+    """What a part says of itself."""
+    return {KEY: provenance, PART: f"{number + 1} of {count}".encode()}
+
+
+def put_part(data: bytes | memoryview, folder: Path, number: int) -> None:
+    """Put the file of a part in its place, whole or not at all. Raises `OSError`."""
     path = folder / part_name(number)
     half = path.with_name(f".{path.name}.half")
-    whole = table.combine_chunks().replace_schema_metadata({KEY: provenance, PART: _mark(number, count)})
     try:
         with create(half) as stream:
-            write_table(whole, stream)
+            stream.write(data)
         half.replace(path)
     except OSError:
         half.unlink(missing_ok=True)
         raise
 
 
-def _mark(number: int, count: int) -> bytes:
-    return f"{number + 1} of {count}".encode()
-
-
 def is_written(folder: Path, number: int, count: int, provenance: bytes) -> bool:
     """Whether a part is there, readable, and of this provenance."""
-    found = _metadata(folder / part_name(number))
-    return found.get(KEY) == provenance and found.get(PART) == _mark(number, count)
+    return _metadata(folder / part_name(number)) == part_metadata(number, count, provenance)
 
 
 def _metadata(path: Path) -> dict[bytes, bytes]:

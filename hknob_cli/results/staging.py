@@ -61,6 +61,11 @@ class Staging:
                 apart.append((start, stop))
         return apart
 
+    def names(self) -> list[tuple[int, int]]:
+        """Items of the pieces that are there by their names, whatever is in them."""
+        found = [_NAME.fullmatch(path.name) for path in self.folder.glob("*.piece")]
+        return sorted((int(match[1]), int(match[2])) for match in found if match)
+
     def put(self, start: int, stop: int, data: bytes) -> None:
         """Keep the results of items ``start`` to ``stop``."""
         path = self._path(start, stop)

@@ -57,7 +57,7 @@ def _open_overrides(source: Source, derived: _Derived, stem: Path_, target: Path
             continue
         value = source.value
         for step in stem:
-            value = value[step]
+            value = value.get(step) if isinstance(value, dict) else None
         for inner in _paths(value):
             derived.overridden[(*target, *inner)] = option
             derived.written[(*target, *inner)] = (*stem, *inner)

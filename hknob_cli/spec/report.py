@@ -62,6 +62,7 @@ Draw = Literal[
     "touch_thresholds",
     "trial_thumbnails",
     "what_explains",
+    "what_matters",
 ]
 
 

@@ -40,7 +40,9 @@ class Cluster:
             from distributed import KilledWorker
             from distributed.comm.core import CommClosedError
         except ImportError:
-            raise UsageError("--executor dask: needs hknob[dask]: pip install 'hknob[dask]'") from None
+            raise UsageError(
+                "--executor dask: needs Dask: pip install '.[dask]' in a copy of hknob's repository"
+            ) from None
         _hush()
         self.deadly: tuple[type[BaseException], ...] = (MemoryError, KilledWorker)
         self.lost: tuple[type[BaseException], ...] = (CancelledError, CommClosedError, TimeoutError)

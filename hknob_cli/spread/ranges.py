@@ -44,12 +44,14 @@ class Ranges:
         return self._left[-1].deaths if self._left else 0
 
     def take(self, most: int) -> Range:
-        """The lowest items, at most ``most`` of them. Raises `IndexError` if none are left."""
+        """The lowest items, at most ``most`` of them, or twice as many where that leaves none of a part.
+
+        Raises `IndexError` if none are left.
+        """
         first = self._left.pop()
-        units = max(1, most // self.unit)
-        stop = min(
-            first.stop, (first.start // self.unit + units) * self.unit, (first.start // self.part + 1) * self.part
-        )
+        stop = min(first.stop, (first.start // self.part + 1) * self.part)
+        if 2 * most < stop - first.start:
+            stop = min(stop, (first.start // self.unit + max(1, most // self.unit)) * self.unit)
         if stop < first.stop:
             self._left.append(first._replace(start=stop))
         return first._replace(stop=stop)

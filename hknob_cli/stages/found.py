@@ -45,7 +45,7 @@ class Found(NamedTuple):
         return sums
 
 
-def gather(results: Sequence[CellResult]) -> Found:
+def in_columns(results: Sequence[CellResult]) -> Found:
     """The attractors of some cells."""
     every = [(i, result.contact, one) for i, result in enumerate(results) for one in result.attractors]
     measures = zip(*(m for result in results for m in result.measures), strict=True)

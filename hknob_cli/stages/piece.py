@@ -1,39 +1,38 @@
-"""A piece of a sweep: some cells of its grid by number, as bytes that one process can hand to another."""
+"""A piece of a sweep: some cells of its grid by number, as bytes that one process can hand to another.
+
+They are the files of its two tables, in the layout of results: a piece that is a whole part is written as it is.
+"""
 
 import platform
-from struct import Struct
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from typing import Any
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 
+from hknob_cli.results.layout import as_file
+from hknob_cli.results.parting import Parting
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import SweepPlan
-from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
 from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import cells_table, orbits_table
+from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 
-_HEAD = Struct("<QQ")  # trial-samples, length of the first table
-
-
-class Piece(NamedTuple):
-    """Tables of some cells, and the trial-samples they took."""
-
-    cells: pa.Table
-    orbits: pa.Table
-    samples: int
+_HEAD = 8  # bytes, that say how long the first file is
+_MOST = 8192  # cells found at a time, which bounds the memory that a piece takes
 
 
 class PieceFinder:
     """Finds pieces of a sweep; small to send from process to process, and keeps its engine between pieces."""
 
-    def __init__(self, plan: SweepPlan, versions: dict[str, str]) -> None:
-        """Make ready; ``versions`` that the results will be said to be of."""
+    def __init__(self, plan: SweepPlan, parting: Parting, versions: dict[str, str]) -> None:
+        """Make ready; ``parting`` of the cells, ``versions`` that the results will be said to be of."""
         self.plan = plan
+        self.parting = parting
         self.versions = versions
         self._stage: SweepStage | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {"plan": self.plan, "versions": self.versions, "_stage": None}
+        return {**vars(self), "_stage": None}
 
     def prepare(self, stage: SweepStage) -> None:
         """Use the engine of a stage, which may be compiled already."""
@@ -44,7 +43,9 @@ class PieceFinder:
         if self._stage is None:
             self._check()
             self._stage = SweepStage(self.plan, jobs=1)
-        return encode(find_piece(self._stage, start, stop))
+        part = self.parting.whole(start, stop)
+        metadata = {} if part is None else self.parting.metadata(part)
+        return encode(find_piece(self._stage, start, stop), metadata)
 
     def _check(self) -> None:
         from hknob_cli.errors import ComputationError
@@ -69,34 +70,33 @@ def unit_of(plan: SweepPlan) -> int:
     return block_of(plan)
 
 
-def find_piece(stage: SweepStage, start: int, stop: int) -> Piece:
+def find_piece(stage: SweepStage, start: int, stop: int) -> SweepTables:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
-    grid, unit = cells_of(stage.plan), unit_of(stage.plan)
+    unit = unit_of(stage.plan)
+    step = unit if unit > 1 else _MOST
+    return joined([_find(stage, a, min(stop, a + step)) for a in range(start, stop, step)])
+
+
+def _find(stage: SweepStage, start: int, stop: int) -> SweepTables:
     if stage.plain:
-        return Piece(*plain_chunk(stage.plan, grid.columns(start, stop), stage.functions(GROUP), stage.stopped))
-    step = unit if unit > 1 else max(1, stop - start)
-    found = [one for a in range(start, stop, step) for one in stage.find(list(grid.run(a, min(stop, a + step))))]
-    return Piece(cells_table(stage.plan, found), orbits_table(stage.plan, found), sum(one.samples for one in found))
+        return stage.find_plain(start, stop)
+    found = stage.find(list(cells_of(stage.plan).run(start, stop)))
+    samples = sum(one.samples for one in found)
+    return SweepTables(cells_table(stage.plan, found), orbits_table(stage.plan, found), samples)
 
 
-def encode(piece: Piece) -> bytes:
-    """A piece as bytes: its tables as Arrow streams."""
-    cells, orbits = (_stream(table) for table in (piece.cells, piece.orbits))
-    return _HEAD.pack(piece.samples, len(cells)) + cells + orbits
+def encode(tables: SweepTables, metadata: Mapping[bytes, bytes]) -> bytes:
+    """Tables as the bytes of two files, each of which says ``metadata`` of itself."""
+    cells, orbits = (as_file(table, metadata) for table in (tables.cells, tables.orbits))
+    return b"".join((len(cells).to_bytes(_HEAD, "little"), cells, orbits))
 
 
-def decode(data: bytes) -> Piece:
-    """A piece from its bytes."""
-    samples, length = _HEAD.unpack_from(data)
-    whole = pa.py_buffer(data)
-    cells = whole.slice(_HEAD.size, length)
-    orbits = whole.slice(_HEAD.size + length)
-    tables = [pa.ipc.open_stream(one).read_all() for one in (cells, orbits)]
-    return Piece(tables[0], tables[1], samples)
+def files_of(data: bytes) -> tuple[memoryview, memoryview]:
+    """The files of cells and orbits in a piece."""
+    length, rest = int.from_bytes(data[:_HEAD], "little"), memoryview(data)[_HEAD:]
+    return rest[:length], rest[length:]
 
 
-def _stream(table: pa.Table) -> bytes:
-    sink = pa.BufferOutputStream()
-    with pa.ipc.new_stream(sink, table.schema) as writer:
-        writer.write_table(table)
-    return bytes(sink.getvalue())
+def decode(data: bytes) -> tuple[pa.Table, ...]:
+    """Cells and orbits of a piece. Raises `pa.ArrowException` or `OSError` where it is none."""
+    return tuple(pq.ParquetFile(pa.BufferReader(file)).read().replace_schema_metadata() for file in files_of(data))

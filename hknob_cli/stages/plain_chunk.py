@@ -4,10 +4,9 @@ The tables are those that `stages.cell` and `stages.sweep_tables` give for the s
 """
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-import pyarrow as pa
 from numpy.typing import NDArray
 
 from hknob_cli.engine.cell_run import MOST_PHASES, Ends, run_cells
@@ -19,7 +18,7 @@ from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import group_of
 from hknob_cli.stages.found import Found
-from hknob_cli.stages.sweep_tables import lay_out_cells, lay_out_orbits
+from hknob_cli.stages.sweep_tables import SweepTables, lay_out_cells, lay_out_orbits
 
 GROUP = "cells"  # of compiled functions, `engine.jit`
 
@@ -36,14 +35,6 @@ _DECIDING = (
     "actuator.torque_limit",
     "actuator.torque_step",
 )
-
-
-class Chunk(NamedTuple):
-    """The tables of a run of cells, and the trial-samples they took."""
-
-    cells: pa.Table
-    orbits: pa.Table
-    samples: int
 
 
 def takes_plain(plan: SweepPlan) -> bool:
@@ -80,7 +71,7 @@ def plain_chunk(
     columns: Mapping[str, NDArray[Any]],
     functions: Mapping[str, Callable[..., Any]],
     stopped: Callable[[], bool] = lambda: False,
-) -> Chunk:
+) -> SweepTables:
     """Run cells of a sweep that `takes_plain`.
 
     Args:
@@ -107,7 +98,7 @@ def plain_chunk(
         stopped=stopped,
     )
     found = _in_si(knob, ends, count)
-    return Chunk(lay_out_cells(plan, columns, found), lay_out_orbits(plan, columns, found), samples)
+    return SweepTables(lay_out_cells(plan, columns, found), lay_out_orbits(plan, columns, found), samples)
 
 
 def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:

@@ -4,9 +4,8 @@ import random
 import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
-
-import pyarrow as pa
+from math import ceil
+from typing import Any, TypeVar
 
 from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.results.parted import PART_CELLS
@@ -14,10 +13,11 @@ from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
-from hknob_cli.stages.sweep_tables import cells_table, orbits_table
+from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
 THREADS_ABOVE = 20_000_000
+MANY = 2048  # plain cells, from which on they are found in runs of so many: a Python object each would cost more
 SLOW = 50_000_000  # trial-samples worth a progress bar
 SPREAD_ABOVE = 2_000_000_000  # and worth processes, whose results are kept piece by piece
 CONTROLLED = 400_000.0  # samples of the plain loop that take as long as a trial with a controller, roughly
@@ -29,15 +29,8 @@ HEAVIER = {
     "unsampled": 1.0,
 }  # times that a sample takes longer than in the plain loop
 
+T = TypeVar("T")
 Progress = Callable[[int, int], None]
-
-
-class SweepResult(NamedTuple):
-    """The two tables of a sweep, and the trial-samples they took."""
-
-    cells: pa.Table
-    orbits: pa.Table
-    samples: int
 
 
 class SweepStage:
@@ -123,12 +116,34 @@ class SweepStage:
         self._compile(group)
         return self._functions[group]
 
-    def run(self, progress: Progress = lambda _done, _total: None) -> SweepResult:
+    def run(self, progress: Progress = lambda _done, _total: None) -> SweepTables:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
+        if self.cell_count > MANY and self._work > COMPILE_ABOVE and self.plain:
+            return self._run_plain(progress)
         results, taken = self._find(None, progress)
-        return SweepResult(
+        return SweepTables(
             cells=cells_table(self.plan, results), orbits=orbits_table(self.plan, results), samples=taken
         )
+
+    def find_plain(self, start: int, stop: int) -> SweepTables:
+        """The tables of cells ``start`` to ``stop``, all `plain`. Raises `ComputationError`."""
+        from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
+
+        columns = cells_of(self.plan).columns(start, stop)
+        return plain_chunk(self.plan, columns, self.functions(GROUP), self.stopped)
+
+    def _run_plain(self, progress: Progress) -> SweepTables:
+        """All cells, a run of them to a thread at a time."""
+        from hknob_cli.stages.plain_chunk import GROUP
+
+        self._compile(GROUP)
+        size = min(MANY, ceil(self.cell_count / (4 * self.jobs)))
+        starts = range(0, self.cell_count, size)
+        found = []
+        for one in self._spread(lambda start: self.find_plain(start, min(start + size, self.cell_count)), starts):
+            found.append(one)
+            progress(min(len(found) * size, self.cell_count), self.cell_count)
+        return joined(found)
 
     def find(self, some: Sequence[Cell]) -> list[CellResult]:
         """Results of some cells, which need not be those of the grid. Raises `ComputationError`."""
@@ -185,14 +200,22 @@ class SweepStage:
         self._stop.clear()  # set at the end of cells found before
         every = cells_of(self.plan) if some is None else some
         work = sum(samples * HEAVIER[group] for group, samples in expected.items())
-        if work < THREADS_ABOVE or self.jobs == 1:
+        if work < THREADS_ABOVE:
             yield from map(self.run_cell, every)
+        else:
+            yield from self._spread(self.run_cell, every)
+
+    def _spread(self, find: Callable[[Any], T], items: Iterable[Any]) -> Iterator[T]:
+        """What is found for each item, in their order, by threads where there are several."""
+        self._stop.clear()
+        if self.jobs == 1:
+            yield from map(find, items)
             return
         from concurrent.futures import ThreadPoolExecutor
 
         pool = ThreadPoolExecutor(max_workers=self.jobs)
         try:
-            yield from pool.map(self.run_cell, every)
+            yield from pool.map(find, items)
         finally:
-            self._stop.set()  # after an interruption, cells that still run give up
+            self._stop.set()  # after an interruption, what still runs gives up
             pool.shutdown(wait=True, cancel_futures=True)

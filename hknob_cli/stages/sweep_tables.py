@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -15,13 +15,27 @@ from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
-from hknob_cli.stages.found import Array, Found, gather
+from hknob_cli.stages.found import Array, Found, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 _OUTCOMES = [outcome.name.lower() for outcome in Outcome]
 _REASONS = [WORDS[reason] for reason in Reason]
 
 Axes = Mapping[str, NDArray[Any]]
+
+
+class SweepTables(NamedTuple):
+    """The two tables of a sweep, or of some of its cells, and the trial-samples they took."""
+
+    cells: pa.Table
+    orbits: pa.Table
+    samples: int
+
+
+def joined(found: Sequence[SweepTables]) -> SweepTables:
+    """The tables of runs of cells, one run behind the other."""
+    cells, orbits = (pa.concat_tables([getattr(one, name) for one in found]) for name in ("cells", "orbits"))
+    return SweepTables(cells.combine_chunks(), orbits.combine_chunks(), sum(one.samples for one in found))
 
 
 def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
@@ -41,7 +55,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
             shares = [one.trials / total for one in result.attractors]
             rows.append(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
         more |= _turned(rows)
-    return lay_out_cells(plan, _axes(plan, results), gather(results), columns, more)
+    return lay_out_cells(plan, _axes(plan, results), in_columns(results), columns, more)
 
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
@@ -59,7 +73,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         more |= _turned(
             [orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived]
         )
-    return lay_out_orbits(plan, _axes(plan, results), gather(results), columns, more)
+    return lay_out_orbits(plan, _axes(plan, results), in_columns(results), columns, more)
 
 
 def lay_out_cells(

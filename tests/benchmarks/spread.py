@@ -1,8 +1,10 @@
 """A large sweep by one process, by several, and by a Dask cluster on this machine: cells per second, and memory.
 
 Every way is the installed command on experiments/million.yaml, smaller by ``--points`` values on each of its six axes,
-and is told as a ratio of its rate to that of one process. Memory is the peak of what all its processes hold together
-(proportional set size), looked at five times a second. The results of every way are compared byte by byte.
+and is told as a ratio of its rate to that of one process, and as a share of the kernel's: of `ensemble` back to back on
+prepared cells (`cells.py`), drawn from the same grid, in as many processes at once as work at cells in this way, on as
+many cores as there are. Memory is the peak of what all its processes hold together (proportional set size), looked at
+five times a second; of a cluster the client's alone. The results of every way are compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
 
@@ -11,17 +13,27 @@ It ends with the results of the day it was last run.
 
 import argparse
 import filecmp
+import os
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from cells import PHASES, kernel, prepared
+
+from hknob_cli.spec.load import load
+from hknob_cli.spread.cores import usable_cores
 
 ROOT = Path(__file__).parents[2]
 HKNOB = Path(sys.executable).with_name("hknob")
 AXES = ("sample_rate_hz", "counts_per_rev", "wall.stiffness", "hand.damping", "hand.stiffness", "bias.torque")
+DRAWN = 40_000  # cells that the kernel is timed on, for half a percent of what it takes for all
 ENDS = ((200, 10000), (128, 8192), (0.1, 1.0), (1.0e-4, 1.0e-3), (0.02, 0.2), (5.0e-4, 5.0e-3))
 
 
@@ -50,8 +62,7 @@ def held(root: int) -> int:
 
 def run(out: Path, points: int, *options: str) -> tuple[float, int]:
     """Seconds and peak bytes of one sweep."""
-    smaller = [f"grid.{name}={{log: [{a}, {b}, {points}]}}" for name, (a, b) in zip(AXES, ENDS, strict=True)]
-    sets = [part for text in smaller for part in ("--set", text)] if points != 10 else []
+    sets = [part for text in smaller(points) for part in ("--set", text)] if points != 10 else []
     begin = time.perf_counter()
     process = subprocess.Popen(
         [HKNOB, "sweep", ROOT / "experiments" / "million.yaml", "-o", out, "--force", "-q", *sets, *options],
@@ -90,6 +101,38 @@ def cluster(workers: int, place: Path) -> Iterator[str]:
             process.wait()
 
 
+def kernel_seconds(points: int, processes: int) -> float:
+    """Seconds that the kernel takes for the cells in so many processes at once."""
+    ready, room = prepared_kernel(points)
+    begin = time.perf_counter()
+    children = []
+    for i in range(processes):
+        child = os.fork()
+        if not child:
+            kernel(np.ascontiguousarray(ready[i::processes]), room, PHASES)
+            os._exit(0)
+        children.append(child)
+    for child in children:
+        os.waitpid(child, 0)
+    return (time.perf_counter() - begin) * points**6 / len(ready)
+
+
+@cache
+def prepared_kernel(points: int) -> tuple[Any, Any]:
+    """What the kernel takes for cells drawn from the grid, and its work space; it is compiled."""
+    plan = load(ROOT / "experiments" / "million.yaml", [text for text in smaller(points) if points != 10])
+    drawn = np.random.default_rng(0).integers(0, points**6, DRAWN)
+    ready = np.concatenate([prepared(plan, int(number), int(number) + 1) for number in drawn])
+    room = tuple(np.zeros(n) for n in (PHASES, PHASES, 0, 0, 10 * PHASES, 1))
+    kernel(ready[:1], room, PHASES)
+    return ready, room
+
+
+def smaller(points: int) -> list[str]:
+    """Overrides that leave so many values on each axis."""
+    return [f"grid.{name}={{log: [{a}, {b}, {points}]}}" for name, (a, b) in zip(AXES, ENDS, strict=True)]
+
+
 def same(one: Path, other: Path) -> bool:
     """Whether two results have the same bytes."""
     names = sorted(path.relative_to(one) for path in one.rglob("*.parquet") if path.is_file())
@@ -108,27 +151,30 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, cluster(given.workers, Path(folder)) as file:
         place = Path(folder)
         ways = {
-            "1 process": ("--jobs", "1"),
-            f"{given.jobs} processes": ("--jobs", str(given.jobs)),
-            f"{given.workers} processes": ("--jobs", str(given.workers)),
-            f"{given.workers} Dask workers": ("--executor", "dask", "--scheduler", file),
+            "1 process": (1, ("--jobs", "1")),
+            f"{given.jobs} processes": (given.jobs, ("--jobs", str(given.jobs))),
+            f"{given.workers} processes": (given.workers, ("--jobs", str(given.workers))),
+            f"{given.workers} Dask workers": (given.workers, ("--executor", "dask", "--scheduler", file)),
         }
         run(place / "warm", 3)
-        best: dict[str, tuple[float, int]] = {}
+        best: dict[str, tuple[float, int, float]] = {}
         for turn in range(given.repeat):
-            for way, options in ways.items():
+            for way, (count, options) in ways.items():
+                fastest = kernel_seconds(given.points, min(count, usable_cores()))
                 seconds, peak = run(place / way.replace(" ", "-"), given.points, *options)
-                before = best.get(way, (seconds, peak))
-                best[way] = min(before[0], seconds), max(before[1], peak)
-                print(f"# turn {turn + 1}: {way}: {seconds:.1f} s", file=sys.stderr)
+                print(f"# turn {turn + 1}: {way}: {seconds:.1f} s, kernel {fastest:.1f} s", file=sys.stderr)
+                before = best.get(way, (seconds, peak, fastest))
+                best[way] = min(before[0], seconds), max(before[1], peak), min(before[2], fastest)
         first = place / "1-process"
         print(f"{cells} cells x 4 phases, best of {given.repeat}")
-        print(f"{'':18}  {'seconds':>8}  {'cells/s':>8}  {'ratio':>6}  {'peak MiB':>8}  bytes")
+        head = ("seconds", "cells/s", "ratio", "kernel", "share", "peak MiB")
+        print(f"{'':18}" + "".join(f"  {name:>8}" for name in head) + "  bytes")
         base = next(iter(best.values()))[0]
-        for way, (seconds, peak) in best.items():
+        for way, (seconds, peak, fastest) in best.items():
             equal = "the same" if same(first, place / way.replace(" ", "-")) else "OTHERS"
             print(
-                f"{way:18}  {seconds:8.1f}  {cells / seconds:8.0f}  {base / seconds:6.2f}  {peak / 2**20:8.0f}  {equal}"
+                f"{way:18}  {seconds:8.1f}  {cells / seconds:8.0f}  {base / seconds:8.2f}  {fastest:8.1f}  "
+                f"{fastest / seconds:8.2f}  {peak / 2**20:8.0f}  {equal}"
             )
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-PART, MOST = 4, 2  # cells in a part, and in a piece
+PART, MOST = 4, 1  # cells in a part, and in a piece; with two, a piece were a part
 
 
 def shrink(part: int = PART, most: int = MOST) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 SMALL_PIECES = Path(__file__).with_name("small_pieces.py")
 
-# 24 cells: 6 parts of 4, in pieces of at most 2.
+# 24 cells: 6 parts of 4, in pieces of one or two.
 SWEEP = """\
 kind: sweep
 name: small

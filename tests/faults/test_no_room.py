@@ -74,3 +74,13 @@ def test_a_small_sweep_says_what_to_do(small_disk: Path, hknob, spec_file) -> No
     )
     (small_disk / "filler").unlink()
     assert hknob("sweep", spec_file(SPEC), "-o", small_disk / "out").returncode == 0
+
+
+@pytest.mark.parametrize("filler", [262_144, 230_000])
+def test_no_room_for_compiled_code(filler: int, small_disk: Path, hknob, spec_file) -> None:
+    """It is compiled for this run alone: from no room for a folder to room for some of it."""
+    (small_disk / "filler").write_bytes(bytes(filler))
+    spec = spec_file(SPEC.replace("phases: 8", "phases: 2000"))
+    done = hknob("sweep", spec, "-o", small_disk.parent / "out", HKNOB_CACHE_DIR=str(small_disk / "cache"))
+    assert done.returncode == 0
+    assert "compiling the engine for this machine" in done.stderr

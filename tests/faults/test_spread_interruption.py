@@ -2,6 +2,7 @@
 
 import os
 import random
+import re
 import signal
 import subprocess
 import time
@@ -58,6 +59,18 @@ def test_workers_killed_at_random_instants(undisturbed, tmp_path: Path) -> None:
     assert finish(process) == (0, "")
     assert killed >= 5
     assert left(out) == wanted
+
+
+def test_a_dry_run_says_how_much_is_there(undisturbed, tmp_path: Path) -> None:
+    spec, _ = undisturbed
+    process = start(spec, tmp_path / "out", fault=SLOW)
+    wait_until(lambda: pieces(tmp_path / "out") > 0, "a piece is there")
+    process.kill()
+    finish(process)
+    before = left(tmp_path / "out")
+    said, _ = start(spec, tmp_path / "out", "--dry-run").communicate()
+    assert re.search(r"no cells\.parquet yet; it would go on from [1-9]\d* of 24 cells; it would write ", said)
+    assert left(tmp_path / "out") == before
 
 
 def test_no_process_outlives_a_killed_parent_and_the_next_run_need_not_wait(undisturbed, tmp_path: Path) -> None:

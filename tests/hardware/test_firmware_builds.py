@@ -66,6 +66,18 @@ def trial(device: Device, settings: Settings, running: int) -> list[Block]:
     return [block for block in blocks if block is not None]
 
 
+def undisturbed_trial(target: Target, built: Path, settings: Settings, running: int) -> list[Block]:
+    """The same with a target, once more where this computer was too busy to be heard within the watchdog's time."""
+    for left in reversed(range(5)):
+        try:
+            with run_target(target, built) as path, SerialDevice(path) as device:
+                return trial(device, settings, running)
+        except DeviceError as error:
+            if not left or "did not hear from this computer" not in str(error):
+                raise
+    raise AssertionError
+
+
 def column(blocks: list[Block], name: str, *, count: int) -> np.ndarray:
     """Samples with the wall on, the first so many."""
     running = np.concatenate([block.running for block in blocks])
@@ -81,8 +93,7 @@ def test_the_same_samples_as_the_virtual_device(target: Target, rate: int, built
     count = rate // 2
     with VirtualDevice() as device:
         expected = trial(device, settings, count)
-    with run_target(target, built) as path, SerialDevice(path) as device:
-        found = trial(device, settings, count)
+    found = undisturbed_trial(target, built, settings, count)
     assert [block.first for block in found] == np.cumsum([0, *(block.time_us.size for block in found[:-1])]).tolist()
     for name in ("angle_counts", "torque_nm"):
         assert np.array_equal(column(found, name, count=count), column(expected, name, count=count)), name

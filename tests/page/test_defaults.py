@@ -45,3 +45,12 @@ def test_tables_of_another_shape_have_no_sentence(tmp_path: Path, columns: dict[
 def test_tables_without_their_axis_are_not_shown(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="'tried' has no column sample_rate_hz"):
         chapters_of(evidence(tmp_path, sample_rate_hz=None))
+
+
+def test_a_design_over_several_axes_shows_what_matters(tmp_path: Path) -> None:
+    grid = {"design": {"sobol": 2}, "sample_rate_hz": {"log": [500, 1000]}, "bias.torque": {"lin": [0.0, 0.001]}}
+    stamp = describe(stage="sweep", values={"name": "x", "grid": grid}, overrides=())
+    write({tmp_path / "cells.parquet": pa.table({**CELLS, "bias.torque": [0.0, 0.001]})}, stamp)
+    found = Evidence({"tried": tmp_path})
+    assert found["tried"].scales == {"sample_rate_hz": "log", "bias.torque": "lin"}
+    assert [figure.draw for figure in chapters_of(found)[0].figures] == ["what_matters"]

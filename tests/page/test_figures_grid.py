@@ -52,6 +52,12 @@ RUNS: dict[str, tuple[str, ...]] = {
         "grid={sample_rate_hz: 1000, counts_per_rev: 1024, bias.torque: {lin: [2.0e-4, 1.4e-3, 5]}}",
         SMALL[1],
     ),
+    "design": (
+        "predict",
+        "predict_hand_on_knob",
+        "grid={design: {sobol: 32}, sample_rate_hz: {log: [500, 5000]}, counts_per_rev: {log: [256, 4096]}, "
+        "hand.stiffness: {lin: [0.02, 0.2]}}",
+    ),
     "fine": (
         "sweep",
         "hand_on_knob",
@@ -127,6 +133,9 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
     ("staircase", "three", {"over": "sample_rate_hz", "at": {"hand.stiffness": 0.04, "counts_per_rev": 512}}, ("Hz",)),
     ("surface", "small", {}, ("1.00", "worse of the two")),
     ("surface", "friction", {"mesh": True}, ("rest",)),
+    ("what_matters", "fine", {}, ("1. sample rate, Hz", "2. encoder, counts", "explains", "at rest, %")),
+    ("what_matters", "fine", {"most": 1}, ("left out: 1 that explains less",)),
+    ("what_matters", "design", {"where": {"law": "quantum_period"}}, ("3. ", "in domain, %")),
     ("law_lines", ["predict", "small"], {}, ("the law C Δθ T", "points: simulated")),
     ("law_lines", "predict", {"law": "energy_balance", "column": "frequency_hz"}, ("frequency, Hz",)),
     ("cases", ["one", "row"], {"names": ["slow", "both"]}, ("slow", "2000 Hz, 1024 counts", "frequency, Hz")),
@@ -172,7 +181,7 @@ def test_a_drawing_says_what_it_shows_and_is_the_same_twice(
 
 def test_every_drawing_of_grids_is_tried() -> None:
     ours = {"relay_loop", "cases", "error_time", "difference", "lines", "maps", "hardware", "laws", "nyquist"}
-    ours |= {"saturated", "verdicts", "staircase", "surface"}
+    ours |= {"saturated", "verdicts", "staircase", "surface", "what_matters"}
     assert {name for name, module in MODULES.items() if module in ours} == {case[0] for case in CASES}
 
 
@@ -199,6 +208,9 @@ def test_a_map_writes_every_value_of_its_column(evidence: Evidence) -> None:
         ("saturated_map", "small", {"column": "loudness"}, "no column loudness"),
         ("surface", "small", {"across": "bias.torque"}, "no axis bias.torque"),
         ("surface", "growth", {}, "no limit cycle"),
+        ("what_matters", "small", {}, "too few cells"),
+        ("what_matters", "growth", {}, "too few cells"),
+        ("what_matters", "design", {}, "has several; choose by where: {law"),
         ("staircase", "dfa", {}, "no orbits.parquet"),
         ("staircase", "small", {}, "give 'over' and 'at'"),
         ("staircase", "growth", {}, "no limit cycle"),

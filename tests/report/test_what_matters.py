@@ -18,7 +18,8 @@ from hknob_cli.report.what_matters import (
     ranks,
     what_matters,
 )
-from hknob_cli.results.parted import read_parted, write_part
+from hknob_cli.results.layout import as_file
+from hknob_cli.results.parted import part_metadata, put_part, read_parted
 
 COUNT = 1024
 UNIT = qmc.Sobol(3, rng=1).random(COUNT)
@@ -121,9 +122,13 @@ def test_persons_matter_by_their_hands() -> None:
     }  # fmt: skip
 
 
+def write_part(table: pa.Table, folder: Path, number: int, count: int) -> None:
+    put_part(as_file(table, part_metadata(number, count, b"stamp")), folder, number)
+
+
 def test_large_tables_are_looked_at_all_over(tmp_path: Path) -> None:
     for number in range(3):
-        write_part(pa.table({"a": np.arange(100.0) + 100 * number}), tmp_path, number, 3, b"stamp")
+        write_part(pa.table({"a": np.arange(100.0) + 100 * number}), tmp_path, number, 3)
     parted = read_parted(tmp_path)
     assert parted is not None
     values = thinned(parted, ["a"])["a"]
@@ -133,7 +138,7 @@ def test_large_tables_are_looked_at_all_over(tmp_path: Path) -> None:
 def test_cells_of_a_short_last_part_count_as_much_as_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(large, "PART_CELLS", 100)
     for number, rows in enumerate((100, 20)):
-        write_part(pa.table({"part": np.full(rows, float(number))}), tmp_path, number, 2, b"stamp")
+        write_part(pa.table({"part": np.full(rows, float(number))}), tmp_path, number, 2)
     parted = read_parted(tmp_path)
     assert parted is not None
     values = thinned(parted, ["part"])["part"]
@@ -144,7 +149,7 @@ def test_parts_are_looked_at_out_of_step_with_the_grid(tmp_path: Path, monkeypat
     # An axis of two values, each a part long: parts evenly spaced would all have the same.
     monkeypatch.setattr(large, "MOST_LOOKED_AT", 16)
     for number in range(64):
-        write_part(pa.table({"a": np.full(4, float(number % 2))}), tmp_path, number, 64, b"stamp")
+        write_part(pa.table({"a": np.full(4, float(number % 2))}), tmp_path, number, 64)
     parted = read_parted(tmp_path)
     assert parted is not None
     values = thinned(parted, ["a"])["a"]

@@ -10,7 +10,7 @@ import pytest
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results import store
-from hknob_cli.results.arrays import build_array, build_table, lay_out, spell
+from hknob_cli.results.arrays import build_array, build_table, lay_out, reals, spell
 from hknob_cli.results.columns import CELLS, ORBITS, Column
 from hknob_cli.results.provenance import KEY, describe
 
@@ -59,6 +59,22 @@ def test_words_by_number() -> None:
     array = spell(["", "Δθ", "rest"], np.array([2, 0, 1, 2]))
     array.validate(full=True)
     assert array.equals(build_array(pa.string(), ["rest", "", "Δθ", "rest"]))
+
+
+@pytest.mark.parametrize(
+    "column",
+    [
+        pa.chunked_array([pa.array([1.5, None, -0.0, 2.0]), pa.array([], pa.float64()), pa.array([None, 3.0])]),
+        pa.chunked_array([pa.array([1, None, 3, 4, 5, 6, 7, 8, None, 10]).slice(1, 8)]),
+        pa.chunked_array([pa.array([True, None, False] * 5).slice(2)]),
+        pa.chunked_array([pa.array([1.5, None], pa.float32())]),
+        pa.chunked_array([], pa.float64()),
+    ],
+    ids=["reals", "whole numbers", "flags", "others", "none"],
+)
+def test_columns_as_numbers(column: pa.ChunkedArray) -> None:
+    wanted = np.array([np.nan if value is None else value for value in column.to_pylist()], dtype=float)
+    assert np.array_equal(reals(column), wanted, equal_nan=True)
 
 
 def test_written_files_carry_units_and_provenance(tmp_path: Path) -> None:

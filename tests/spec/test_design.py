@@ -107,6 +107,12 @@ def test_a_fault_in_a_change_set_as_a_whole_is_not_the_base_s(tmp_path: Path, ch
     assert (fault.where, fault.key, fault.message) == (f"--set {setting}", f"remedies.bounded lag.{key}", says)
 
 
+def test_a_remedy_set_as_a_whole_may_change_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "design.yaml"
+    path.write_text(DESIGN)
+    assert isinstance(load(path, ("remedies.bounded lag={cost: 1}",)), DesignPlan)
+
+
 def test_choices_by_dotted_path_can_be_set(tmp_path: Path) -> None:
     path = tmp_path / "design.yaml"
     path.write_text(DESIGN)

@@ -19,8 +19,9 @@ def test_every_item_once(total: int, parts: int, unit: int, data: st.DataObject)
     seen: list[int] = []
     lost = 0
     while len(left):
-        one = left.take(data.draw(st.integers(1, 60)))
-        assert one.items > 0
+        asked = data.draw(st.integers(1, 60))
+        one = left.take(asked)
+        assert 0 < one.items <= max(2 * asked, unit)
         assert one.start % unit == 0
         assert one.stop % unit == 0 or one.stop == total
         assert one.start // part == (one.stop - 1) // part
@@ -53,9 +54,16 @@ def test_what_nobody_is_at_comes_back_as_it_was() -> None:
 
 
 def test_the_lowest_items_come_first_whatever_came_back_before() -> None:
-    left = Ranges(12)
+    left = Ranges(20)
     one, other = left.take(4), left.take(4)
     left.give_back([one])
     left.put_back([other])
     assert left.deaths == 1
     assert [left.take(4) for _ in range(4)] == [Range(0, 2, 1), Range(2, 4, 1), other, Range(8, 12)]
+
+
+def test_what_is_nearly_all_of_a_part_is_taken_whole() -> None:
+    left = Ranges(26, part=10)
+    found = [left.take(most) for most in (5, 4, 2, 2)]
+    assert found == [Range(0, 10), Range(10, 14), Range(14, 16), Range(16, 20)]
+    assert left.take(3) == Range(20, 26)

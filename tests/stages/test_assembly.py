@@ -11,15 +11,18 @@ from hypothesis import strategies as st
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.parted import Parted
+from hknob_cli.results.parting import Parting
 from hknob_cli.results.staging import Staging, clear_staged
 from hknob_cli.results.versions import grid_versions
-from hknob_cli.stages.assembly import Assembly
+from hknob_cli.stages.assembly import Assembly, finished
 from hknob_cli.stages.piece import PieceFinder, decode, encode, find_piece, unit_of
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import SPEC, loaded
 
 STAMP = b'{"stage":"sweep","name":"x"}'
 CELLS = 20
+WHOLE = Parting(CELLS, STAMP)
+PARTS = Parting(CELLS, STAMP, most=8)
 
 
 @pytest.fixture(scope="module")
@@ -30,14 +33,21 @@ def stage() -> SweepStage:
 
 def pieces(stage: SweepStage, cuts: list[int]) -> list[tuple[int, int, bytes]]:
     ends = [0, *cuts, CELLS]
-    return [(a, b, encode(find_piece(stage, a, b))) for a, b in pairwise(ends) if a < b]
+    return [(a, b, encode(find_piece(stage, a, b), {})) for a, b in pairwise(ends) if a < b]
+
+
+def parted(stage: SweepStage, cuts: list[int]) -> list[tuple[int, int, bytes]]:
+    """Pieces as a worker gives them that knows of the parts."""
+    finder = PieceFinder(stage.plan, PARTS, {})
+    finder.prepare(stage)
+    return [(a, b, finder(a, b)) for a, b in pairwise([0, *cuts, CELLS]) if a < b]
 
 
 @settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(cuts=st.sets(st.integers(1, CELLS - 1), max_size=6), chance=st.randoms(use_true_random=False))
 def test_pieces_in_any_order_make_the_tables_of_one_go(stage, tmp_path: Path, cuts: set[int], chance) -> None:
     whole = stage.run()
-    assembly = Assembly(Staging(tmp_path, STAMP), CELLS, STAMP)
+    assembly = Assembly(Staging(tmp_path, STAMP), WHOLE)
     assert assembly.begin(afresh=True) == []
     order = pieces(stage, sorted(cuts))
     chance.shuffle(order)
@@ -46,7 +56,6 @@ def test_pieces_in_any_order_make_the_tables_of_one_go(stage, tmp_path: Path, cu
     cells, orbits = assembly.tables()
     assert cells.equals(whole.cells, check_metadata=True)
     assert orbits.equals(whole.orbits, check_metadata=True)
-    assert assembly.samples == whole.samples
     for name, table in {"cells": cells, "orbits": orbits}.items():
         pq.write_table(table, tmp_path / f"{name}-pieces.parquet")
         pq.write_table(getattr(whole, name), tmp_path / f"{name}-whole.parquet")
@@ -58,9 +67,9 @@ def test_parts_hold_so_many_cells_each_and_do_not_depend_on_the_pieces(stage, tm
     found = {}
     for run, cuts in {"a": [8, 16], "b": [3, 8, 9, 10, 16, 17]}.items():
         (tmp_path / run).mkdir()
-        assembly = Assembly(Staging(tmp_path / run, STAMP), CELLS, STAMP, part=8)
+        assembly = Assembly(Staging(tmp_path / run, STAMP), PARTS)
         assembly.begin()
-        for one in reversed(pieces(stage, cuts)):
+        for one in reversed(parted(stage, cuts)):
             assembly.take(*one)
         cells, orbits = assembly.tables()
         assert isinstance(cells, Parted)
@@ -75,16 +84,32 @@ def test_parts_hold_so_many_cells_each_and_do_not_depend_on_the_pieces(stage, tm
 
 
 def test_an_earlier_run_is_gone_on_with(stage, tmp_path: Path) -> None:
-    first = Assembly(Staging(tmp_path, STAMP), CELLS, STAMP, part=8)
+    first = Assembly(Staging(tmp_path, STAMP), PARTS)
     first.begin()
-    every = pieces(stage, [3, 8, 12, 16])
+    every = parted(stage, [3, 8, 12, 16])
     for one in (every[0], every[1], every[3]):
         first.take(*one)
-    second = Assembly(Staging(tmp_path, STAMP), CELLS, STAMP, part=8)
+    second = Assembly(Staging(tmp_path, STAMP), PARTS)
     assert sorted(second.begin()) == [(0, 8), (12, 16)]
     for one in (every[2], every[4]):
         second.take(*one)
     assert second.tables()[0].table().equals(stage.run().cells)
+
+
+def test_what_is_finished_is_told_without_touching_it(stage, tmp_path: Path) -> None:
+    staging = Staging(tmp_path, STAMP)
+    assert finished(staging, PARTS) == 0
+    assembly = Assembly(staging, PARTS)
+    assembly.begin()
+    every = parted(stage, [8, 12, 16])
+    for one in (every[0], every[1], every[3]):
+        assembly.take(*one)
+    staging.put(3, 5, b"of a part that is there")
+    before = sorted(tmp_path.rglob("*"))
+    assert finished(staging, PARTS) == 16
+    assert sorted(tmp_path.rglob("*")) == before
+    (staging.folder / "orbits" / "part-000000.parquet").unlink()
+    assert finished(staging, PARTS) == 10
 
 
 def test_a_part_whose_pieces_were_all_there_is_written_at_once(stage, tmp_path: Path) -> None:
@@ -93,7 +118,7 @@ def test_a_part_whose_pieces_were_all_there_is_written_at_once(stage, tmp_path: 
     staging.begin()
     for start, stop, data in pieces(stage, [8, 16]):
         staging.put(start, stop, data)
-    assembly = Assembly(staging, CELLS, STAMP, part=8)
+    assembly = Assembly(staging, PARTS)
     assert sorted(assembly.begin()) == [(0, 8), (8, 16), (16, 20)]
     assert assembly.tables()[0].num_rows == CELLS
 
@@ -112,11 +137,11 @@ def test_a_part_whose_pieces_were_all_there_is_written_at_once(stage, tmp_path: 
     ids=["short", "changed", "empty", "misnamed", "across parts", "beyond", "nothing"],
 )
 def test_damaged_pieces_are_done_again(stage, tmp_path: Path, spoil) -> None:
-    first = Assembly(Staging(tmp_path, STAMP), CELLS, STAMP, part=8)
+    first = Assembly(Staging(tmp_path, STAMP), PARTS)
     first.begin()
     first.take(*pieces(stage, [3])[0])
     spoil(next(first.staging.folder.glob("*.piece")))
-    assert Assembly(Staging(tmp_path, STAMP), CELLS, STAMP, part=8).begin() == []
+    assert Assembly(Staging(tmp_path, STAMP), PARTS).begin() == []
     assert not list(tmp_path.rglob("*.piece"))
 
 
@@ -147,7 +172,7 @@ def test_a_piece_damaged_under_way_says_so(tmp_path: Path) -> None:
 
 
 def test_a_worker_of_another_version_is_refused(stage) -> None:
-    finder = PieceFinder(stage.plan, {"hknob": "0.0"})
+    finder = PieceFinder(stage.plan, WHOLE, {"hknob": "0.0"})
     with pytest.raises(ComputationError, match=r"other versions, so its results would differ: hknob .*, not 0\.0"):
         finder(0, 1)
 
@@ -155,9 +180,9 @@ def test_a_worker_of_another_version_is_refused(stage) -> None:
 def test_a_worker_draws_a_design_with_the_same_scipy() -> None:
     design = SPEC.replace("  sample_rate_hz: [1000]", "  design: {sobol: 2}\n  sample_rate_hz: {log: [500, 1000]}")
     plan = loaded(design.replace("phases: 8", "phases: 1"))
-    assert PieceFinder(plan, grid_versions(plan.points))(0, 2)
+    assert PieceFinder(plan, WHOLE, grid_versions(plan.points))(0, 2)
     with pytest.raises(ComputationError, match=r"other versions, so its results would differ: scipy .*, not 0\.0"):
-        PieceFinder(plan, {**grid_versions(plan.points), "scipy": "0.0"})(0, 2)
+        PieceFinder(plan, WHOLE, {**grid_versions(plan.points), "scipy": "0.0"})(0, 2)
 
 
 @pytest.mark.parametrize(
@@ -181,6 +206,6 @@ def test_controlled_cells_stay_with_those_beside_them(controller: str, monkeypat
     stage = SweepStage(loaded(text.replace("wall:", f"controller: {{{controller}}}\n  wall:")), jobs=1)
     assert unit_of(stage.plan) == 2
     whole = stage.run()
-    parts = [decode(encode(find_piece(stage, a, b))) for a, b in ((0, 2), (2, 6))]
-    assert pa.concat_tables([one.cells for one in parts]).combine_chunks().equals(whole.cells)
-    assert pa.concat_tables([one.orbits for one in parts]).combine_chunks().equals(whole.orbits)
+    parts = [decode(encode(find_piece(stage, a, b), {})) for a, b in ((0, 2), (2, 6))]
+    for table, found in zip((whole.cells, whole.orbits), zip(*parts, strict=True), strict=True):
+        assert pa.concat_tables(found).combine_chunks().equals(table)

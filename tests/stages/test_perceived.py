@@ -20,7 +20,8 @@ from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.spec.perception import Perceive
 from hknob_cli.spec.schema import json_schema
 from hknob_cli.stages.perceived import Perceived, cell_row, orbit_row, perceive
-from hknob_cli.stages.sweep import SweepResult, SweepStage
+from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep_tables import SweepTables
 from tests.conftest import SPEC, loaded
 
 BLOCK = "perceive: {knob_radius: 8.9 mm}\n"
@@ -29,7 +30,7 @@ HOW = Perceive(8.9e-3, "pen_hold", "most_effective", 0.02, 2023, extrapolate=Fal
 PARTS = 64  # of a hold
 
 
-def sweep(text: str) -> SweepResult:
+def sweep(text: str) -> SweepTables:
     return SweepStage(loaded(text)).run()
 
 
@@ -38,7 +39,7 @@ def rows(table: pa.Table) -> list[dict[str, Any]]:
 
 
 @pytest.fixture(scope="module")
-def gained() -> SweepResult:
+def gained() -> SweepTables:
     return sweep(SPEC + GAIN)
 
 
@@ -59,7 +60,7 @@ def sampled_motion(orbit: int) -> tuple[np.ndarray, float]:
     return np.array(angle), one.period * knob.period_s
 
 
-def test_levels_of_the_best_harmonics_by_a_fourier_transform_of_the_motion(gained: SweepResult) -> None:
+def test_levels_of_the_best_harmonics_by_a_fourier_transform_of_the_motion(gained: SweepTables) -> None:
     """Aliases are below 2e-6: amplitudes fall as the cube of the frequency, and the first is 64 times n away."""
     for orbit, row in enumerate(rows(gained.orbits)):
         angle, seconds = sampled_motion(orbit)
@@ -78,7 +79,7 @@ def test_levels_of_the_best_harmonics_by_a_fourier_transform_of_the_motion(gaine
         assert row["hearing_db"] == pytest.approx(level - float(hearing_threshold(hertz[at])), abs=1e-3)
 
 
-def test_columns_have_units_and_meanings_and_only_what_was_asked_for(gained: SweepResult) -> None:
+def test_columns_have_units_and_meanings_and_only_what_was_asked_for(gained: SweepTables) -> None:
     plain = sweep(SPEC)
     added = [name for name in gained.cells.column_names if name not in plain.cells.column_names]
     assert added == [
@@ -107,7 +108,7 @@ def test_columns_have_units_and_meanings_and_only_what_was_asked_for(gained: Swe
     assert gained.cells.select(plain.cells.column_names) == plain.cells
 
 
-def test_a_cell_has_its_most_noticeable_orbit(gained: SweepResult) -> None:
+def test_a_cell_has_its_most_noticeable_orbit(gained: SweepTables) -> None:
     (cell,), orbits = rows(gained.cells), rows(gained.orbits)
     assert len(orbits) > 1
     assert cell["touch_db"] == max(row["touch_db"] for row in orbits)

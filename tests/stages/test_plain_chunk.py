@@ -19,9 +19,9 @@ from hknob_cli.spec.load import load, validate
 from hknob_cli.spec.plan import SweepPlan, scene_at
 from hknob_cli.spec.source import Source
 from hknob_cli.stages.cell import CellFinder, group_of
-from hknob_cli.stages.plain_chunk import GROUP, Chunk, plain_chunk, takes_plain
+from hknob_cli.stages.plain_chunk import GROUP, plain_chunk, takes_plain
 from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import cells_table, orbits_table
+from hknob_cli.stages.sweep_tables import SweepTables, cells_table, orbits_table
 from tests.conftest import EXPERIMENTS, SPEC, loaded
 
 Functions = dict[str, Callable[..., Any]]
@@ -63,20 +63,22 @@ def planned(
     return validate(source)
 
 
-def one_by_one(plan: SweepPlan, functions: Functions) -> Chunk:
+def one_by_one(plan: SweepPlan, functions: Functions) -> SweepTables:
     """The tables by the way that has a Python object for every cell and orbit."""
     finder = CellFinder({"plain": functions})
     results = [finder.find(plan, cell) for cell in cells_of(plan)]
-    return Chunk(cells_table(plan, results), orbits_table(plan, results), sum(result.samples for result in results))
+    return SweepTables(
+        cells_table(plan, results), orbits_table(plan, results), sum(result.samples for result in results)
+    )
 
 
-def all_at_once(plan: SweepPlan, functions: Functions) -> Chunk:
+def all_at_once(plan: SweepPlan, functions: Functions) -> SweepTables:
     assert takes_plain(plan)
     every = cells_of(plan)
     return plain_chunk(plan, every.columns(0, len(every)), functions)
 
 
-def assert_same(one: Chunk, other: Chunk) -> None:
+def assert_same(one: SweepTables, other: SweepTables) -> None:
     for ours, theirs in zip(one[:2], other[:2], strict=True):
         ours.validate(full=True)
         assert ours.schema.equals(theirs.schema, check_metadata=True)
@@ -243,7 +245,33 @@ def test_tables_are_those_of_the_interpreter(functions: Functions, text: str) ->
     stage = SweepStage(loaded(text), jobs=1)
     result = stage.run()
     assert not stage.compiled
-    assert_same(Chunk(*result), all_at_once(stage.plan, functions))
+    assert_same(result, all_at_once(stage.plan, functions))
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_many_cells_are_found_in_runs(functions: Functions, jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": 400})
+    told: list[tuple[int, int]] = []
+    monkeypatch.setattr(SweepStage, "run_cell", None)
+    result = SweepStage(plan, jobs=jobs).run(lambda done, total: told.append((done, total)))
+    assert_same(result, one_by_one(plan, functions))
+    assert told[-1] == (9, 9)
+    assert len(told) > 2
+
+
+def test_runs_of_many_cells_give_up_when_interrupted(functions: Functions, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    stage = SweepStage(
+        planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 1e-3], starts={"phases": 400}), jobs=2
+    )
+
+    def interrupt(_done: int, _total: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        stage.run(interrupt)
+    assert stage.stopped()
 
 
 def test_chunks_are_parts_of_the_whole(functions: Functions) -> None:

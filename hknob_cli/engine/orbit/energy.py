@@ -13,7 +13,8 @@ def wall_work(x, v, drive, count, parts, kinds, beta, mean):
     The ``mean`` drive does no work over a period; without it the sum keeps its digits however deep the knob is pushed.
     """
     work = 0.0
+    base, other = 0, (kinds - 1) * PART
     for i in range(count):
-        base = i % kinds * PART
         work += (drive[i] - mean) * (parts[base + S] * v[i] + parts[base + G] * (drive[i] - beta * x[i]))
+        base = other - base
     return work

@@ -50,12 +50,14 @@ def find_extrema(x, v, drive, count, parts, kinds, alpha, beta, reference):
         last -= 1
         first = direction(x[last], v[last], drive[last], beta)
     going = first
+    base, other = 0, (kinds - 1) * PART
     for i in range(count):
         following = first
         if i + 1 < count:
             following = direction(x[i + 1], v[i + 1], drive[i + 1], beta)
             following = going if following == 0 else following
-        span = parts[i % kinds * PART + LENGTH]
+        span = parts[base + LENGTH]
+        base = other - base
         odd = 1 if following != going else 0
         if odd == 1 or spacing < span:
             y = drive[i] - beta * x[i]

@@ -16,10 +16,11 @@ def find_moments(x, v, drive, count, parts, kinds, beta, reference):
     """Integrals over ``count`` holds of x less ``reference`` (a position near the motion), of its square, and of v²."""
     total, square, speed = 0.0, 0.0, 0.0
     level = beta * reference
+    base, other = 0, (kinds - 1) * PART
     for i in range(count):
-        base = i % kinds * PART
         a, b, c = x[i] - reference, v[i], drive[i] - level
         total += parts[base + MEAN] * a + parts[base + MEAN + 1] * b + parts[base + MEAN + 2] * c
         square += form_of(parts, base + SQUARE, a, b, c)
         speed += form_of(parts, base + SPEED, a, b, c)
+        base = other - base
     return total, square, speed

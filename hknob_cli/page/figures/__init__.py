@@ -64,6 +64,7 @@ MODULES: dict[str, str] = {
     "touch_thresholds": "senses",
     "trial_thumbnails": "recorded",
     "what_explains": "what_explains",
+    "what_matters": "what_matters",
 }
 
 

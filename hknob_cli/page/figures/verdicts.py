@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _OTHER_FRICTION = ("smoothed", "soft")
-_SYMBOLS = dict(zip(VERDICTS, ("\u2713", "\u2248", "\u2260", "\u2715", "\u2013"), strict=True))
-_COLOURS = dict(zip(VERDICTS, ("#1f4e79", "#7fb0d8", "#f0c75e", "#f7ecd0", "#d9d9d9"), strict=True))
+_SYMBOLS = dict(zip(VERDICTS, ("\u2713", "\u2248", "\u2260", "\u2715", "\u2013", "?"), strict=True))
+_COLOURS = dict(zip(VERDICTS, ("#1f4e79", "#7fb0d8", "#f0c75e", "#f7ecd0", "#d9d9d9", "#ffffff"), strict=True))
 _ROW = 0.4  # inches
 
 
