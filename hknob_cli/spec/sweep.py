@@ -80,7 +80,7 @@ class PulseSpec(Part):
 class RecordSpec(Part):
     """Trajectories to keep: the exact motion of the first trials of every cell."""
 
-    duration: Annotated[PositiveSeconds, Field(description="time to record, from the start of a trial")]
+    duration: Annotated[PositiveSeconds, Field(ge=1e-9, description="time to record, from the start of a trial")]
     interval: Annotated[
         PositiveSeconds | None,
         Field(description="time between rows, beside those where the torque changes; null: a thousandth of duration"),

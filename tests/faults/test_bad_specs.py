@@ -70,6 +70,9 @@ BROKEN = {
     "no weight": ("stiffness: 0.04", "finger: {inertia: 0}, fingerpad: {}", "scene.hand.finger.inertia: must be > 0"),
     "axis of no finger": ("[1024]", "[1024]\n  hand.finger.inertia: [1]", "which has no 'finger'"),
     "damped growth": ("starts:", "growth: {duration: 1}\nstarts:", "5:27: scene.hand.damping: must be absent where"),
+    "recording of hardly any time": (
+        "starts:", "record: {duration: 5e-324}\nstarts:", "11:20: record.duration: must be >= 1e-09, got 5e-324",
+    ),
     "recording of no time": ("starts:", "record: {duration: 0}\nstarts:", "11:20: record.duration: must be > 0, got 0"),
     "no torque without clock": (
         KNOB, f"{KNOB}\n  sampling: continuous\n  actuator: {{torque_limit: 0}}", "6:28: scene.actuator.torque_limit",
