@@ -4,7 +4,8 @@ Every way is the installed command on experiments/million.yaml, smaller by ``--p
 and is told as a ratio of its rate to that of one process, and as a share of the kernel's: of `ensemble` back to back on
 prepared cells (`cells.py`), drawn from the same grid, in as many processes at once as work at cells in this way, on as
 many cores as there are. Memory is the peak of what all its processes hold together (proportional set size), looked at
-every two seconds, for a look takes time; of a cluster, which is there for its own runs alone, the client's. The results of every way are compared byte by byte.
+every two seconds, for a look takes time; of a cluster, which is there for its own runs alone, and has loaded the engine
+before, the client's. The results of every way are compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
 
@@ -159,13 +160,13 @@ def main() -> None:
             f"{given.workers} processes": (given.workers, ["--jobs", str(given.workers)]),
             f"{given.workers} Dask workers": (given.workers, ["--executor", "dask", "--scheduler"]),
         }
-        run(place / "warm", 3)
         best: dict[str, tuple[float, int, float]] = {}
         for turn in range(given.repeat):
             for way, (count, options) in ways.items():
                 fastest = kernel_seconds(given.points, min(count, usable_cores()))
                 with cluster(count, place) if "Dask" in way else nullcontext("") as file:
                     more = [file] if file else []
+                    run(place / "warm", 4, *options, *more)
                     seconds, peak = run(place / way.replace(" ", "-"), given.points, *options, *more)
                 print(f"# turn {turn + 1}: {way}: {seconds:.1f} s, kernel {fastest:.1f} s", file=sys.stderr)
                 before = best.get(way, (seconds, peak, fastest))
