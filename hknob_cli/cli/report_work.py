@@ -58,7 +58,10 @@ class ReportWork(Work):
         """Every table of every result, the ledger, and the printed tables."""
         digests: dict[str, str] = {}
         for name, folder in job.plan.results.items():
-            tables = sorted(Path(folder).glob("*.parquet"))
+            try:
+                tables = sorted(Path(folder).glob("*.parquet"))
+            except OSError as error:  # a name that is too long
+                raise UsageError(f"results: {folder}: {error.strerror or error}") from None
             if Path(folder).resolve() == job.out.resolve():
                 raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:

@@ -4,7 +4,8 @@ Every way is the installed command on experiments/million.yaml, smaller by ``--p
 and is told as a ratio of its rate to that of one process, and as a share of the kernel's: of `ensemble` back to back on
 prepared cells (`cells.py`), drawn from the same grid, in as many processes at once as work at cells in this way, on as
 many cores as there are. Memory is the peak of what all its processes hold together (proportional set size), looked at
-five times a second; of a cluster the client's alone. The results of every way are compared byte by byte.
+every two seconds, for a look takes time; of a cluster, which is there for its own runs alone, and has loaded the engine
+before, the client's. The results of every way are compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
 
@@ -19,7 +20,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from hknob_cli.spread.cores import usable_cores
 ROOT = Path(__file__).parents[2]
 HKNOB = Path(sys.executable).with_name("hknob")
 AXES = ("sample_rate_hz", "counts_per_rev", "wall.stiffness", "hand.damping", "hand.stiffness", "bias.torque")
+LOOK = 2.0  # s between two looks at the memory
 DRAWN = 40_000  # cells that the kernel is timed on, for half a percent of what it takes for all
 ENDS = ((200, 10000), (128, 8192), (0.1, 1.0), (1.0e-4, 1.0e-3), (0.02, 0.2), (5.0e-4, 5.0e-3))
 
@@ -71,7 +73,8 @@ def run(out: Path, points: int, *options: str) -> tuple[float, int]:
     peak = 0
     while process.poll() is None:
         peak = max(peak, held(process.pid))
-        time.sleep(0.2)
+        with suppress(subprocess.TimeoutExpired):
+            process.wait(LOOK)
     if process.returncode:
         sys.exit(f"hknob ended with {process.returncode}")
     return time.perf_counter() - begin, peak
@@ -99,6 +102,7 @@ def cluster(workers: int, place: Path) -> Iterator[str]:
         for process in begun:
             process.terminate()
             process.wait()
+        file.unlink(missing_ok=True)
 
 
 def kernel_seconds(points: int, processes: int) -> float:
@@ -148,20 +152,22 @@ def main() -> None:
     parser.add_argument("--repeat", type=int, default=3)
     given = parser.parse_args()
     cells = given.points**6
-    with tempfile.TemporaryDirectory() as folder, cluster(given.workers, Path(folder)) as file:
+    with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
         ways = {
-            "1 process": (1, ("--jobs", "1")),
-            f"{given.jobs} processes": (given.jobs, ("--jobs", str(given.jobs))),
-            f"{given.workers} processes": (given.workers, ("--jobs", str(given.workers))),
-            f"{given.workers} Dask workers": (given.workers, ("--executor", "dask", "--scheduler", file)),
+            "1 process": (1, ["--jobs", "1"]),
+            f"{given.jobs} processes": (given.jobs, ["--jobs", str(given.jobs)]),
+            f"{given.workers} processes": (given.workers, ["--jobs", str(given.workers)]),
+            f"{given.workers} Dask workers": (given.workers, ["--executor", "dask", "--scheduler"]),
         }
-        run(place / "warm", 3)
         best: dict[str, tuple[float, int, float]] = {}
         for turn in range(given.repeat):
             for way, (count, options) in ways.items():
                 fastest = kernel_seconds(given.points, min(count, usable_cores()))
-                seconds, peak = run(place / way.replace(" ", "-"), given.points, *options)
+                with cluster(count, place) if "Dask" in way else nullcontext("") as file:
+                    more = [file] if file else []
+                    run(place / "warm", 4, *options, *more)
+                    seconds, peak = run(place / way.replace(" ", "-"), given.points, *options, *more)
                 print(f"# turn {turn + 1}: {way}: {seconds:.1f} s, kernel {fastest:.1f} s", file=sys.stderr)
                 before = best.get(way, (seconds, peak, fastest))
                 best[way] = min(before[0], seconds), max(before[1], peak), min(before[2], fastest)

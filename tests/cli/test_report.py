@@ -117,6 +117,7 @@ BAD = {
         "results/none",
         "results: results/none has no tables; run the stage 'mine' first",
     ),
+    "no such name": ("results/small", f"results/{'x' * 300}", "xxx: File name too long"),
     "no ledger": ("claims.yaml", "nowhere.yaml", "nowhere.yaml: No such file"),
     "unknown drawing": (
         "draw: grid_map, of: mine",
