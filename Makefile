@@ -56,7 +56,7 @@ test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with 
 	@$(BIN)/mypy
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m 'not long'
 
-long: $(VENV)/.dev ## the tests that take minutes: clusters, kills at every step and at random, ten thousand spoilt inputs
+long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs

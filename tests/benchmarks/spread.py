@@ -34,6 +34,11 @@ from hknob_cli.spread.cores import usable_cores
 ROOT = Path(__file__).parents[2]
 HKNOB = Path(sys.executable).with_name("hknob")
 AXES = ("sample_rate_hz", "counts_per_rev", "wall.stiffness", "hand.damping", "hand.stiffness", "bias.torque")
+SETTINGS = {  # of docs/large_sweeps.md: without them a worker that waits takes a twentieth of a core
+    "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
+    "DASK_DISTRIBUTED__ADMIN__SYSTEM_MONITOR__INTERVAL": "5s",
+    "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "false",
+}
 LOOK = 2.0  # s between two looks at the memory
 DRAWN = 40_000  # cells that the kernel is timed on, for half a percent of what it takes for all
 ENDS = ((200, 10000), (128, 8192), (0.1, 1.0), (1.0e-4, 1.0e-3), (0.02, 0.2), (5.0e-4, 5.0e-3))
@@ -84,7 +89,7 @@ def run(out: Path, points: int, *options: str) -> tuple[float, int]:
 def cluster(workers: int, place: Path) -> Iterator[str]:
     """The file of a scheduler with so many workers of one thread."""
     dask, file = Path(sys.executable).with_name("dask"), place / "scheduler.json"
-    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": place}
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": place, "env": os.environ | SETTINGS}
     begun = [
         subprocess.Popen(
             [dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--scheduler-file", file],

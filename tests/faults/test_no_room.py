@@ -76,6 +76,7 @@ def test_a_small_sweep_says_what_to_do(small_disk: Path, hknob, spec_file) -> No
     assert hknob("sweep", spec_file(SPEC), "-o", small_disk / "out").returncode == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("filler", [262_144, 230_000])
 def test_no_room_for_compiled_code(filler: int, small_disk: Path, hknob, spec_file) -> None:
     """It is compiled for this run alone: from no room for a folder to room for some of it."""

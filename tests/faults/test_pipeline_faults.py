@@ -43,6 +43,7 @@ def recorded(out: Path) -> set[str]:
     return names
 
 
+@pytest.mark.long
 def test_kill_at_random_instants(tmp_path: Path) -> None:
     """Of four stages that wait for each other by twos, small ones: what they compute is nothing to a kill."""
     campaign.write(tmp_path)

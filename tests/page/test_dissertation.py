@@ -13,6 +13,8 @@ import pytest
 from tests.conftest import EXPERIMENTS, HKNOB
 from tests.page.opened import PHONE, WIDE, Opened
 
+pytestmark = pytest.mark.long
+
 PIPELINE = EXPERIMENTS / "dissertation.yaml"
 
 
