@@ -193,14 +193,15 @@ if __name__ == "__main__":
     main()
 
 
-# Results, 2026-11-21, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8)
+# Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8); three rounds
 #
 # 1000000 cells x 4 phases, best of 1
-#                      seconds   cells/s   ratio  peak MiB  bytes
-# 1 process               53.4     18733    1.00       262  the same
-# 2 processes             31.1     32112    1.71       315  the same
-# 4 processes             32.4     30896    1.65       424  the same
-# 4 Dask workers          35.7     27975    1.49       211  the same        (memory of the client alone)
+#                      seconds   cells/s     ratio    kernel     share  peak MiB  bytes
+# 1 process               53.0     18860      1.00      46.6      0.88       407  the same
+# 2 processes             28.5     35118      1.86      22.2      0.78       548  the same
+# 4 processes             29.4     33968      1.80      24.1      0.82       844  the same
+# 4 Dask workers          30.3     33043      1.75      25.7      0.85       213  the same
 #
-# The process that writes takes 3 s of a core for a million cells, a third of it in the kernel (pipes and files); two
-# workers on two cores wait for it.
+# 1 process: 52.6, 53.0, 54.2 s, its kernel 43.9, 46.6, 47.5; 2 processes: 27.6, 28.0, 28.5 s, theirs 22.2, 23.1, 27.8.
+# The kernel is timed for two seconds at a time, in which this machine's speed comes and goes by a tenth. By itself it
+# gains 1.86 to 1.99 from the second core. A cluster without `SETTINGS`: 34.0 and 34.6 s beside 28.9 and 29.0 by --jobs 4.
