@@ -193,7 +193,7 @@ if __name__ == "__main__":
     main()
 
 
-# Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8); three rounds
+# Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8); 3 rounds
 #
 # 1000000 cells x 4 phases, best of 1
 #                      seconds   cells/s     ratio    kernel     share  peak MiB  bytes
@@ -204,4 +204,4 @@ if __name__ == "__main__":
 #
 # 1 process: 52.6, 53.0, 54.2 s, its kernel 43.9, 46.6, 47.5; 2 processes: 27.6, 28.0, 28.5 s, theirs 22.2, 23.1, 27.8.
 # The kernel is timed for two seconds at a time, in which this machine's speed comes and goes by a tenth. By itself it
-# gains 1.86 to 1.99 from the second core. A cluster without `SETTINGS`: 34.0 and 34.6 s beside 28.9 and 29.0 by --jobs 4.
+# gains 1.86 to 1.99 from the second core. A cluster without `SETTINGS`: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
