@@ -4,6 +4,11 @@
 
 Input i of a family is made of seed i alone, so that a failure can be repeated with ``--seed i --count 1``. It needs
 what the program needs and nothing else, neither pytest nor hypothesis. The exit code is 1 if any rule was broken.
+
+2026-11-22, on a core each: 1,000,000 frames (seeds from 10,000,000), 1179 a second, no rule broken; 38,400 specs (from
+20,000,000, no stage run), 44 a second, four faults, mended since: a remedy set to nothing, a recording of 5e-324 s, a
+results folder with a name too long, and a table of verdicts that lacked one. Ten thousand specs, 500 tables and 5000
+sessions are in `make long`. Not done: a million of specs and of tables, six hours each.
 """
 
 import argparse
