@@ -100,8 +100,12 @@ class Processes:
     def close(self, *, now: bool = False) -> None:
         """End them; ``now``: in the middle of their work."""
         if now:
+            children = active_children()
             end_children()
-        self._executor.shutdown(wait=True, cancel_futures=True)
+            for child in children:
+                child.join(1.0)
+        # One that ended as it sent a result has left the thread that reads it waiting for the rest, for ever.
+        self._executor.shutdown(wait=not now, cancel_futures=True)
 
 
 def _begin(work: Work) -> None:
