@@ -32,8 +32,6 @@ class Cluster:
     what was handed out.
     """
 
-    fragile = False
-
     def __init__(self, work: Work, address: str, notify: Callable[[str], None], *, patience: float = PATIENCE) -> None:
         """Connect. Raises `UsageError` without the library, `ComputationError` if there is no scheduler."""
         try:

@@ -11,7 +11,6 @@ from hknob_cli.spread.processes import Done
 from hknob_cli.spread.ranges import Range, Ranges
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
-SUSPECT = 2  # of them, after which it is done with nothing beside it, so that no other is taken for what kills workers
 _SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
@@ -19,11 +18,9 @@ _TICK = 0.2  # s between two looks at whether there was an interruption
 class Workers(Protocol):
     """Who does the work: processes here, or on a cluster.
 
-    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it;
-    ``fragile``: whether a piece that is too much for one takes all with it, so that it may be why they are gone.
+    ``lost``: what a piece raises when they are gone; ``deadly``: when it was too much for the one that had it.
     """
 
-    fragile: bool
     lost: tuple[type[BaseException], ...]
     deadly: tuple[type[BaseException], ...]
 
@@ -32,7 +29,7 @@ class Workers(Protocol):
         """Pieces that they do at the same time; 0 while nobody is there."""
 
     def reachable(self) -> bool:
-        """Whether they are still there, as far as can be told."""
+        """Whether they are still there, as far as can be told; asked several times a second."""
 
     def submit(self, start: int, stop: int) -> "Future[Done]":
         """Hand out items ``start`` to ``stop``. Raises one of ``lost``."""
@@ -63,7 +60,7 @@ def gather(
     try:
         while left or pending:
             gone: list[Range] = []
-            while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
+            while left and not gone and len(pending) < 2 * workers.count:
                 one = left.take(pace.size(len(left), workers.count))
                 try:
                     pending[workers.submit(one.start, one.stop)] = one
@@ -89,21 +86,13 @@ def gather(
                 gone += pending.values()
                 pending.clear()
                 workers.renew()
-            if workers.fragile:
-                dead += gone
-            else:
-                left.put_back(gone)
+            left.put_back(gone)
             _bury(dead, name, left.unit)
             left.give_back(dead)
     except BaseException:
         workers.close(now=True)
         raise
     workers.close()
-
-
-def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
-    """Whether what is handed out, or would be next, may be what kills workers."""
-    return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
 
 
 def _bury(dead: list[Range], name: Callable[[Range], str], unit: int) -> None:

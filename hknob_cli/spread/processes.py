@@ -1,20 +1,26 @@
-"""Processes on this machine that do pieces of work, as a `concurrent.futures` executor."""
+"""Processes on this machine that do pieces of work."""
 
 import contextlib
 import os
+import pickle
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from multiprocessing import active_children, get_context, parent_process
+from multiprocessing.connection import Connection
+from multiprocessing.context import ForkContext, SpawnContext
+from multiprocessing.process import BaseProcess
+from queue import SimpleQueue
 from threading import Thread
+from typing import Any, NamedTuple
 
 Work = Callable[[int, int], bytes]  # items start to stop, to their results
 Done = tuple[float, bytes]  # seconds, results
 
 _BOTH = {signal.SIGINT, signal.SIGTERM}
-_work: Work | None = None
+_END = b""  # in place of a piece of work: there is no more
 
 
 @contextlib.contextmanager
@@ -46,9 +52,9 @@ def begin_worker() -> None:
     Thread(target=follow, daemon=True).start()
 
 
-def start_method() -> str:
+def _context() -> ForkContext | SpawnContext:
     """How to begin a process: forked it has all libraries and compiled code loaded; not where that is unsafe."""
-    return "fork" if sys.platform == "linux" else "spawn"
+    return get_context("fork") if sys.platform == "linux" else get_context("spawn")
 
 
 def timed(work: Work, start: int, stop: int) -> Done:
@@ -64,56 +70,120 @@ def end_children() -> None:
         child.terminate()
 
 
-class Processes:
-    """``count`` processes that do ``work``, one piece at a time each.
+class DiedError(Exception):
+    """A process ended before it had answered."""
 
-    Threads of libraries are held to one a process from the start of the program (`cli.main`).
+
+class Worker(NamedTuple):
+    """A process, and the pipe to it. Nobody else has its other end, which its death closes, in mid-answer too."""
+
+    process: BaseProcess
+    pipe: "Connection[Any, Any]"
+
+
+class Processes:
+    """``count`` processes that do ``work``, one piece at a time each; for one that dies another is begun.
+
+    A thread each waits for their answers. Threads of libraries are held to one a process from the start of the program
+    (`cli.main`).
     """
 
-    fragile = True
-    lost: tuple[type[BaseException], ...] = (BrokenExecutor,)
-    deadly: tuple[type[BaseException], ...] = (MemoryError,)
+    lost: tuple[type[BaseException], ...] = ()
+    deadly: tuple[type[BaseException], ...] = (MemoryError, DiedError)
 
     def __init__(self, work: Work, count: int) -> None:
         """Begin them."""
         self.count = count
-        self._given = work
-        self._executor = self._open()
+        self._work = work
+        self._open()
 
-    def _open(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self.count, get_context(start_method()), _begin, (self._given,))
+    def _open(self) -> None:
+        self._alive: list[Worker] = []
+        self._dead: list[Worker] = []
+        self._idle: SimpleQueue[Worker | None] = SimpleQueue()
+        self._waiting = ThreadPoolExecutor(self.count)
+        self._replace()
 
     def reachable(self) -> bool:
-        """They are: what is lost says so."""
+        """They are, for those that died are replaced."""
+        self._replace()
         return True
+
+    def _replace(self) -> None:
+        while self._dead:
+            worker = self._dead.pop()
+            self._alive.remove(worker)
+            _end(worker, now=True)
+        while len(self._alive) < self.count:
+            with beginning():
+                self._alive.append(_begin(self._work))
+            self._idle.put(self._alive[-1])
 
     def submit(self, start: int, stop: int) -> "Future[Done]":
         """Hand out a piece of work."""
-        with beginning():
-            return self._executor.submit(_do, start, stop)
+        return self._waiting.submit(self._do, start, stop)
+
+    def _do(self, start: int, stop: int) -> Done:
+        """Let one that is idle do a piece. Raises `DiedError`, and what the work raises."""
+        while (worker := self._idle.get()) is not None:
+            try:
+                worker.pipe.send_bytes(pickle.dumps((start, stop)))
+            except OSError:  # it died with nothing to do
+                self._dead.append(worker)
+                continue
+            try:
+                answer = pickle.loads(worker.pipe.recv_bytes())
+            except (EOFError, OSError):
+                self._dead.append(worker)
+                break
+            self._idle.put(worker)
+            if isinstance(answer, BaseException):
+                raise answer
+            done: Done = answer
+            return done
+        raise DiedError
 
     def renew(self) -> None:
-        """Begin other processes, after some were lost."""
+        """Begin others."""
         self.close()
-        self._executor = self._open()
+        self._open()
 
     def close(self, *, now: bool = False) -> None:
         """End them; ``now``: in the middle of their work."""
-        if now:
-            children = active_children()
-            end_children()
-            for child in children:
-                child.join(1.0)
-        # One that ended as it sent a result has left the thread that reads it waiting for the rest, for ever.
-        self._executor.shutdown(wait=not now, cancel_futures=True)
+        for worker in self._alive:
+            _end(worker, now=now)
+        for _ in range(self.count):
+            self._idle.put(None)
+        self._waiting.shutdown(cancel_futures=True)
+        for worker in self._alive:
+            worker.pipe.close()
 
 
-def _begin(work: Work) -> None:
-    global _work
+def _begin(work: Work) -> Worker:
+    context = _context()
+    here, there = context.Pipe()
+    process = context.Process(target=_serve, args=(there, work), daemon=True)
+    process.start()
+    there.close()
+    return Worker(process, here)
+
+
+def _end(worker: Worker, *, now: bool) -> None:
+    if now:
+        worker.process.kill()
+    else:
+        with contextlib.suppress(OSError):  # it is gone
+            worker.pipe.send_bytes(_END)
+    worker.process.join()
+
+
+def _serve(pipe: "Connection[Any, Any]", work: Work) -> None:
+    """In the process: do what comes, and answer with what was found, or with what the work raised."""
     begin_worker()
-    _work = work
-
-
-def _do(start: int, stop: int) -> Done:
-    assert _work is not None
-    return timed(_work, start, stop)
+    with contextlib.suppress(EOFError, OSError):  # the parent is gone
+        while asked := pipe.recv_bytes():
+            try:
+                answer = pickle.dumps(timed(work, *pickle.loads(asked)))
+            except Exception as error:
+                answer = pickle.dumps(error)
+            pipe.send_bytes(answer)

@@ -2,8 +2,11 @@
 
 import os
 import signal
+import struct
 import time
+from collections.abc import Callable
 from multiprocessing import active_children
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
@@ -46,6 +49,68 @@ def test_a_worker_that_is_killed_costs_no_item(tmp_path: Path) -> None:
 
     assert run(work, 100) == list(range(100))
     assert len(list(tmp_path.iterdir())) > 3
+
+
+def in_mid_answer(then: Callable[[], None]) -> None:
+    """Let this process say half of its next answer, and ``then`` do something."""
+
+    def half(self: Connection, data: bytes) -> None:
+        assert len(data) > 10**6
+        os.write(self.fileno(), struct.pack("!i", len(data)) + data[: len(data) // 2])
+        then()
+
+    Connection.send_bytes = half
+
+
+@pytest.mark.parametrize("count", [1, 3])
+def test_a_worker_that_is_killed_in_mid_answer_costs_no_item(tmp_path: Path, count: int) -> None:
+    def work(start: int, stop: int) -> bytes:
+        mark = tmp_path / str(start)
+        if start % 3 == 0 and not mark.exists():
+            mark.touch()
+            in_mid_answer(lambda: os.kill(os.getpid(), signal.SIGKILL))
+        return plain(start, stop) + bytes(2 * 10**6)
+
+    found: list[int] = []
+    gather(
+        Processes(work, count),
+        Ranges(50),
+        lambda start, stop, data: found.extend(data[: stop - start]),
+        tick=lambda: None,
+        pace=Pace(first=1, most=1),
+    )
+    assert sorted(found) == list(range(50))
+    assert len(list(tmp_path.iterdir())) > 3
+    assert not active_children()
+
+
+def test_an_interruption_in_mid_answer(tmp_path: Path) -> None:
+    """Whoever waits for the rest of it is not waited for."""
+
+    def work(start: int, stop: int) -> bytes:
+        in_mid_answer(lambda: ((tmp_path / str(start)).touch(), time.sleep(600)))
+        return bytes(2 * 10**6)
+
+    def tick() -> None:
+        if len(list(tmp_path.iterdir())) == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(work, 10, tick=tick)
+    assert not active_children()
+
+
+def test_a_worker_that_dies_with_nothing_to_do_is_not_blamed_for_what_comes_next() -> None:
+    workers = Processes(plain, 2)
+    for child in active_children():
+        child.kill()
+        child.join()
+    pieces = [workers.submit(start, start + 1) for start in range(5)]
+    while not all(piece.done() for piece in pieces):
+        assert workers.reachable()
+    assert [piece.result()[1] for piece in pieces] == [bytes([start]) for start in range(5)]
+    workers.close()
+    assert not active_children()
 
 
 @pytest.mark.parametrize("death", ["kill", "memory"])
@@ -139,7 +204,6 @@ def test_a_large_piece_is_halved_until_one_item_is_left_to_blame() -> None:
 class Absent(Processes):
     """Workers that are gone again and again, for no fault of what they were at."""
 
-    fragile = False
     lost = (ConnectionError,)
     sent = 0
 
