@@ -20,7 +20,7 @@ from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
 MOTION = ("propagator", "loop", "turning", "certificate", "rest", "follow", "ensemble", "trace")
-ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "moments", "energy", "leak", "cycle"))
+ORBIT = tuple(f"orbit.{name}" for name in ("forms", "holds", "extrema", "integrals", "leak", "cycle"))
 PLAIN = (*MOTION, *ORBIT, "relay_cycles")
 CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (

@@ -3,11 +3,10 @@
 from math import sqrt
 from typing import NamedTuple
 
-from hknob_cli.engine.orbit.energy import wall_work
 from hknob_cli.engine.orbit.extrema import find_extrema
 from hknob_cli.engine.orbit.holds import LENGTH, fill_parts
+from hknob_cli.engine.orbit.integrals import find_integrals
 from hknob_cli.engine.orbit.leak import find_leak
-from hknob_cli.engine.orbit.moments import find_moments
 from hknob_cli.engine.trace import holds_per_sample, trace
 
 
@@ -46,7 +45,7 @@ def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
     if peaks == 0 or troughs == 0:
         none = float("nan")
         return 0, none, none, none, none, none, none
-    total, square, speed = find_moments(x, v, drive, count, parts, kinds, beta, reference)
+    total, square, speed, work = find_integrals(x, v, drive, count, parts, kinds, beta, reference, drives / count)
     mean = total / n
     return (
         peaks,
@@ -54,7 +53,7 @@ def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
         reference + lowest,
         reference + highest,
         sqrt(max(square / n - mean * mean, 0.0)),
-        wall_work(x, v, drive, count, parts, kinds, beta, drives / count),
+        work,
         alpha * speed,
     )
 

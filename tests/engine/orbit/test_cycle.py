@@ -5,11 +5,10 @@ from math import isnan
 import pytest
 
 from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_holds
-from hknob_cli.engine.orbit.energy import wall_work
 from hknob_cli.engine.orbit.extrema import find_extrema, turns_within
 from hknob_cli.engine.orbit.forms import hold_forms
 from hknob_cli.engine.orbit.holds import LENGTH, PART, G, S, fill_part
-from hknob_cli.engine.orbit.moments import find_moments
+from hknob_cli.engine.orbit.integrals import find_integrals
 
 INF = float("inf")
 
@@ -40,7 +39,7 @@ def test_a_walk_by_hand(first: int) -> None:
     assert (cycles, swing, lowest, highest) == (1, 0.75, -0.5, 0.25)
     assert work == pytest.approx(0.0, abs=1e-15)  # kinetic energy comes back
     assert loss == 0.0
-    _, _, speed = find_moments(x, v, drive, 4, parts, 1, 0.0, 0.0)
+    _, _, speed, _ = find_integrals(x, v, drive, 4, parts, 1, 0.0, 0.0, 0.0)
     assert speed == pytest.approx(1.0, rel=1e-14)
     # x is t - t², -t + t²/2, -1/2 and -1/2 + t²/2: integrals 1/6, -1/3, -1/2, -1/3; of squares 1/30, 2/15, 1/4, 2/15.
     mean, square = (1 / 6 - 1 / 3 - 1 / 2 - 1 / 3) / 4, (1 / 30 + 2 / 15 + 1 / 4 + 2 / 15) / 4
@@ -68,7 +67,7 @@ def test_turns_within_a_hold() -> None:
 
 
 def test_two_kinds_of_holds_take_turns() -> None:
-    """A hold in two parts is the hold: of its work and its moments, whatever the plant."""
+    """A hold in two parts is the hold: of its work and its other integrals, whatever the plant."""
     alpha, beta, part = 0.3, 1.7, 0.3
     whole, split = parts_of(alpha, beta, 1.0), parts_of(alpha, beta, part, 1.0 - part)
     assert split[LENGTH] + split[PART + LENGTH] == 1.0
@@ -77,10 +76,9 @@ def test_two_kinds_of_holds_take_turns() -> None:
     one_s, one_g = split[S], split[G]
     middle = x + (one_s * v + one_g * y)
     pace = (1.0 - alpha * one_s - beta * one_g) * v + one_s * y
-    for of, scale in ((find_moments, 0.2), (wall_work, 0.1)):
-        entire = of([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, scale)
-        parted = of([x, middle, 0.0], [v, pace, 0.0], [drive, drive], 2, split, 2, beta, scale)
-        assert parted == pytest.approx(entire, rel=1e-13)
+    entire = find_integrals([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, 0.2, 0.1)
+    parted = find_integrals([x, middle, 0.0], [v, pace, 0.0], [drive, drive], 2, split, 2, beta, 0.2, 0.1)
+    assert parted == pytest.approx(entire, rel=1e-13)
 
 
 @pytest.mark.parametrize("pace", [0.9, 1.1, 1.9, 2.1])
@@ -92,7 +90,7 @@ def test_forms_do_not_depend_on_how_often_they_are_doubled(pace: float) -> None:
     y = drive - beta * x
     middle = x + (parts[S] * v + parts[G] * y)
     pace_there = (1.0 - alpha * parts[S] - beta * parts[G]) * v + parts[S] * y
-    entire = find_moments([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, 0.0)
-    halves = find_moments([x, middle, 0.0], [v, pace_there, 0.0], [drive] * 2, 2, parts, 2, beta, 0.0)
+    entire = find_integrals([x, 0.0], [v, 0.0], [drive], 1, whole, 1, beta, 0.0, 0.0)
+    halves = find_integrals([x, middle, 0.0], [v, pace_there, 0.0], [drive] * 2, 2, parts, 2, beta, 0.0, 0.0)
     assert halves == pytest.approx(entire, rel=1e-14)
     assert len(hold_forms(alpha, beta, 1.0)) == PART - 3
