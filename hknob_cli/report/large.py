@@ -5,6 +5,7 @@ from math import ceil
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.report.matrix import short
@@ -16,10 +17,12 @@ from hknob_cli.report.what_matters import (
     matters_text,
     what_matters,
 )
+from hknob_cli.results.arrays import tally
 from hknob_cli.results.parted import PART_CELLS, Parted
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
 MEASURES = ("p2p_rad", "frequency_hz")
+LOOKED_AT = (*MEASURES, "at_rest_fraction")  # of cells and
 MOST_LOOKED_AT = 256  # parts, to say what matters most
 
 
@@ -30,23 +33,25 @@ def describe_large(
 
     ``ranges``: axes of a design of which ``axes`` has the ends alone.
     """
+    names = axes_that_matter(list(axes), cells.column_names)
+    thinning, some = Thinning(cells), []
     count = 0
     sums = dict.fromkeys(SHARES, 0.0)
     still = 0
     extremes: dict[str, dict[str, Any]] = {}
-    for table in cells.tables([*axes, *SHARES, *MEASURES]):
+    for number, table in enumerate(cells.tables([*{*axes, *names}, *SHARES, *MEASURES])):
         count += table.num_rows
+        some += thinning.take(number, table, [*names, *LOOKED_AT])
         column = columns_of(table, [*SHARES, *MEASURES])
         for name in SHARES:
             sums[name] += float(column[name].sum())
         still += int((column["at_rest_fraction"] == 1.0).sum())
         for name in MEASURES:
             _widen(extremes, name, column[name], table, list(axes))
-    names, columns = matters_at_large(cells, list(axes))
     found = dict.fromkeys((outcome.name.lower() for outcome in Outcome), 0)
-    for table in orbits.tables(["outcome"]):
-        for entry in table["outcome"].value_counts().to_pylist():
-            found[entry["values"]] += entry["counts"]
+    for table in orbits.tables(["outcome"], coded=["outcome"]):
+        for outcome, number in tally(table["outcome"]).items():
+            found[outcome] += number
     return {
         "axes": {
             name: {
@@ -60,34 +65,48 @@ def describe_large(
         "orbits": found,
         **{name: total / count for name, total in sums.items()},
         "cells_at_rest": still,
-        "what_matters": describe_matters(what_matters(columns, names)),
+        "what_matters": describe_matters(what_matters(_joined(some), names)),
         "extremes": extremes,
     }
 
 
-def thinned(cells: Parted, names: Sequence[str]) -> Columns:
-    """Columns of some cells from all over a table, at random, about as many as a part has; the same every time.
+class Thinning:
+    """Some cells from all over a table, at random, about as many as a part has; the same every time.
 
     Of every part that is looked at the same share is taken: the last one has fewer cells than the others.
     """
-    # At random: parts evenly spaced may all have the same value of an axis.
-    parts = np.sort(np.random.default_rng(0).permutation(cells.parts)[:MOST_LOOKED_AT]).tolist()
-    share = min(1.0, PART_CELLS * cells.parts / (cells.num_rows * len(parts)))
-    found = []
-    for number in parts:
-        table = cells.part(number, names)
-        rows = np.sort(np.random.default_rng(number).permutation(table.num_rows)[: ceil(share * table.num_rows)])
-        found.append({name: values[rows] for name, values in columns_of(table, names).items()})
-    return {name: np.concatenate([one[name] for one in found]) for name in names}
+
+    def __init__(self, cells: Parted) -> None:
+        # At random: parts evenly spaced may all have the same value of an axis.
+        self.parts = np.sort(np.random.default_rng(0).permutation(cells.parts)[:MOST_LOOKED_AT]).tolist()
+        self._share = min(1.0, PART_CELLS * cells.parts / (cells.num_rows * len(self.parts)))
+
+    def take(self, number: int, table: pa.Table, names: Sequence[str]) -> list[Columns]:
+        """Columns of some cells of a part; none where it is not looked at."""
+        if number not in self.parts:
+            return []
+        count = table.num_rows
+        rows = np.sort(np.random.default_rng(number).permutation(count)[: ceil(self._share * count)])
+        return [{name: values[rows] for name, values in columns_of(table, names).items()}]
+
+
+def thinned(cells: Parted, names: Sequence[str]) -> Columns:
+    """Columns of some cells, by `Thinning`."""
+    thinning = Thinning(cells)
+    return _joined([one for i in thinning.parts for one in thinning.take(i, cells.part(i, names), names)])
 
 
 def matters_at_large(cells: Parted, axes: Sequence[str]) -> tuple[list[str], Columns]:
     """Axes that may matter in so many cells, and columns of some of them."""
     names = axes_that_matter(axes, cells.column_names)
-    return names, thinned(cells, [*names, *MEASURES, "at_rest_fraction"])
+    return names, thinned(cells, [*names, *LOOKED_AT])
 
 
-def _widen(extremes: dict[str, dict[str, Any]], name: str, values: Any, table: Any, axes: list[str]) -> None:
+def _joined(some: Sequence[Columns]) -> Columns:
+    return {name: np.concatenate([one[name] for one in some]) for name in some[0]}
+
+
+def _widen(extremes: dict[str, dict[str, Any]], name: str, values: Any, table: pa.Table, axes: list[str]) -> None:
     """Take in the least above 0, and the most, of one part's values."""
     above = np.where(values > 0.0, values, np.nan)
     if not np.isfinite(above).any():

@@ -4,6 +4,7 @@
 sweep. The few types that results have are laid out here by Arrow's columnar format instead.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -57,6 +58,17 @@ def spell(words: Sequence[str], codes: NDArray[np.int64]) -> pa.Array:
     lengths = np.array([len(piece) for piece in pieces])
     kept = np.arange(letters.shape[1]) < lengths[:, np.newaxis]
     return _text(letters[codes][kept[codes]].tobytes(), lengths[codes], np.ones(len(codes), dtype=bool))
+
+
+def tally(column: pa.ChunkedArray) -> Counter[str]:
+    """How often each word is in a column of codes; Arrow itself would load all that it can compute with."""
+    counts: Counter[str] = Counter()
+    for chunk in column.chunks:
+        here = slice(chunk.offset, chunk.offset + len(chunk))
+        codes = np.frombuffer(chunk.indices.buffers()[1], np.int32)[here]
+        words = chunk.dictionary.to_pylist()
+        counts.update(dict(zip(words, np.bincount(codes, minlength=len(words)).tolist(), strict=True)))
+    return counts
 
 
 def reals(column: pa.ChunkedArray) -> NDArray[np.float64]:

@@ -28,16 +28,19 @@ class Parted(NamedTuple):
     parts: int
     num_rows: int
 
-    def tables(self, columns: Sequence[str] | None = None) -> Iterator[pa.Table]:
-        """Part by part; all columns if None. Raises `ComputationError` for a damaged part."""
-        for number in range(self.parts):
-            yield self.part(number, columns)
+    def tables(self, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> Iterator[pa.Table]:
+        """Part by part; all columns if None, those ``coded`` as a dictionary and its codes.
 
-    def part(self, number: int, columns: Sequence[str] | None = None) -> pa.Table:
-        """One part. Raises as `tables`."""
+        Raises `ComputationError` for a damaged part.
+        """
+        for number in range(self.parts):
+            yield self.part(number, columns, coded=coded)
+
+    def part(self, number: int, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> pa.Table:
+        """One part. Arguments and errors as of `tables`."""
         path = self.folder / part_name(number)
         try:
-            with pq.ParquetFile(path) as file:
+            with pq.ParquetFile(path, read_dictionary=list(coded)) as file:
                 return file.read(columns=None if columns is None else list(columns))
         except (OSError, pa.ArrowException) as error:
             raise ComputationError(f"{path}: cannot be read: {error}; run again with --force") from None

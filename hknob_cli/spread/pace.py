@@ -2,7 +2,7 @@
 
 from math import ceil
 
-SECONDS = 3.0  # that a piece of work should take: long beside its handing over, short beside the whole
+SECONDS = 6.0  # that a piece of work should take: long beside its handing over, short beside the whole
 MOST = 65_536  # items in a piece, which bounds the memory that it takes
 GROWTH = 4.0  # from one piece to the next, at most
 

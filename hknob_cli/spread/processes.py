@@ -16,6 +16,8 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any, NamedTuple
 
+from hknob_cli.errors import ComputationError
+
 Work = Callable[[int, int], bytes]  # items start to stop, to their results
 Done = tuple[float, bytes]  # seconds, results
 
@@ -92,7 +94,7 @@ class Processes:
     deadly: tuple[type[BaseException], ...] = (MemoryError, DiedError)
 
     def __init__(self, work: Work, count: int) -> None:
-        """Begin them."""
+        """Begin them. Raises `ComputationError` where there may not be so many."""
         self.count = count
         self._work = work
         self._open()
@@ -105,7 +107,7 @@ class Processes:
         self._replace()
 
     def reachable(self) -> bool:
-        """They are, for those that died are replaced."""
+        """They are, for those that died are replaced. Raises as the class."""
         self._replace()
         return True
 
@@ -115,8 +117,15 @@ class Processes:
             self._alive.remove(worker)
             _end(worker, now=True)
         while len(self._alive) < self.count:
-            with beginning():
-                self._alive.append(_begin(self._work))
+            try:
+                with beginning():
+                    self._alive.append(_begin(self._work))
+            except OSError as error:
+                self.close(now=True)
+                why = error.strerror or error
+                raise ComputationError(
+                    f"only {len(self._alive)} of {self.count} processes can be begun: {why}; try fewer, with --jobs"
+                ) from None
             self._idle.put(self._alive[-1])
 
     def submit(self, start: int, stop: int) -> "Future[Done]":

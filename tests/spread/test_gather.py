@@ -1,5 +1,6 @@
 """Gathering: all results, whoever dies on the way; what the work raises; what nobody survives."""
 
+import errno
 import os
 import signal
 import struct
@@ -133,6 +134,21 @@ def test_items_that_kill_every_worker_are_named() -> None:
 
     with pytest.raises(ComputationError, match=r"items 17 to 17: .* died 8 times"):
         run(work, 30)
+    assert not active_children()
+
+
+def test_more_processes_than_there_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
+    plain_fork, begun = os.fork, []
+
+    def fork() -> int:
+        if len(begun) == 3:
+            raise BlockingIOError(errno.EAGAIN, "Resource temporarily unavailable")
+        begun.append(True)
+        return plain_fork()
+
+    monkeypatch.setattr(os, "fork", fork)
+    with pytest.raises(ComputationError, match=r"only 3 of 8 processes can be begun: Resource temporarily .* --jobs"):
+        run(plain, 10, count=8)
     assert not active_children()
 
 

@@ -21,8 +21,7 @@ def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most:
 
     Lines are medians, bands reach from 10 to 90 % of the cells that buzz, dots are some of them; "explains" is the
     share of the variance of the cells' places in order of size that lies between the bins of an axis (epsilon squared
-    of Kruskal and Wallis).
-    ``where`` chooses a method or law. Raises `MissingError` where too few cells have a size.
+    of Kruskal and Wallis). ``where`` chooses a method or law. Raises `MissingError` where too few cells have a size.
     """
     from hknob_cli.report.what_matters import axes_that_matter, columns_in
     from hknob_cli.report.what_matters import what_matters as found_in
