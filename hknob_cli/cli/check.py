@@ -62,9 +62,10 @@ def _checked(path: Path, sets: tuple[str, ...]) -> str:
 
         return f"ledger, {_counted(len(load_ledger(path).claims), 'claim')}"
     plan = load(path, sets)
-    job = Job(kind=str(kind), plan=plan, out=Path("results") / plan.name)
-    work_of(job.kind).verify(job)
-    return f"{plan.values['kind']} '{plan.name}', {_size(plan)}"
+    kind = str(plan.values["kind"])  # as set on the command line, where it is
+    job = Job(kind=kind, plan=plan, out=Path("results") / plan.name)
+    work_of(kind).verify(job)
+    return f"{kind} '{plan.name}', {_size(plan)}"
 
 
 def check(

@@ -54,7 +54,12 @@ def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Jo
     faults: list[Fault] = []
     for stage in stages:
         if stage.folder is not None:
-            if not any(stage.folder.glob("*.parquet")):
+            try:
+                found = any(stage.folder.glob("*.parquet"))
+            except OSError as error:  # a name that is too long
+                faults.append(Fault(stage.where, 0, 0, "", f"{stage.folder}: {error.strerror or error}"))
+                continue
+            if not found:
                 faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
             continue
         refuse_link(folders[stage.name])

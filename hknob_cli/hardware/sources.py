@@ -6,12 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.provenance import KEY
 from hknob_cli.spec.campaign import SERIAL
+from hknob_cli.spec.parquet import schema_of
 from hknob_cli.spec.regular import is_endless
 
 EARLIER = "earlier"
@@ -102,7 +102,7 @@ def _spec_of(path: Path) -> dict[str, Any]:
     if is_endless(path):
         return {}
     try:
-        record = json.loads((pq.read_schema(path).metadata or {})[KEY])
+        record = json.loads((schema_of(path).metadata or {})[KEY])
         return dict(record["spec"])
     except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
         return {}

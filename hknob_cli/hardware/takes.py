@@ -13,7 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pc
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Array, Counts, Flags, Settings
@@ -21,6 +20,7 @@ from hknob_cli.recordings.files import RecordingFile, first_line
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.spec.named_file import inside
+from hknob_cli.spec.parquet import table_of
 from hknob_cli.spec.plan import COUNTS, RATE
 
 FINEST = 2**24  # counts per revolution where a recording has an angle in radians only
@@ -114,7 +114,7 @@ def _extra_columns(path: Path) -> dict[str, np.ndarray[Any, Any]]:
             raise UsageError(f"{path}: {name}: column is there {count} times; must be there once")
     try:
         if file.is_parquet:
-            table = pq.read_table(path, columns=list(names.values()))
+            table = table_of(path, list(names.values()))
         else:
             table = pc.read_csv(path, convert_options=pc.ConvertOptions(include_columns=list(names.values())))
     except (pa.ArrowException, OSError) as error:

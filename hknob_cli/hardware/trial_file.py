@@ -19,6 +19,7 @@ from hknob_cli.results.hw_run_columns import MORE_SAMPLES
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
+from hknob_cli.spec.parquet import table_of
 
 ABOUT = b"hknob.trial"
 
@@ -92,8 +93,7 @@ def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
 def read_trial(path: Path) -> Recorded | None:
     """The trial in a file; None where it cannot be read, or is another kind of file."""
     try:
-        with pq.ParquetFile(path) as file:
-            table = file.read()
+        table = table_of(path)
         about = json.loads((table.schema.metadata or {})[ABOUT])
         return Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
     except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):

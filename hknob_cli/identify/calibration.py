@@ -8,6 +8,7 @@ import numpy as np
 from hknob_cli.recordings.trial import Array
 
 CURVED = 0.999  # share of the variance that a straight line must explain
+_LEAST = 1e-12  # range of currents or forces that is more than rounding; slope, that is more than none
 
 
 class Line(NamedTuple):
@@ -82,19 +83,27 @@ def grip_cell(columns: Mapping[str, Array]) -> list[Calibrated]:
         name = f"{1e3 * position:.3g} mm from the end"
         force, voltage = columns["force_n"][here], columns["voltage_v"][here]
         found.append(_slope("grip cell slope", name, "V/N", force, voltage, ("N", "V")))
-    if len(positions) > 1:
-        slopes = np.array([one.value for one in found])
-        largest, least = float(slopes.max()), float(slopes.min())
-        first, last = (one.std / one.value for one in (found[0], found[-1]))
-        spread = float(np.hypot(first, last)) * largest / least
-        found.append(Calibrated("largest slope over least", "positions", largest / least, spread, "1"))
-    return found
+    return [*found, _evenness(found)] if len(positions) > 1 else found
+
+
+def _evenness(slopes: list[Calibrated]) -> Calibrated:
+    """Largest slope over the least, both from zero."""
+    if not (all(one.value >= _LEAST for one in slopes) or all(one.value <= -_LEAST for one in slopes)):
+        why = ("a position has no slope, or one of another sign",)
+        return Calibrated("largest slope over least", "positions", float("nan"), float("nan"), "1", flags=why)
+    least, *_, largest = sorted(slopes, key=lambda one: abs(one.value))
+    ratio = largest.value / least.value
+    spread = ratio * float(np.hypot(largest.std / largest.value, least.std / least.value))
+    return Calibrated("largest slope over least", "positions", ratio, spread, "1")
 
 
 def _slope(quantity: str, condition: str, unit: str, x: Array, y: Array, units: tuple[str, str]) -> Calibrated:
     """Slope of a straight line with its standard error, by least squares; ``units`` of x and y."""
     if len(np.unique(x)) < 3:
         why = ("fewer than three different readings",)
+        return Calibrated(quantity, condition, float("nan"), float("nan"), unit, flags=why)
+    if np.ptp(x) < _LEAST * max(1.0, float(np.abs(x).max())):
+        why = ("readings that hardly differ",)
         return Calibrated(quantity, condition, float("nan"), float("nan"), unit, flags=why)
     lean = x - x.mean()
     value = float(lean @ y / (lean @ lean))

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import UsageError
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.trial import Array
 from hknob_cli.spec.messages import shown
+from hknob_cli.spec.parquet import table_of
 from hknob_cli.spec.regular import is_endless
 
 MOTOR = ("range_index", "current_a", "direction", "torque_nm")
@@ -55,7 +55,7 @@ def _table(path: Path) -> pa.Table:
     try:
         with path.open("rb") as stream:
             parquet = stream.read(4) == b"PAR1"
-        table = pq.read_table(path) if parquet else pa.csv.read_csv(path)
+        table = table_of(path) if parquet else pa.csv.read_csv(path)
         _ = table.column_names
         return table
     except UnicodeDecodeError:

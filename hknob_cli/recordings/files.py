@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.csv as pc
-import pyarrow.parquet as pq
 
 from hknob_cli.recordings.columns import TEXTS
+from hknob_cli.spec.parquet import opened, schema_of, sound
 from hknob_cli.spec.regular import is_endless
 
 BLOCK_BYTES = 8_000_000
@@ -50,7 +50,7 @@ class RecordingFile:
     def _header(self) -> list[str]:
         try:
             if self.is_parquet:
-                return list(pq.read_schema(self.path).names)
+                return list(schema_of(self.path).names)
             with pa.input_stream(str(self.path)) as stream:
                 line = stream.read(LONGEST_HEADER).lstrip(b"\r\n").replace(b"\r", b"\n").partition(b"\n")[0]
             with pc.open_csv(io.BytesIO(line + b"\n")) as header:
@@ -116,8 +116,9 @@ class RecordingFile:
         return "skip"
 
     def _parquet(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
-        with pq.ParquetFile(self.path) as stream:
+        with opened(self.path) as stream:
             for batch in stream.iter_batches(batch_size=BATCH_ROWS, columns=list(raw.values())):
+                sound(batch)
                 yield {name: batch.column(there) for name, there in raw.items()}
 
 

@@ -82,10 +82,17 @@ class Result:
         if self.stage == CAMPAIGN:
             return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
         axes = axes_in(self.provenance["spec"])
-        columns = {name for file in self.files for name in result_schema(self.folder / file).names}
+        columns = {name for file in self.files for name in self._names(file)}
         if lacking := [axis for axis in axes if axis not in columns]:
             raise MissingError(f"'{self.name}' has no column {', '.join(lacking)}, which its spec has as an axis")
         return axes
+
+    def _names(self, file: str) -> list[str]:
+        """Names of a table's columns. Raises `MissingError`."""
+        try:
+            return list(result_schema(self.folder / file).names)
+        except (OSError, pa.ArrowException):
+            raise MissingError(f"{file} of '{self.name}' in {self.folder} cannot be read") from None
 
     @property
     def is_design(self) -> bool:

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.spec.parquet import opened, schema_of, table_of
 from hknob_cli.spec.regular import is_endless
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
@@ -40,8 +40,7 @@ class Parted(NamedTuple):
         """One part. Arguments and errors as of `tables`."""
         path = self.folder / part_name(number)
         try:
-            with pq.ParquetFile(path, read_dictionary=list(coded)) as file:
-                return file.read(columns=None if columns is None else list(columns))
+            return table_of(path, columns, coded=coded)
         except (OSError, pa.ArrowException) as error:
             raise ComputationError(f"{path}: cannot be read: {error}; run again with --force") from None
 
@@ -52,7 +51,7 @@ class Parted(NamedTuple):
     @property
     def column_names(self) -> list[str]:
         """Names of the columns."""
-        return list(pq.read_schema(self.folder / part_name(0)).names)
+        return list(schema_of(self.folder / part_name(0)).names)
 
 
 def read_result(path: Path) -> pa.Table:
@@ -64,8 +63,7 @@ def read_result(path: Path) -> pa.Table:
         return parted.table()
     if is_endless(path):
         raise FileNotFoundError(path)
-    with pq.ParquetFile(path) as file:  # pyarrow's read_table would load its whole dataset layer
-        return file.read()
+    return table_of(path)
 
 
 def result_schema(path: Path) -> pa.Schema:
@@ -76,7 +74,7 @@ def result_schema(path: Path) -> pa.Schema:
     first = path / part_name(0) if path.is_dir() else path
     if is_endless(first):
         raise FileNotFoundError(first)
-    return pq.read_schema(first)
+    return schema_of(first)
 
 
 def part_name(number: int) -> str:
@@ -123,7 +121,7 @@ def _readable(path: Path) -> dict[bytes, bytes] | None:
     if is_endless(path):
         return None
     try:
-        return pq.read_schema(path).metadata or {}
+        return schema_of(path).metadata or {}
     except (OSError, pa.ArrowException):
         return None
 
@@ -140,7 +138,8 @@ def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
     for number in range(count):
         if not is_written(folder, number, count, wanted):
             return None
-        rows += pq.read_metadata(folder / part_name(number)).num_rows
+        with opened(folder / part_name(number)) as part:
+            rows += part.metadata.num_rows
     return Parted(folder, count, rows)
 
 

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.printed.tables import NUMBERS, file_of, table_digest
 from hknob_cli.results.versions import computing_versions
 from hknob_cli.spec.plan import PERSON, Scene
 
@@ -40,29 +41,20 @@ def describe(
 
 def tables_of(values: dict[str, Any]) -> tuple[Path, ...]:
     """Files of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
-    numbers = _tables(values)
-    if not numbers:
-        return ()
-    from hknob_cli.printed.tables import file_of
-
-    return tuple(file_of(number) for number in numbers)
+    return tuple(file_of(number) for number in _tables(values))
 
 
 def _digests(values: dict[str, Any]) -> dict[str, str]:
     """Digests of those tables by name."""
-    numbers = _tables(values)
-    if not numbers:
-        return {}
-    from hknob_cli.printed.tables import table_digest
-
-    return {f"table_{number}_sha256": table_digest(number) for number in numbers}
+    return {f"table_{number}_sha256": table_digest(number) for number in _tables(values)}
 
 
 def _tables(values: dict[str, Any]) -> list[int]:
     """Numbers of those tables."""
     found: set[int] = set()
-    if values.get("table") is not None and "grip_n" in values:  # a hand, or people
-        return sorted({values["table"], 10})
+    number = values.get("table")
+    if isinstance(number, int) and number in NUMBERS and "grip_n" in values:  # a hand, or people
+        return sorted({number, 10})
     for value in values.values():
         for part in value if isinstance(value, list) else [value]:
             if isinstance(part, dict):

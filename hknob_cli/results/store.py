@@ -5,7 +5,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
 from hknob_cli.results.layout import write_table
@@ -23,6 +22,7 @@ from hknob_cli.results.parted import (
 from hknob_cli.results.place import create, make_folder
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.spec.parquet import NotTextError, schema_of
 
 LOCK = ".hknob.lock"
 _PARTIAL = ".partial"
@@ -147,7 +147,7 @@ def _origin(path: Path) -> tuple[str, str] | None:
     if path.suffix == ".png":
         return picture_origin(path)
     try:
-        return origin(pq.read_schema(path).metadata)
+        return origin(schema_of(path).metadata)
     except pa.ArrowException:
         return None
 
@@ -155,7 +155,9 @@ def _origin(path: Path) -> tuple[str, str] | None:
 def _is_whole(path: Path) -> bool:
     """Whether a Parquet file can be read, whoever wrote it."""
     try:
-        pq.read_schema(path)
+        schema_of(path)
+    except NotTextError:  # no tear makes names of another encoding
+        return True
     except (OSError, pa.ArrowException):
         return False
     return True

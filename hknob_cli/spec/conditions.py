@@ -50,13 +50,15 @@ class Conditions(NamedTuple):
 def read_conditions(place: Path) -> Conditions:
     """Conditions in a file, or in a folder of sysid's results. Raises `UsageError`."""
     import pyarrow as pa
-    import pyarrow.parquet as pq
+
+    from hknob_cli.spec.parquet import NotTextError, table_of
 
     file = inside(place, FILE)
     data = read_named(file)
     try:
-        with pq.ParquetFile(BytesIO(data)) as parquet:
-            table = parquet.read()
+        table = table_of(BytesIO(data))
+    except NotTextError as error:
+        raise UsageError(f"{file}: {error}") from None
     except (OSError, pa.ArrowException):
         raise UsageError(f"{file}: is not a Parquet file") from None
     missing = [name for name in _NEEDED if name not in table.column_names]

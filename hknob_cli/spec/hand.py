@@ -9,6 +9,7 @@ from hknob_cli.spec import plan
 from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
 from hknob_cli.spec.part import Part, Place
 from hknob_cli.spec.quantity import AddedInertia, Damping, Fixed, Inertia, Stiffness
+from hknob_cli.spec.whole import WHOLE
 
 _GIVEN = ("inertia", "damping", "stiffness", "finger", "fingerpad")
 _OF_A_FILE = ("experiment", "subject", "estimator", "subtract_apparatus")
@@ -57,6 +58,7 @@ class HandSpec(Part):
     fingerpad: FingerpadSpec | None = None
     table: Annotated[
         Literal[1, 2, 3, 4, 5] | None,
+        WHOLE,
         Field(
             description="Hasser's hand models, without the apparatus: 1 simple and 2 key pinch of a 17.8 mm knob;"
             " 3 simple, 4 key pinch and 5 three fingers of a 29.9 mm knob"

@@ -7,6 +7,7 @@ from pydantic import Field
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.perception import Perceive
 from hknob_cli.spec.quantity import KnobRadius, SoundGain
+from hknob_cli.spec.whole import WHOLE
 
 
 class TouchSpec(Part):
@@ -25,7 +26,7 @@ class TouchSpec(Part):
 class HearingSpec(Part):
     """Which equal-loudness contours."""
 
-    edition: Annotated[Literal[2003, 2023], Field(description="edition of ISO 226")] = 2023
+    edition: Annotated[Literal[2003, 2023], WHOLE, Field(description="edition of ISO 226")] = 2023
 
 
 class PerceiveSpec(Part):

@@ -9,6 +9,7 @@ from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema
 from hknob_cli.spec.hand import Label
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import Fixed, Inertia
+from hknob_cli.spec.whole import WHOLE
 
 MOST_PEOPLE = 100_000
 _DRAWN = ("people", "seed")
@@ -38,7 +39,9 @@ class PopulationSpec(Part):
         ),
     ] = None
     table: Annotated[
-        Literal[1, 2, 3, 4, 5] | None, Field(description="Hasser's hand models: printed means and deviations")
+        Literal[1, 2, 3, 4, 5] | None,
+        WHOLE,
+        Field(description="Hasser's hand models: printed means and deviations"),
     ] = None
     grip_n: Annotated[Grip | None, Field(description="row of the table or file: its grip force")] = None
     experiment: Annotated[Label | None, Field(description="of the file: its experiment")] = None

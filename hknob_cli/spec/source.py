@@ -221,10 +221,13 @@ class _Reader:
         try:
             value = self.constructor.construct_object(node)
         except (YAMLError, ValueError, OverflowError) as error:
-            self.fail(node, path, f"cannot be read as a number: {error}")
+            self.fail(node, path, f"cannot be read as a number: {str(error)[:200]}")
+            return None
+        except IndexError:  # !!int of nothing
+            self.fail(node, path, f"must be a number, got '{str(node.value)[:60]}'")
             return None
         except KeyError:  # !!bool with another word
-            self.fail(node, path, f"must be true or false, got '{node.value}'")
+            self.fail(node, path, f"must be true or false, got '{str(node.value)[:60]}'")
             return None
         # The parser's own kinds of numbers remember how they were written; plain ones are wanted.
         if isinstance(value, bool) or value is None:

@@ -12,9 +12,10 @@ from hknob_cli.spec.identification import BiasPlan, HiddenPlan, StudyPlan
 from hknob_cli.spec.part import Part
 from hknob_cli.spec.quantity import Inertia, Unit
 from hknob_cli.spec.source import Source
+from hknob_cli.spec.whole import WHOLE
 
 MOST_LEVELS = 1000  # of a nuisance, or ratios: each is a campaign of its own
-Table = Annotated[Literal[1, 2, 3, 4, 5], Field(description="whose printed mean hands are the truth")]
+Table = Annotated[Literal[1, 2, 3, 4, 5], WHOLE, Field(description="whose printed mean hands are the truth")]
 _SMALL = Field(strict=True, ge=0, le=0.1, allow_inf_nan=False)
 _KINDS: dict[str, Any] = {
     "noise_rad": Annotated[float, _SMALL, Unit("rad")],

@@ -130,6 +130,16 @@ BAD = {
     "no value": ("{most} mrad", "{least} mrad", "summary[1]: 'least' has no value"),
     "open brace": ("{most} mrad", "{most mrad", "summary[1]: must be text with {names}"),
     "unknown check": ("check: cell_statistic", "check: cell_statistics", "did you mean 'cell_statistic'?"),
+    "unknown check of two lines": (
+        "check: cell_statistic",
+        'check: "a\\nb\\e[2J"',
+        "page.yaml:8:5: summary[1]: most: unknown check 'a?b?[2J'; allowed: ",
+    ),
+    "unknown argument of two lines": (
+        "statistic: largest",
+        '"a\\nb": largest',
+        "page.yaml:8:5: summary[1]: most: cell_statistic: unknown argument 'a?b'; allowed: ",
+    ),
     "wrong argument": (
         "statistic: largest",
         "statistics: largest",

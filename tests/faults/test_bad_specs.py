@@ -161,6 +161,15 @@ def test_folders_and_missing_files(hknob, tmp_path: Path) -> None:
         assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize("said", ["", "kind: sweep\n"])
+def test_the_kind_may_be_set(hknob, spec_file, said: str) -> None:
+    """Where a file says none, or another: the check is of the kind that is set."""
+    page = spec_file(f"{said}name: page\nresults: [a]\n")
+    done = hknob("check", page, "--set", "kind=report")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == f"{page}: report 'page', 1 result: good\n"
+
+
 @pytest.mark.parametrize(
     "text", ["", "=1", "scene", "scene.wall=", "scene.wall.stiffness=[1", "kind.x=1", "scene.nothing=1", "..=1"]
 )

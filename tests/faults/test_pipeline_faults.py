@@ -161,6 +161,7 @@ BAD = {
         "stages.a.needs: unknown key; allowed: spec, folder, set",
     ),
     "no file": ("stages: {a: {spec: nowhere.yaml}}\n", "stages.a.spec: "),
+    "folder with a name too long": (f"stages: {{a: {{folder: {'x' * 300}}}}}\n", "xxx: File name too long"),
     "unknown stage": (
         "stages: {a: {spec: s.yaml, set: {against: {from: grud}}}, grid: {spec: s.yaml}}\n",
         "stages.a.set.against: unknown stage; did you mean 'grid'? allowed: grid",

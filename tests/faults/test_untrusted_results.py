@@ -13,6 +13,7 @@ from hknob_cli.results.provenance import KEY, axes_of, describe, origin, record_
 from tests.conftest import SPEC, loaded
 from tests.identified import PEOPLE, conditions, write_conditions
 from tests.page.test_layout import Tree
+from tests.spoilt_parquet import odd_text, write_odd_names
 
 HOSTILE = "</code></pre><script>alert(1)</script>\x1b[31m\"' onload='$\\frac{$"
 RECORD: dict[str, Any] = json.loads(describe(stage="sweep", values=loaded(SPEC).values, overrides=("a=1",)))
@@ -107,3 +108,36 @@ def test_hostile_names_of_persons(hknob, spec_file, tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "scene.hand.subject: must be one of" in done.stderr
     assert "\x1b" not in done.stderr
+
+
+def test_tables_whose_text_is_none_are_a_fault(hknob, spec_file, tmp_path: Path) -> None:
+    """Names of columns, or cells, that are not UTF-8: wherever a table is read, and wherever one would be written."""
+    hands = tmp_path / "hands.parquet"
+    folder = tmp_path / "odd"
+    folder.mkdir()
+    for spoil in ("names", "cells"):
+        if spoil == "names":
+            write_odd_names(pa.table({"name": [1.0]}), hands, "name")
+        else:
+            pq.write_table(pa.table({"level": odd_text()}), hands)
+        (folder / "cells.parquet").write_bytes(hands.read_bytes())
+        hand = "{inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}"
+        done = hknob("check", spec_file(SPEC.replace(hand, "{from: hands.parquet, grip_n: 0.71}")))
+        assert done.returncode == 2
+        assert "spec.yaml:5:16: scene.hand.from: " in done.stderr
+        assert "not UTF-8" in done.stderr
+        done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"))
+        assert (done.returncode, done.stderr) == (2, "no cells.parquet of 'odd' in odd\n")
+        predict = SPEC.replace("kind: sweep", "kind: predict").replace("starts: {angle: 0.02, phases: 8}\n", "")
+        done = hknob("predict", spec_file(f"{predict}against: odd\n"))
+        assert done.returncode == 2
+        assert done.stderr.startswith("against: odd/cells.parquet is ")
+        done = hknob("sweep", spec_file(), "-o", "odd")
+        assert (done.returncode, "not written by hknob" in done.stderr) == (3, True)
+
+
+def test_a_table_that_cannot_be_read_beside_good_ones(hknob, spec_file, tmp_path: Path) -> None:
+    result(tmp_path / "odd", changed())
+    (tmp_path / "odd" / "more.parquet").write_bytes(b"PAR1" * 9)
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"))
+    assert (done.returncode, done.stderr) == (2, "more.parquet of 'odd' in odd cannot be read\n")

@@ -122,7 +122,7 @@ def _numbers(column: pa.ChunkedArray, dice: Random) -> pa.Array:
     try:
         values = np.array(column.cast(pa.float64()).to_numpy(), dtype=float)
     except pa.ArrowException:
-        texts: list[Any] = column.to_pylist()
+        texts = [None if one is None else str(one) for one in column.to_pylist()]
         if texts:
             texts[dice.randrange(len(texts))] = dice.choice((None, _clean(nasty.text(dice))))
         return pa.array(texts, pa.string())

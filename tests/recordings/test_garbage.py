@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from hknob_cli.recordings.faults import RecordingError
 from hknob_cli.recordings.read import read
 from tests.recordings.test_read import TEXT
+from tests.spoilt_parquet import odd_text, write_odd_names
 
 QUIET = settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
@@ -80,3 +81,18 @@ def test_columns_of_odd_types(kind: str, column: str, tmp_path: Path) -> None:
     if column not in {"subject", "experiment", "measured_torque_nm"} and kind in {"flag", "null", "list", "dictionary"}:
         with pytest.raises(RecordingError, match=rf"row 1: {column}: must be a finite number, got "):
             read([path])
+
+
+@pytest.mark.parametrize("column", ["subject", "experiment"])
+def test_cells_that_are_no_text_are_a_fault(column: str, tmp_path: Path) -> None:
+    path = tmp_path / "r.parquet"
+    pq.write_table(pa.table({**COLUMNS, column: odd_text()}), path)
+    with pytest.raises(RecordingError, match=rf"r\.parquet: cannot be read: {column}: text that is not UTF-8"):
+        read([path])
+
+
+def test_names_of_columns_that_are_no_text_are_a_fault(tmp_path: Path) -> None:
+    path = tmp_path / "r.parquet"
+    write_odd_names(pa.table({**COLUMNS, "name": [1]}), path, "name")
+    with pytest.raises(RecordingError, match="cannot be read as Parquet: its columns have names that are not UTF-8"):
+        read([path])

@@ -13,6 +13,7 @@ from hknob_cli.results import store
 from hknob_cli.results.arrays import build_array, build_table, lay_out, reals, spell
 from hknob_cli.results.columns import CELLS, ORBITS, Column
 from hknob_cli.results.provenance import KEY, describe
+from tests.spoilt_parquet import write_odd_names
 
 STAMP = describe(stage="sweep", values={"name": "one"}, overrides=())
 
@@ -140,6 +141,15 @@ def test_torn_files_may_be_replaced(tmp_path: Path) -> None:
     store.write({path: table()}, STAMP)
     path.write_bytes(path.read_bytes()[:40])
     store.refuse_foreign([path], stage="sweep", name="one")
+
+
+def test_files_with_names_of_another_encoding_are_not_torn(tmp_path: Path) -> None:
+    """A table of ours has no such names, and no tear makes them."""
+    path = tmp_path / "cells.parquet"
+    write_odd_names(pa.table({"name": [1]}), path, "name")
+    with pytest.raises(RefusedError, match="not written by hknob"):
+        store.refuse_foreign([path], stage="sweep", name="one")
+    assert store.read_current([path], STAMP) is None
 
 
 def test_nothing_stays_when_writing_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,6 +56,8 @@ def test_a_firm_grip_may_take_inertia_away_but_not_all() -> None:
     [
         ("{table: 6, grip_n: 0.71}", "5:17: scene.hand.table: must be 1, 2, 3, 4 or 5, got 6"),
         ("{table: 0, grip_n: 0.71}", "5:17: scene.hand.table: must be 1, 2, 3, 4 or 5, got 0"),
+        ("{table: 1.0, grip_n: 0.71}", "5:17: scene.hand.table: must be a whole number, got 1.0"),
+        ("{table: true, grip_n: 0.71}", "5:17: scene.hand.table: must be a whole number, got true"),
         ("{table: one, grip_n: 0.71}", "5:17: scene.hand.table: must be 1, 2, 3, 4 or 5, got 'one'"),
         (
             "{table: 1, grip_n: 0.72}",

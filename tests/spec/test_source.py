@@ -53,6 +53,9 @@ def test_every_duplicate_key_is_a_fault() -> None:
         ("a: 1\n---\nb: 2\n", "f.yaml:2:1: not YAML"),
         (":\n%YAML 9.9", "f.yaml:2:1: must be YAML 1.2, not 9.9"),
         ("# 1\n%YAML 1.1\n---\na: yes\n", "f.yaml:2:1: must be YAML 1.2, not 1.1"),
+        ("a: !!int\n", "f.yaml:1:4: a: must be a number, got ''"),
+        ("a: !!float ''\n", "f.yaml:1:4: a: must be a number, got ''"),
+        ("a: !!int '-'\n", "f.yaml:1:4: a: must be a number, got '-'"),
         ("a: !!bool maybe\n", "f.yaml:1:4: a: must be true or false, got 'maybe'"),
     ],
 )

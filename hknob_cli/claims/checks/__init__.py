@@ -13,7 +13,7 @@ from typing import Any
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import Evidence
-from hknob_cli.spec.messages import nearest
+from hknob_cli.spec.messages import nearest, shown
 
 Check = Callable[..., float | bool | None]
 
@@ -44,7 +44,7 @@ def argument_fault(function: Callable[..., Any], given: dict[str, Any], *, befor
     allowed = [one.name for one in names]
     for name in given:
         if name not in allowed:
-            return nearest(name, allowed).replace("unknown key", f"unknown argument '{name}'")
+            return nearest(name, allowed).replace("unknown key", f"unknown argument {shown(name)}")
     lacking = [one.name for one in names if one.default is Parameter.empty and one.name not in given]
     return f"needs {', '.join(lacking)}" if lacking else None
 
@@ -52,7 +52,7 @@ def argument_fault(function: Callable[..., Any], given: dict[str, Any], *, befor
 def check_fault(name: str, given: dict[str, Any]) -> str | None:
     """What is wrong with a computation's name or arguments; None if nothing is."""
     if name not in known():
-        return nearest(name, sorted(known())).replace("unknown key", f"unknown check '{name}'")
+        return nearest(name, sorted(known())).replace("unknown key", f"unknown check {shown(name)}")
     wrong = argument_fault(known()[name], given, before=1)
     return f"{name}: {wrong}" if wrong else None
 
