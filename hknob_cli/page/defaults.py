@@ -3,9 +3,13 @@
 from collections.abc import Callable
 from typing import Any, TypeVar
 
+import numpy as np
+
 from hknob_cli.errors import UsageError
 from hknob_cli.page.figures.campaign_samples import MOST
+from hknob_cli.report.large import varying
 from hknob_cli.report.perceived import perceived_levels
+from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, Sentence
 from hknob_cli.spec.plan import PERSON
@@ -48,6 +52,8 @@ def _figure(result: Result, draw: str, what: str, caption: str, **options: Any) 
 
 def _wide(result: Result, file: str) -> list[str]:
     """Axes with several values."""
+    if large := result.parted(file):
+        return varying(large, result.axes)
     table = result.table(file)
     return [axis for axis in result.axes if len(set(table.column(axis).to_pylist())) > 1]
 
@@ -60,7 +66,7 @@ def _is_map(result: Result, wide: list[str]) -> bool:
 def _sweep(result: Result) -> list[FigurePlan]:
     figures = []
     wide = _wide(result, "cells")
-    columns = result.table("cells").column_names
+    columns = result.columns("cells")
     if PERSON in result.axes:
         figures = [_figure(result, "population", "people", _PEOPLE)]
     elif _is_map(result, wide) and "p2p_rad" in columns:
@@ -170,26 +176,30 @@ def sentences_of(evidence: Evidence) -> tuple[str, ...]:
 
 
 def _sentence(result: Result) -> str:
+    names = ("p2p_rad", "frequency_hz", "at_rest_fraction", "certified_fraction")
     try:
-        rows = result.rows("cells")
+        parts = [columns_of(table, table.column_names) for table in result.tables("cells", names)]
     except MissingError:
         return ""
-    moving = [row for row in rows if row.get("p2p_rad")]
-    cells = f"{result.name}: {len(rows)} cell{'s' if len(rows) > 1 else ''}"
-    if not moving:
-        resting = rows and all(row.get("at_rest_fraction") == 1.0 for row in rows)
-        return f"{cells}, the knob comes to rest in all." if resting else ""
-    sizes = [1e3 * row["p2p_rad"] for row in moving]
-    pitches = [row["frequency_hz"] for row in moving]
+    column = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    count = len(next(iter(column.values()), ()))
+    cells = f"{result.name}: {count} cell{'s' if count > 1 else ''}"
+    resting = column.get("at_rest_fraction", np.zeros(count)) == 1.0
+    moving = column["p2p_rad"] > 0.0 if "p2p_rad" in column else np.zeros(count, dtype=bool)
+    if not moving.any():
+        return f"{cells}, the knob comes to rest in all." if count and resting.all() else ""
+    sizes, pitches = 1e3 * column["p2p_rad"][moving], column["frequency_hz"][moving]
+    proven = 1.0 if result.stage == CAMPAIGN else column["certified_fraction"].min()
+    if not (np.isfinite(pitches).all() and np.isfinite(proven)):
+        raise ValueError("of cells with a size some have no pitch, or are neither proven nor not")
     if result.stage == CAMPAIGN:
         surely = "recorded"
     else:
-        proven = min(row["certified_fraction"] for row in rows)
         every = proven == 1.0
         surely = "every trial proven" if every else f"at least {100 * proven:.0f} % of the trials of a cell proven"
-    still = sum(row["at_rest_fraction"] == 1.0 for row in rows)
+    still = int(resting.sum())
     rest = f"; at rest in {still}" if still else ""
     return (
-        f"{cells}: peak to peak from {min(sizes):.3g} to {max(sizes):.3g} mrad, "
-        f"{min(pitches):.3g} to {max(pitches):.3g} Hz{rest}; {surely}."
+        f"{cells}: peak to peak from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
+        f"{pitches.min():.3g} to {pitches.max():.3g} Hz{rest}; {surely}."
     )

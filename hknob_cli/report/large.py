@@ -102,6 +102,15 @@ def matters_at_large(cells: Parted, axes: Sequence[str]) -> tuple[list[str], Col
     return names, thinned(cells, [*names, *LOOKED_AT])
 
 
+def varying(cells: Parted, axes: Sequence[str]) -> list[str]:
+    """Axes with several values."""
+    ends: dict[str, list[float]] = {axis: [] for axis in axes}
+    for table in cells.tables(axes):
+        for axis, values in columns_of(table, axes).items():
+            ends[axis] += [float(values.min()), float(values.max())]
+    return [axis for axis in axes if min(ends[axis]) < max(ends[axis])]
+
+
 def _joined(some: Sequence[Columns]) -> Columns:
     return {name: np.concatenate([one[name] for one in some]) for name in some[0]}
 

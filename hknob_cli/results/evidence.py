@@ -1,6 +1,7 @@
 """Finished results by name: what figures are drawn from and claims are checked against."""
 
 import json
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -10,7 +11,7 @@ import pyarrow as pa
 from hknob_cli.errors import UsageError
 from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
-from hknob_cli.results.parted import read_result, result_schema
+from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
 from hknob_cli.results.provenance import DESIGN, axes_in, record_of
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, Scene
 
@@ -47,6 +48,20 @@ class Result:
                 raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
         return self._tables[file]
 
+    def parted(self, file: str) -> Parted | None:
+        """A table that is too large to be read as a whole without need; None for any other."""
+        folder = self.folder / f"{file}.parquet"
+        return read_parted(folder) if folder.is_dir() else None
+
+    def tables(self, file: str, columns: Sequence[str]) -> Iterator[pa.Table]:
+        """A table, part by part where it has parts: those of the ``columns`` that there are. Raises `MissingError`."""
+        if large := self.parted(file):
+            there = large.column_names
+            yield from large.tables([name for name in columns if name in there])
+        else:
+            table = self.table(file)
+            yield table.select([name for name in columns if name in table.column_names])
+
     def _cells_of_trials(self) -> pa.Table:
         trials = self.table("trials")
         if lacking := sorted(set(NEEDED) - set(trials.column_names)):
@@ -67,7 +82,7 @@ class Result:
     def provenance(self) -> dict[str, Any]:
         """Stage, spec as run, inputs and versions. Raises `MissingError` where the folder has no result."""
         for file in self.files:
-            if record := record_of(self.table(file).schema.metadata):
+            if record := record_of(self._schema(file).metadata):
                 return record
         raise MissingError(f"no result '{self.name}' in {self.folder}")
 
@@ -82,15 +97,19 @@ class Result:
         if self.stage == CAMPAIGN:
             return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
         axes = axes_in(self.provenance["spec"])
-        columns = {name for file in self.files for name in self._names(file)}
+        columns = {name for file in self.files for name in self._schema(file).names}
         if lacking := [axis for axis in axes if axis not in columns]:
             raise MissingError(f"'{self.name}' has no column {', '.join(lacking)}, which its spec has as an axis")
         return axes
 
-    def _names(self, file: str) -> list[str]:
+    def columns(self, file: str) -> list[str]:
         """Names of a table's columns. Raises `MissingError`."""
+        return list(self._schema(f"{file}.parquet").names)
+
+    def _schema(self, file: str) -> pa.Schema:
+        """Columns of a table, and what it says of itself. Raises `MissingError`."""
         try:
-            return list(result_schema(self.folder / file).names)
+            return result_schema(self.folder / file)
         except (OSError, pa.ArrowException):
             raise MissingError(f"{file} of '{self.name}' in {self.folder} cannot be read") from None
 

@@ -3,12 +3,17 @@
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.page.figures.what_matters import what_matters
 from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.layout import as_file
+from hknob_cli.results.parted import Parted, put_part
+from hknob_cli.results.parting import Parting
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 
@@ -54,3 +59,43 @@ def test_a_design_over_several_axes_shows_what_matters(tmp_path: Path) -> None:
     found = Evidence({"tried": tmp_path})
     assert found["tried"].scales == {"sample_rate_hz": "log", "bias.torque": "lin"}
     assert [figure.draw for figure in chapters_of(found)[0].figures] == ["what_matters"]
+
+
+def design(folder: Path, *, parts: int) -> Evidence:
+    """A design of 90 points over two axes, in one file or in parts."""
+    dice = np.random.default_rng(0)
+    rate, bias = dice.uniform(500.0, 1000.0, 90), dice.uniform(0.0, 1e-3, 90)
+    rest = bias < 1e-4
+    table = pa.table({
+        "sample_rate_hz": rate, "bias.torque": bias, "p2p_rad": np.where(rest, 0.0, 1.0 / rate),
+        "frequency_hz": np.where(rest, np.nan, 90.0 + 1e4 * bias), "certified_fraction": np.ones(90),
+        "at_rest_fraction": rest.astype(float),
+    })  # fmt: skip
+    grid = {"design": {"random": 90}, "sample_rate_hz": {"log": [500, 1000]}, "bias.torque": {"lin": [0.0, 0.001]}}
+    stamp = describe(stage="sweep", values={"name": "x", "grid": grid}, overrides=())
+    folder.mkdir()
+    if parts == 1:
+        write({folder / "cells.parquet": table}, stamp)
+        return Evidence({"tried": folder})
+    parting = Parting(90, stamp, most=90 // parts)
+    (folder / "cells.parquet").mkdir()
+    for number in range(parts):
+        start, stop = parting.range(number)
+        put_part(as_file(table.slice(start, stop - start), parting.metadata(number)), folder / "cells.parquet", number)
+    return Evidence({"tried": folder})
+
+
+def test_a_large_design_is_said_and_shown_part_by_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole, parted = design(tmp_path / "whole", parts=1), design(tmp_path / "parted", parts=3)
+
+    def table(*_: Any) -> None:
+        raise AssertionError("a large table was read as a whole")
+
+    monkeypatch.setattr(Parted, "table", table)
+    assert sentences_of(parted) == sentences_of(whole)
+    assert chapters_of(parted) == chapters_of(whole)
+    assert [figure.draw for figure in chapters_of(parted)[0].figures] == ["what_matters"]
+    drawn = [what_matters(one, "tried") for one in (whole, parted)]
+    shown = [[line.get_ydata().tolist() for panel in one.axes for line in panel.lines] for one in drawn]
+    np.testing.assert_equal(shown[1], shown[0])
+    assert len(shown[0]) > 4

@@ -1,15 +1,18 @@
 """What matters most over many axes, or in a design: one block of panels an axis, the one that explains most first."""
 
+from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, rows_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import Evidence, MissingError, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from hknob_cli.report.what_matters import Columns
 
 _ACROSS = 3
 _DOTS = 100  # cells drawn in a panel, which each take room in the file
@@ -23,18 +26,11 @@ def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most:
     share of the variance of the cells' places in order of size that lies between the bins of an axis (epsilon squared
     of Kruskal and Wallis). ``where`` chooses a method or law. Raises `MissingError` where too few cells have a size.
     """
-    from hknob_cli.report.what_matters import axes_that_matter, columns_in
     from hknob_cli.report.what_matters import what_matters as found_in
     from hknob_cli.report.what_matters_picture import draw_blocks, note_of
 
     result = evidence[of]
-    rows = rows_of(result, where)
-    share = "at_rest_fraction" if "at_rest_fraction" in rows[0] else "in_domain"
-    needed = ("p2p_rad", "frequency_hz", share)
-    if lacking := [name for name in needed if name not in rows[0]]:
-        raise MissingError(f"'{of}' has no column {', '.join(lacking)}")
-    axes = axes_that_matter(axes_of(result, rows), list(rows[0]))
-    columns = columns_in(rows, [*axes, *needed])
+    axes, columns, share = _cells(result, where)
     matters = found_in(columns, axes, share=share)
     if not matters:
         raise MissingError(f"'{of}' has too few cells with a size to tell what matters")
@@ -45,5 +41,30 @@ def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most:
     note = note_of(matters, "", 120)
     if hidden := len(matters) - len(shown):
         note += f"\nleft out: {hidden} that explain{'s' if hidden == 1 else ''} less"
+    if (large := result.parted("cells")) and (looked_at := len(columns["p2p_rad"])) < large.num_rows:
+        note += f"\nof {looked_at:,} of {large.num_rows:,} cells, from all over them"
     figure.supxlabel(note, fontsize=7)
     return figure
+
+
+def _cells(result: Result, where: Row | None) -> tuple[list[str], "Columns", str]:
+    """Axes that may matter, columns of the cells, or of some of very many, and which of them is a share."""
+    from hknob_cli.report.large import matters_at_large
+    from hknob_cli.report.what_matters import axes_that_matter, columns_in
+
+    if large := result.parted("cells"):
+        _refuse_lacking(result, large.column_names, "at_rest_fraction")
+        return *matters_at_large(large, result.axes), "at_rest_fraction"
+    rows = rows_of(result, where)
+    share = "at_rest_fraction" if "at_rest_fraction" in rows[0] else "in_domain"
+    needed = _refuse_lacking(result, list(rows[0]), share)
+    axes = axes_that_matter(axes_of(result, rows), list(rows[0]))
+    return axes, columns_in(rows, [*axes, *needed]), share
+
+
+def _refuse_lacking(result: Result, names: Sequence[str], share: str) -> tuple[str, ...]:
+    """Columns that are needed beside the axes. Raises `MissingError` where ``names`` lack one."""
+    needed = ("p2p_rad", "frequency_hz", share)
+    if lacking := [name for name in needed if name not in names]:
+        raise MissingError(f"'{result.name}' has no column {', '.join(lacking)}")
+    return needed
