@@ -22,6 +22,8 @@ class ExitCode(IntEnum):
 
 
 MOST_FAULTS = 200  # of a spec that are said
+# What Python raises where a table, or an argument, is of another shape than what works with it takes for granted.
+MISSHAPEN = (TypeError, ValueError, LookupError, AttributeError, ArithmeticError, NotImplementedError, StopIteration)
 
 
 class HknobError(Exception):

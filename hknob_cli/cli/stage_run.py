@@ -1,12 +1,15 @@
 """What every stage does with a valid spec: compute or reuse, write, draw, print."""
 
+import contextlib
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.console import say, tell
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
+from hknob_cli.errors import MISSHAPEN, ComputationError
 from hknob_cli.results import provenance, store
 from hknob_cli.results.marked import mark
 from hknob_cli.results.place import make_folder
@@ -102,18 +105,32 @@ def run_stage(job: Job, work: Work) -> None:
         _say_plan(job, work, *_state(job, work)[1:])
         return
     tables, files, computed = make(job, work)
-    summary = {
-        "kind": job.kind,
-        "name": job.plan.name,
-        "status": "computed" if computed else "up to date",
-        **work.describe(job, tables),
-        "files": [str(path) for path in files],
-    }
+    with _as_written(job, computed=computed):
+        summary = {
+            "kind": job.kind,
+            "name": job.plan.name,
+            "status": "computed" if computed else "up to date",
+            **work.describe(job, tables),
+            "files": [str(path) for path in files],
+        }
+        text = json.dumps(summary, allow_nan=False) if job.as_json else work.text(job, summary)
     if job.as_json:
-        print(json.dumps(summary, allow_nan=False))
+        print(text)
         return
-    tell(work.text(job, summary))
+    tell(text)
     tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
+
+
+@contextlib.contextmanager
+def _as_written(job: Job, *, computed: bool) -> Iterator[None]:
+    """What fails with an earlier run's tables: they are not as it wrote them. Raises `ComputationError`."""
+    try:
+        yield
+    except MISSHAPEN as error:
+        if computed:
+            raise
+        text = f"{job.out}: its tables are not as {job.kind} writes them: {error}; run again with --force"
+        raise ComputationError(text) from error
 
 
 def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
@@ -142,7 +159,8 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
             tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
         if current is None or work.scaffold(job):  # a run may have been killed just before it cleared up
             work.finish(job)
-        drawn = work.draw(job, tables, pictures) if job.plot else []
+        with _as_written(job, computed=current is None):
+            drawn = work.draw(job, tables, pictures) if job.plot else []
     return tables, [*paths, *drawn], current is None
 
 

@@ -7,8 +7,10 @@ import re
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from hknob_cli.claims.checks import argument_fault, check_fault, compute
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page import ink
 from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source
 from hknob_cli.page.clips import clips
@@ -89,13 +91,15 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     heard: tuple[Clip, ...] = ()
     try:
         caption = _filled(figure.caption, evidence)
-        svg = ink.svg(draw(figure.draw, evidence, of, figure.options), name=figure.id, title=figure.alt, mark=mark)
+        with np.errstate(over="raise"):  # of numbers no picture has room for
+            drawing = draw(figure.draw, evidence, of, figure.options)
+            svg = ink.svg(drawing, name=figure.id, title=figure.alt, mark=mark)
         heard = clips(evidence, figure.listen)
     except MissingError as error:
         missing = str(error)
     except UsageError as error:
         raise UsageError(f"{figure.where or figure.id}: {error}") from error
-    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+    except MISSHAPEN as error:
         what = f"{figure.draw} of {', '.join(figure.of) or 'nothing'} cannot be drawn with {figure.options}"
         raise UsageError(f"{figure.where or figure.id}: {what}: {error}") from error
     return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing, heard)

@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page.figures.campaign_samples import MOST
 from hknob_cli.report.large import varying
 from hknob_cli.report.perceived import perceived_levels
@@ -26,7 +26,7 @@ def _of(result: Result, make: Callable[[Result], T]) -> T:
     """What is made of a result's tables, where they are as their stage writes them."""
     try:
         return make(result)
-    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+    except MISSHAPEN as error:
         text = f"the tables of '{result.name}' in {result.folder} are not as its stage writes them"
         raise UsageError(f"results: {text}: {error}") from error
 

@@ -141,3 +141,32 @@ def test_a_table_that_cannot_be_read_beside_good_ones(hknob, spec_file, tmp_path
     (tmp_path / "odd" / "more.parquet").write_bytes(b"PAR1" * 9)
     done = hknob("report", spec_file("kind: report\nname: page\nresults: {odd: odd}\n"))
     assert (done.returncode, done.stderr) == (2, "more.parquet of 'odd' in odd cannot be read\n")
+
+
+def test_results_changed_by_others_are_a_fault(hknob, spec_file, tmp_path: Path) -> None:
+    """Not as the stage writes them, though they say they are its own, of this spec."""
+    spec = spec_file(SPEC.replace("phases: 8", "phases: 1"))
+    assert hknob("sweep", spec, "-o", "out").returncode == 0
+    path = tmp_path / "out" / "cells.parquet"
+    table = pq.read_table(path)
+    at = table.column_names.index("certified_fraction")
+    for other in (table.remove_column(at), table.set_column(at, "certified_fraction", pa.array([HOSTILE]))):
+        pq.write_table(other, path)
+        for options in ((), ("--json",)):
+            done = hknob("sweep", spec, "-o", "out", *options)
+            assert (done.returncode, done.stdout) == (1, "")
+            assert done.stderr.startswith("out: its tables are not as sweep writes them: ")
+            assert done.stderr.endswith("; run again with --force\n")
+    assert hknob("sweep", spec, "-o", "out", "--force").returncode == 0
+
+
+def test_numbers_that_no_picture_has_room_for(hknob, spec_file, tmp_path: Path) -> None:
+    spec = spec_file("kind: sysid\nname: cell\nwhat: grip_cell\nvirtual: {}\n")
+    assert hknob("sysid", spec, "-o", "cell").returncode == 0
+    path = tmp_path / "cell" / "calibration_points.parquet"
+    table = pq.read_table(path)
+    huge = pa.array([1e308, -1e308] * (table.num_rows // 2) + [0.0] * (table.num_rows % 2))
+    pq.write_table(table.set_column(table.column_names.index("x"), "x", huge), path)
+    done = hknob("report", spec_file("kind: report\nname: page\nresults: {cell: cell}\n"))
+    assert done.returncode == 2
+    assert "of cell cannot be drawn with {}: overflow" in done.stderr

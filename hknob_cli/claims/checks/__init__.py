@@ -11,7 +11,7 @@ from inspect import Parameter, signature
 from pkgutil import iter_modules
 from typing import Any
 
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.spec.messages import nearest, shown
 
@@ -62,5 +62,5 @@ def compute(name: str, evidence: Evidence, arguments: dict[str, Any]) -> float |
     try:
         value = known()[name](evidence, **arguments)
         return None if value is None else float(value)
-    except (TypeError, ValueError, KeyError, IndexError, AttributeError) as error:
+    except MISSHAPEN as error:
         raise UsageError(f"{name} cannot use {arguments}: {error}") from error
