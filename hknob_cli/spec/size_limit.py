@@ -14,12 +14,17 @@ _MOST = 1000
 
 
 class SizeLimit(NamedTuple):
-    """Bytes, values with aliases expanded, and keys of one mapping, that a file may have; ``times`` the usual ones."""
+    """What a file may have, ``times`` the usual: bytes, keys and values with aliases expanded, keys of one mapping."""
 
     bytes: int
     values: int
     keys: int
     times: int
+
+    @property
+    def too_many(self) -> str:
+        """What is said of more keys and values."""
+        return f"more than {self.values} keys and values, aliases expanded; {self.advice}"
 
     @property
     def advice(self) -> str:

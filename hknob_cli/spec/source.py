@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ruamel.yaml import YAML
+from ruamel.yaml.composer import Composer
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode, SequenceNode
 from ruamel.yaml.scanner import RoundTripScanner, ScannerError
@@ -46,6 +47,24 @@ class _Scanner(RoundTripScanner):
     def _refuse_deeper(self) -> None:
         if self.flow_level + len(self.indents) > MAX_DEPTH:
             raise ScannerError(None, None, f"more than {MAX_DEPTH} levels", self.reader.get_mark())
+
+
+class _TooManyError(MarkedYAMLError):
+    """A text has more keys and values than a spec may."""
+
+
+class _Composer(Composer):
+    """Gives up what has too much in it where that begins: to read on takes half a minute a megabyte."""
+
+    def __init__(self, loader: YAML) -> None:
+        super().__init__(loader=loader)
+        self.nodes, self.limit = 0, size_limit()
+
+    def compose_node(self, parent: Any, index: Any) -> Any:
+        self.nodes += 1
+        if self.nodes > self.limit.values:
+            raise _TooManyError(problem=self.limit.too_many, problem_mark=self.loader.parser.peek_event().start_mark)
+        return super().compose_node(parent, index)
 
 
 class Source:
@@ -129,7 +148,8 @@ def parse(text: str, name: str) -> Source:
         mark = error.problem_mark or error.context_mark
         line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
         what = " ".join(filter(None, [error.problem, error.context and f"({error.context})"]))
-        raise SpecError([Fault(name, line, column, "", f"not YAML: {what}")]) from None
+        what = what if isinstance(error, _TooManyError) else f"not YAML: {what}"
+        raise SpecError([Fault(name, line, column, "", what)]) from None
     except (YAMLError, ValueError, RecursionError) as error:
         first = str(error).strip().splitlines()[:1] or [type(error).__name__]
         raise SpecError([Fault(name, 1, 1, "", f"not YAML: {first[0]}")]) from None
@@ -148,7 +168,7 @@ def parse(text: str, name: str) -> Source:
 def _composed(text: str) -> Node | None:
     """The tree of a text, which nobody changes. Raises what the parser does."""
     loader = YAML(typ="rt", pure=True)
-    loader.Scanner = _Scanner
+    loader.Scanner, loader.Composer = _Scanner, _Composer  # type: ignore[assignment]
     loader.composer.warn_double_anchors = False  # YAML 1.2 lets an anchor be used again
     node: Node | None = loader.compose(text)
     return node
@@ -190,7 +210,7 @@ class _Reader:
     def construct(self, node: Node, path: Path_) -> Any:
         self.count += 1
         if self.count > self.limit.values:
-            self.fail(node, (), f"more than {self.limit.values} values, aliases expanded; {self.limit.advice}")
+            self.fail(node, (), self.limit.too_many)
             raise SpecError(self.faults)
         if len(path) > MAX_DEPTH:
             self.fail(node, (), f"more than {MAX_DEPTH} levels of keys and lists, aliases expanded")

@@ -12,6 +12,7 @@ from hknob_cli.recordings.calibration import read_columns
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.digest import digest
 from hknob_cli.results.parted import read_result, result_schema
+from hknob_cli.spec import size_limit
 from hknob_cli.spec.load import validate
 from hknob_cli.spec.quantity import to_si
 from hknob_cli.spec.source import parse, read
@@ -129,7 +130,9 @@ def test_a_larger_file_needs_a_word_from_the_user(tmp_path: Path, monkeypatch: p
         read(large)
     ones, tens, thousands = (", ".join([what] * count) for what, count in (("1", 10), ("*a", 100), ("*b", 120)))
     bomb = f"a: &a [{ones}]\nb: &b [{tens}]\nc: [{thousands}]"
-    with pytest.raises(SpecError, match="more than 100000 values, aliases expanded; HKNOB_SPEC_LIMIT=10 in the"):
+    with pytest.raises(
+        SpecError, match="more than 100000 keys and values, aliases expanded; HKNOB_SPEC_LIMIT=10 in the"
+    ):
         parse(bomb, "bomb.yaml")
     monkeypatch.setenv("HKNOB_SPEC_LIMIT", "2")
     assert read(large).value["name"] == "small"
@@ -138,6 +141,15 @@ def test_a_larger_file_needs_a_word_from_the_user(tmp_path: Path, monkeypatch: p
         monkeypatch.setenv("HKNOB_SPEC_LIMIT", wrong)
         with pytest.raises(UsageError, match="HKNOB_SPEC_LIMIT: must be a whole number from 1 to 1000, got"):
             read(large)
+
+
+@pytest.mark.parametrize("piece", ["1", "[]", "a: 1"])
+def test_too_much_is_given_up_where_it_begins(piece: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """To read a megabyte of small values to its end takes half a minute: what is behind the limit is not looked at."""
+    monkeypatch.setattr(size_limit, "_VALUES", 200)
+    with pytest.raises(SpecError, match=r"large\.yaml:1:\d+: more than 200 keys and values, aliases expanded") as error:
+        parse(f"a: [{f'{piece}, ' * 1000} {'}' * 3}", "large.yaml")
+    assert error.value.faults[0].column < 201 * (len(piece) + 2)
 
 
 def test_what_has_no_end_is_not_read(tmp_path: Path) -> None:
