@@ -77,7 +77,10 @@ class ReportWork(Work):
 
     def is_whole(self, job: Job, ours: str) -> bool:
         """Whether the figures are there that the page has, where the spec does not list them."""
-        page = (job.out / "report.html").read_text(encoding="utf-8")
+        try:
+            page = (job.out / "report.html").read_text(encoding="utf-8")
+        except UnicodeDecodeError:
+            return False
         figures = [job.out / "figures" / f"{name}.svg" for name in _FIGURE.findall(page)]
         return store.are_current(figures, ours)
 

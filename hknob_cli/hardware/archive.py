@@ -10,8 +10,8 @@ import shutil
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.hardware.journal import Journal, read_journal
+from hknob_cli.errors import MISSHAPEN, ComputationError, RefusedError
+from hknob_cli.hardware.journal import Journal, Journalled, read_journal
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
@@ -76,6 +76,7 @@ class Archive:
 
     def begin(self, trial: Trial, about: dict[str, Any]) -> Journal:
         """The journal of a trial; what there is of it from before is set aside."""
+        self._keep_unreadable(trial)
         self.set_aside(trial)
         return Journal(self._path(trial, "part"), {"trial": trial._asdict(), **about})
 
@@ -97,32 +98,29 @@ class Archive:
             if found is not None and not found.blocks and found.whole:
                 part.unlink()
                 return None
+            recorded = _broken_off(found, trial) if found is not None and found.blocks else None
             kept = self._free(trial)
             make_folder(kept.parent)
         except OSError as error:
             raise ComputationError(f"{part}: cannot be set aside: {error.strerror or error}") from None
-        if found is not None and found.blocks:
-            samples, about = joined(found.blocks), found.about
-            write_trial(
-                kept.with_suffix(".parquet"),
-                Recorded(
-                    trial=trial,
-                    table=sample_table(samples, Key(*about["key"]), trial, about["native_counts"]),
-                    ended="aborted",
-                    settled_sample=None,
-                    gaps=0,
-                    overruns=samples.overruns,
-                    zero_n=zero_of(samples),
-                    device=about["device"],
-                    native_counts=about["native_counts"],
-                ),
-                self._stamp,
-            )
-        if found is None or not found.whole:
+        if recorded is not None:
+            write_trial(kept.with_suffix(".parquet"), recorded, self._stamp)
+        if found is None or not found.whole or (found.blocks and recorded is None):
             part.replace(kept.with_suffix(".part"))  # with bytes that nobody could read
         else:
             part.unlink()
-        return kept.with_suffix(".parquet" if found is not None and found.blocks else ".part")
+        return kept.with_suffix(".part" if recorded is None else ".parquet")
+
+    def _keep_unreadable(self, trial: Trial) -> None:
+        """A trial of a device that was done, but can no longer be read, is kept, too. Raises `ComputationError`."""
+        path = self._path(trial, "parquet")
+        try:
+            if self._is_source and path.is_file():
+                kept = self._free(trial)
+                make_folder(kept.parent)
+                path.replace(kept.with_suffix(".parquet"))
+        except OSError as error:
+            raise ComputationError(f"{path}: cannot be set aside: {error.strerror or error}") from None
 
     def _free(self, trial: Trial) -> Path:
         """A name under ``aborted`` that is not taken, without its ending."""
@@ -170,3 +168,24 @@ class Archive:
                 shutil.rmtree(going)
         except OSError as error:
             raise ComputationError(f"{going}: cannot be removed: {error.strerror or error}") from None
+
+
+def _broken_off(found: Journalled, trial: Trial) -> Recorded | None:
+    """What a journal has of a trial; None where it does not say what it is of, as the program writes it."""
+    samples = joined(found.blocks)
+    try:
+        key, native, device = Key(*found.about["key"]), found.about["native_counts"], found.about["device"]
+        recorded = Recorded(
+            trial=trial,
+            table=sample_table(samples, key, trial, native),
+            ended="aborted",
+            settled_sample=None,
+            gaps=0,
+            overruns=samples.overruns,
+            zero_n=zero_of(samples),
+            device=device,
+            native_counts=native,
+        )
+    except MISSHAPEN:
+        return None
+    return recorded if recorded.is_sane else None

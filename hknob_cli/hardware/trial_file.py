@@ -1,6 +1,7 @@
 """A finished trial as a file: its samples as rows of a recording, and how it went in the file's metadata."""
 
 import json
+import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ import pyarrow.parquet as pq
 from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.samples import Samples
+from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
@@ -22,6 +24,7 @@ from hknob_cli.results.store import partial
 from hknob_cli.spec.parquet import table_of
 
 ABOUT = b"hknob.trial"
+_COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
 
 
 class Recorded(NamedTuple):
@@ -39,6 +42,20 @@ class Recorded(NamedTuple):
     zero_n: float
     device: str
     native_counts: int
+
+    @property
+    def is_sane(self) -> bool:
+        """Whether what is known of it beside is of the kinds that the program writes."""
+        words = isinstance(self.ended, str) and isinstance(self.device, str)
+        settled = 0 if self.settled_sample is None else self.settled_sample
+        wholes = (settled, self.gaps, self.overruns, self.native_counts)
+        return (
+            words
+            and all(isinstance(one, int) and abs(one) < 2**63 for one in wholes)
+            and self.native_counts > 0
+            and isinstance(self.zero_n, float)
+            and math.isfinite(self.zero_n)
+        )
 
 
 def zero_of(samples: Samples) -> float:
@@ -91,10 +108,22 @@ def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
 
 
 def read_trial(path: Path) -> Recorded | None:
-    """The trial in a file; None where it cannot be read, or is another kind of file."""
+    """The trial in a file; None where it cannot be read, or is not as `write_trial` leaves one."""
     try:
         table = table_of(path)
         about = json.loads((table.schema.metadata or {})[ABOUT])
-        return Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
-    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, RecursionError):
+        found = Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
+    except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, AttributeError, RecursionError):
         return None
+    return found if found.is_sane and _are_samples(found.table) else None
+
+
+def _are_samples(table: pa.Table) -> bool:
+    """Whether a table is of samples one after the other, every one of them whole."""
+    kinds = [(column.name, column.type) for column in _COLUMNS]
+    if [(field.name, field.type) for field in table.schema] != kinds or not table.num_rows:
+        return False
+    if any(column.null_count for column in table.columns):
+        return False
+    numbers = [table[column.name].to_numpy() for column in SAMPLES]
+    return all(np.isfinite(one).all() for one in numbers) and bool((np.diff(table["time_s"].to_numpy()) > 0.0).all())

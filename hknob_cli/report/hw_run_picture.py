@@ -124,12 +124,12 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
     time_s, angle = samples["time_s"].to_numpy()[running], samples["angle_rad"].to_numpy()[running]
     ax.tick_params(labelsize=7)
     ax.grid(alpha=0.2)
+    least = float(1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"])
     if not time_s.size:
-        return 0.0
+        return least
     long = THUMBNAIL_CYCLES / row["frequency_hz"] if row["sustained"] and row["frequency_hz"] else 0.1
     end = float(samples["time_s"][row["steady_last"]].as_py())
     shown = (time_s >= end - long) & (time_s <= end)
-    least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"]
     values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
     ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
     return float(max(least, np.abs(values).max(initial=0.0)))

@@ -110,6 +110,17 @@ def test_figures_of_an_earlier_page_go_and_foreign_ones_are_refused(hknob, spec_
     assert (refused.returncode, "report.html: not written by hknob" in refused.stderr) == (3, True)
 
 
+def test_a_page_that_is_no_text_any_more_is_made_anew(hknob, spec_file, swept: Path) -> None:
+    page = swept / "results" / "list" / "report.html"
+    spec = spec_file("kind: report\nname: list\nresults: {mine: results/small}\n", "page.yaml")
+    assert hknob("report", spec).returncode == 0
+    whole = page.read_bytes()
+    page.write_bytes(whole[:-20] + b"\xff" + whole[-20:])
+    done = hknob("report", spec)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert page.read_bytes() == whole
+
+
 BAD = {
     "no results": ("results: {mine: results/small}", "results: {}", "results: must have at least 1 item"),
     "no such folder": (

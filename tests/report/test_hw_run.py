@@ -1,11 +1,14 @@
 """The summary of a campaign: Table 8's means and deviations from its sixteen numbers; cells over repeats."""
 
+from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 import pytest
 
 from hknob_cli.printed.tables import table
 from hknob_cli.report.hw_run import cells_of, grip_table, quiet_text
+from hknob_cli.report.hw_run_picture import draw_hw_run
 
 RATES = (455, 1000, 2000, 4000)
 
@@ -75,3 +78,12 @@ def test_cells_are_means_over_the_repeats_that_buzzed() -> None:
 def test_a_cell_that_did_not_buzz_says_what_it_was(ends: str, said: str) -> None:
     rows = [trial(256, 1000, ended=end, sustained=end == "buzz") for end in ends.split()]
     assert quiet_text(cells_of(rows)[0]) == said
+
+
+def test_a_trial_in_which_the_wall_was_never_on_is_drawn(tmp_path: Path) -> None:
+    """Without a motion to show, and without a complaint of Matplotlib's, which would be an error here."""
+    more = {"order": 1, "native_counts": 512, "grip_std_n": 0.1, "steady_first": 0, "steady_last": 1, "ended": "rest"}
+    row = trial(256, 1000, sustained=False, **{"p2p_rad": 0.0, "frequency_hz": 0.0, **more})
+    samples = pa.table({"trial": [1, 1], "time_s": [0.0, 1e-3], "angle_rad": [0.0, 0.0], "running": [False, False]})
+    draw_hw_run(samples, [row], target_n=0.72, name="still", path=tmp_path / "a.png")
+    assert (tmp_path / "a.png").stat().st_size > 1000
