@@ -45,7 +45,7 @@ class Result:
             try:
                 self._tables[file] = read_result(self.folder / file)
             except (OSError, pa.ArrowException):
-                raise MissingError(f"no {file} of '{self.name}' in {self.folder}") from None
+                raise self._unreadable(file) from None
         return self._tables[file]
 
     def parted(self, file: str) -> Parted | None:
@@ -111,7 +111,13 @@ class Result:
         try:
             return result_schema(self.folder / file)
         except (OSError, pa.ArrowException):
-            raise MissingError(f"{file} of '{self.name}' in {self.folder} cannot be read") from None
+            raise self._unreadable(file) from None
+
+    def _unreadable(self, file: str) -> MissingError:
+        """That there is no such table, or a damaged one."""
+        there = file in self.files
+        text = f"{file} of '{self.name}' in {self.folder}"
+        return MissingError(f"{text} cannot be read" if there else f"no {text}")
 
     @property
     def is_design(self) -> bool:
