@@ -40,7 +40,7 @@ SETTINGS = {  # of docs/large_sweeps.md: without them a worker that waits takes 
     "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "false",
 }
 LOOK = 2.0  # s between two looks at the memory
-DRAWN = 40_000  # cells that the kernel is timed on, for half a percent of what it takes for all
+DRAWN = 160_000  # cells that the kernel is timed on, some seconds: for less the speed of a machine comes and goes
 ENDS = ((200, 10000), (128, 8192), (0.1, 1.0), (1.0e-4, 1.0e-3), (0.02, 0.2), (5.0e-4, 5.0e-3))
 
 
@@ -193,15 +193,18 @@ if __name__ == "__main__":
     main()
 
 
-# Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8); 3 rounds
+# Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8)
 #
-# 1000000 cells x 4 phases, best of 1
+# 1000000 cells x 4 phases, best of 3
 #                      seconds   cells/s     ratio    kernel     share  peak MiB  bytes
-# 1 process               53.0     18860      1.00      46.6      0.88       407  the same
-# 2 processes             28.5     35118      1.86      22.2      0.78       548  the same
-# 4 processes             29.4     33968      1.80      24.1      0.82       844  the same
-# 4 Dask workers          30.3     33043      1.75      25.7      0.85       213  the same
+# 1 process               50.6     19782      1.00      42.7      0.84       403  the same
+# 2 processes             27.2     36738      1.86      22.1      0.81       545  the same
+# 4 processes             27.6     36210      1.83      21.9      0.79       844  the same
+# 4 Dask workers          28.0     35777      1.81      22.4      0.80       258  the same
 #
-# 1 process: 52.6, 53.0, 54.2 s, its kernel 43.9, 46.6, 47.5; 2 processes: 27.6, 28.0, 28.5 s, theirs 22.2, 23.1, 27.8.
-# The kernel is timed for two seconds at a time, in which this machine's speed comes and goes by a tenth. By itself it
-# gains 1.86 to 1.99 from the second core. A cluster without `SETTINGS`: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
+# Each turn, the sweep and then its kernel in as many processes (seconds, share):
+# 1 process: 51.5 of 43.0, 50.6 of 43.3, 50.6 of 42.7: 0.83, 0.86, 0.84
+# 2 processes: 27.4 of 24.8, 28.7 of 23.9, 27.2 of 22.1: 0.91, 0.83, 0.81; all six times of the kernel on both cores,
+# with those beside 4 processes, have the median 23.0, the sweeps 27.4: 0.84. This machine's speed comes and goes by a
+# tenth.
+# A cluster without `SETTINGS`, the same day: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
