@@ -11,6 +11,9 @@ from hknob_cli.spread.processes import Done
 from hknob_cli.spread.ranges import Range, Ranges
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
+# Of them, after which it is done with nothing beside it: it has all the memory then, and no other piece is blamed that
+# was waiting at the same worker of a cluster.
+SUSPECT = 2
 _SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
@@ -60,7 +63,7 @@ def gather(
     try:
         while left or pending:
             gone: list[Range] = []
-            while left and not gone and len(pending) < 2 * workers.count:
+            while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
                 one = left.take(pace.size(len(left), workers.count))
                 try:
                     pending[workers.submit(one.start, one.stop)] = one
@@ -93,6 +96,11 @@ def gather(
         workers.close(now=True)
         raise
     workers.close()
+
+
+def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
+    """Whether what is handed out, or would be next, may be what kills workers."""
+    return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
 
 
 def _bury(dead: list[Range], name: Callable[[Range], str], unit: int) -> None:

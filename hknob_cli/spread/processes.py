@@ -144,12 +144,13 @@ class Processes:
                 answer = pickle.loads(worker.pipe.recv_bytes())
             except (EOFError, OSError):
                 self._dead.append(worker)
-                break
+                raise DiedError from None
             self._idle.put(worker)
             if isinstance(answer, BaseException):
                 raise answer
             done: Done = answer
             return done
+        self._idle.put(None)  # nobody is left, for whoever asks next either
         raise DiedError
 
     def renew(self) -> None:
@@ -161,8 +162,7 @@ class Processes:
         """End them; ``now``: in the middle of their work."""
         for worker in self._alive:
             _end(worker, now=now)
-        for _ in range(self.count):
-            self._idle.put(None)
+        self._idle.put(None)
         self._waiting.shutdown(cancel_futures=True)
         for worker in self._alive:
             worker.pipe.close()

@@ -38,6 +38,11 @@ class Ranges:
         """Number of items left."""
         return sum(one.items for one in self._left)
 
+    @property
+    def deaths(self) -> int:
+        """How often workers that had the lowest items were lost; 0 if none are left."""
+        return self._left[-1].deaths if self._left else 0
+
     def take(self, most: int) -> Range:
         """The lowest items, at most ``most`` of them, or twice as many where that leaves none of a part.
 

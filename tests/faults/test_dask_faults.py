@@ -200,7 +200,7 @@ def test_a_cell_that_no_worker_survives(shared, undisturbed, tmp_path: Path) -> 
     shared.mend(0)
     shared.end(shared.scheduler)
     shared.begin_scheduler(DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES="0")
-    quick = "from hknob_cli.spread import gather; gather.DEATHS = 2"
+    quick = "from hknob_cli.spread import gather; gather.DEATHS, gather.SUSPECT = 2, 1"
     process = start(spec, out, *on(shared), "-q", fault=quick)
     while process.poll() is None:
         shared.mend(1, HKNOB_TEST_DEADLY="17")

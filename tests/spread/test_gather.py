@@ -6,6 +6,7 @@ import signal
 import struct
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from multiprocessing import active_children
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -137,6 +138,18 @@ def test_items_that_kill_every_worker_are_named() -> None:
     assert not active_children()
 
 
+def test_all_that_is_handed_out_ends_with_the_workers() -> None:
+    def work(start: int, stop: int) -> bytes:
+        time.sleep(600)
+        return b""
+
+    workers = Processes(work, 2)
+    pieces = [workers.submit(start, start + 1) for start in range(30)]
+    workers.close(now=True)
+    assert all(piece.done() for piece in pieces)
+    assert not active_children()
+
+
 def test_more_processes_than_there_may_be(monkeypatch: pytest.MonkeyPatch) -> None:
     plain_fork, begun = os.fork, []
 
@@ -215,6 +228,46 @@ def test_a_large_piece_is_halved_until_one_item_is_left_to_blame() -> None:
 
     with pytest.raises(ComputationError, match=r"items 100 to 100: .* died 1[0-9] times"):
         gather(Processes(work, 1), Ranges(2048), lambda *_: None, tick=lambda: None, pace=Pace(first=1024, most=1024))
+
+
+class Queueing(Processes):
+    """A worker at which other pieces wait, which are lost with it, as on a cluster."""
+
+    def __init__(self, work: Work) -> None:
+        super().__init__(work, 1)
+        self.count = 4
+        self.waiting: list[Future] = []
+
+    def submit(self, start: int, stop: int) -> Future:
+        mine: Future = Future()
+        self.waiting.append(mine)
+        super().submit(start, stop).add_done_callback(lambda theirs: self._hear(theirs, mine))
+        return mine
+
+    def _hear(self, theirs: Future, mine: Future) -> None:
+        if theirs.exception():
+            for one in [one for one in self.waiting if not one.done()]:
+                one.set_exception(theirs.exception())
+        elif not mine.done():
+            mine.set_result(theirs.result())
+
+
+def test_what_waits_at_a_worker_that_dies_is_not_blamed(tmp_path: Path) -> None:
+    """Two items next to one another kill their worker five times each: neither is given up for both."""
+
+    def work(start: int, stop: int) -> bytes:
+        time.sleep(0.02)
+        deaths = len(list(tmp_path.glob(f"{start}-*")))
+        if start in (17, 18) and deaths < 5:
+            (tmp_path / f"{start}-{deaths}").touch()
+            os.kill(os.getpid(), signal.SIGKILL)
+        return plain(start, stop)
+
+    found: list[int] = []
+    left, pace = Ranges(30), Pace(first=1, most=1)
+    gather(Queueing(work), left, lambda _start, _stop, data: found.extend(data), tick=lambda: None, pace=pace)
+    assert sorted(found) == list(range(30))
+    assert len(list(tmp_path.iterdir())) == 10
 
 
 class Absent(Processes):

@@ -48,7 +48,9 @@ def test_what_nobody_is_at_comes_back_as_it_was() -> None:
     left = Ranges(10)
     one, other = left.take(3), left.take(3)
     left.put_back([one, other])
+    assert left.deaths == 0
     assert [left.take(5), left.take(5), left.take(9)] == [one, other, Range(6, 10)]
+    assert left.deaths == 0
 
 
 def test_the_lowest_items_come_first_whatever_came_back_before() -> None:
@@ -56,6 +58,7 @@ def test_the_lowest_items_come_first_whatever_came_back_before() -> None:
     one, other = left.take(4), left.take(4)
     left.give_back([one])
     left.put_back([other])
+    assert left.deaths == 1
     assert [left.take(4) for _ in range(4)] == [Range(0, 2, 1), Range(2, 4, 1), other, Range(8, 12)]
 
 
