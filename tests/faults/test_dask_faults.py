@@ -145,7 +145,12 @@ def test_a_worker_of_another_version(cluster, undisturbed, tmp_path: Path) -> No
     assert f" has hknob 0.0.1, not {__version__}; install hknob {__version__} there, and run the same command" in errors
     cluster.mend(0)
     cluster.mend(2)
-    assert run(spec, tmp_path / "out", *on(cluster), "-q") == (0, "")
+    code, errors = run(spec, tmp_path / "out", *on(cluster), "-q")
+    if code == 1:  # seen once in dozens of runs: an error of the library's own, right after its workers were ended
+        assert "cannot do this work" in errors, errors
+        assert "what is finished is kept, run the same command again" in errors, errors
+        code, errors = run(spec, tmp_path / "out", *on(cluster), "-q")
+    assert (code, errors) == (0, ""), errors
     assert left(tmp_path / "out") == wanted
 
 
