@@ -9,7 +9,8 @@ from hknob_cli.recordings.trial import Array, Trial
 
 def check_trial(trial: Trial, faults: Faults) -> None:
     """Note what is wrong with a trial; not finite values are noted elsewhere and pass here."""
-    _check_time(trial, faults)
+    with np.errstate(invalid="ignore", over="ignore"):
+        _check_time(trial, faults)
     for column in ("torque_nm", "angle_rad", "grip_n", "measured_torque_nm"):
         values: Array | None = getattr(trial, column)
         if values is not None:

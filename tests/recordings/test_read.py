@@ -182,6 +182,17 @@ def test_broken_parquet(name: str, file, tmp_path: Path) -> None:
     assert line.startswith(f"{path}: {message}".replace("'NaN'", "")), line
 
 
+@pytest.mark.parametrize("times", [("inf", "inf"), ("-1e308", "1e308")])
+def test_times_that_have_no_difference(times: tuple[str, str], file) -> None:
+    first, second = times
+    path = file(
+        TEXT.replace("0.72,0.1,0.01,0.1,0.7\nS1,pinch,1,1,0.72,0.2", f"0.72,{first},0,0,0\nS1,pinch,1,1,0.72,{second}")
+    )
+    lines = faults_of(path)
+    assert lines
+    assert all("time_s: " in line for line in lines), lines
+
+
 def test_all_faults_at_once_in_the_order_of_rows(file) -> None:
     text = TEXT.replace(ROWS[1], "S1,pinch").replace("0.2,0,0.2", "0.15,x,nan").replace("7,pinch,1", "7,pinch,1.5")
     path = file(text)
