@@ -22,8 +22,9 @@ from hknob_cli.results.parted import PART_CELLS, Parted
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
 MEASURES = ("p2p_rad", "frequency_hz")
-LOOKED_AT = (*MEASURES, "at_rest_fraction")  # of cells and
-MOST_LOOKED_AT = 256  # parts, to say what matters most
+# What is looked at to say what matters most: columns of cells, and how many parts at most.
+LOOKED_AT = (*MEASURES, "at_rest_fraction")
+MOST_LOOKED_AT = 256
 
 
 def describe_large(

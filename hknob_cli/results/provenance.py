@@ -5,7 +5,6 @@ import json
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.printed.tables import NUMBERS, file_of, table_digest
 from hknob_cli.results.versions import computing_versions
 from hknob_cli.spec.plan import PERSON, Scene
 
@@ -41,20 +40,30 @@ def describe(
 
 def tables_of(values: dict[str, Any]) -> tuple[Path, ...]:
     """Files of the printed tables that hands in a spec are rows of, and of the one with their apparatus."""
-    return tuple(file_of(number) for number in _tables(values))
+    if not (numbers := _tables(values)):
+        return ()
+    from hknob_cli.printed.tables import file_of
+
+    return tuple(map(file_of, numbers))
 
 
 def _digests(values: dict[str, Any]) -> dict[str, str]:
     """Digests of those tables by name."""
-    return {f"table_{number}_sha256": table_digest(number) for number in _tables(values)}
+    if not (numbers := _tables(values)):
+        return {}
+    from hknob_cli.printed.tables import table_digest
+
+    return {f"table_{number}_sha256": table_digest(number) for number in numbers}
 
 
 def _tables(values: dict[str, Any]) -> list[int]:
     """Numbers of those tables."""
+    if isinstance(number := values.get("table"), int) and "grip_n" in values:  # a hand, or people
+        from hknob_cli.printed.tables import NUMBERS
+
+        if number in NUMBERS:
+            return sorted({number, 10})
     found: set[int] = set()
-    number = values.get("table")
-    if isinstance(number, int) and number in NUMBERS and "grip_n" in values:  # a hand, or people
-        return sorted({number, 10})
     for value in values.values():
         for part in value if isinstance(value, list) else [value]:
             if isinstance(part, dict):
