@@ -6,6 +6,7 @@ import pickle
 import signal
 import sys
 import time
+import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from multiprocessing import active_children, get_context, parent_process
@@ -16,7 +17,7 @@ from queue import SimpleQueue
 from threading import Thread
 from typing import Any, NamedTuple
 
-from hknob_cli.errors import ComputationError
+from hknob_cli.errors import ComputationError, HknobError
 
 Work = Callable[[int, int], bytes]  # items start to stop, to their results
 Done = tuple[float, bytes]  # seconds, results
@@ -116,6 +117,7 @@ class Processes:
             worker = self._dead.pop()
             self._alive.remove(worker)
             _end(worker, now=True)
+            _release(worker)
         while len(self._alive) < self.count:
             try:
                 with beginning():
@@ -165,7 +167,7 @@ class Processes:
         self._idle.put(None)
         self._waiting.shutdown(cancel_futures=True)
         for worker in self._alive:
-            worker.pipe.close()
+            _release(worker)
 
 
 def _begin(work: Work) -> Worker:
@@ -186,6 +188,12 @@ def _end(worker: Worker, *, now: bool) -> None:
     worker.process.join()
 
 
+def _release(worker: Worker) -> None:
+    """Close what leads to one that has ended."""
+    worker.pipe.close()
+    worker.process.close()
+
+
 def _serve(pipe: "Connection[Any, Any]", work: Work) -> None:
     """In the process: do what comes, and answer with what was found, or with what the work raised."""
     begin_worker()
@@ -193,6 +201,8 @@ def _serve(pipe: "Connection[Any, Any]", work: Work) -> None:
         while asked := pipe.recv_bytes():
             try:
                 answer = pickle.dumps(timed(work, *pickle.loads(asked)))
-            except Exception as error:
+            except Exception as error:  # whatever it is, it is the parent's to raise
+                if not isinstance(error, HknobError | MemoryError):
+                    error.add_note(traceback.format_exc())  # where it was, which a pickle leaves out
                 answer = pickle.dumps(error)
             pipe.send_bytes(answer)

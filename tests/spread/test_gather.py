@@ -175,6 +175,33 @@ def test_what_the_work_raises_is_raised() -> None:
         run(work, 30)
 
 
+def test_where_the_work_failed_is_said_where_nobody_expected_it() -> None:
+    def fails_here(start: int) -> None:
+        raise LookupError(f"at {start}")
+
+    def work(start: int, stop: int) -> bytes:
+        fails_here(start)
+        return b""
+
+    with pytest.raises(LookupError, match="at 0") as raised:
+        run(work, 1)
+    assert "in fails_here" in "".join(raised.value.__notes__)
+
+
+def test_workers_that_died_leave_no_pipe_open() -> None:
+    workers = Processes(plain, 2)
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    for _ in range(5):
+        for child in active_children():
+            child.kill()
+            child.join()
+        pieces = [workers.submit(start, start + 1) for start in range(4)]
+        while not all(piece.done() for piece in pieces):
+            assert workers.reachable()
+        assert len(list(Path("/proc/self/fd").iterdir())) <= before
+    workers.close()
+
+
 def test_an_interruption_ends_the_workers_in_the_middle_of_their_work() -> None:
     def work(start: int, stop: int) -> bytes:
         time.sleep(600)
