@@ -15,7 +15,7 @@ import pytest
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.spread.gather import gather
-from hknob_cli.spread.pace import GROWTH, MOST, SECONDS, Pace
+from hknob_cli.spread.pace import GROWTH, MOST, SECONDS, SHORTEST, Pace
 from hknob_cli.spread.processes import Processes, Work
 from hknob_cli.spread.ranges import Ranges
 
@@ -224,6 +224,8 @@ def test_pieces_grow_to_their_time_and_shrink_at_the_end() -> None:
     assert sizes[:2] == [8, int(8 * GROWTH)]
     assert sizes[-1] == 1000
     assert pace.size(100, 2) == 25
+    shortest = int(1000 / SECONDS * SHORTEST)
+    assert 1 < shortest == pace.size(4 * shortest - 4, 2) == pace.size(1, 2)
     pace.learn(1, 100 * SECONDS)
     assert pace.size(10**6, 2) == 1
     pace.learn(10**6, 1e-9)
