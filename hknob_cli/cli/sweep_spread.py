@@ -59,8 +59,10 @@ def _workers(job: Job, stage: SweepStage, finder: PieceFinder, notify: Callable[
         from hknob_cli.spread.cluster import Cluster
 
         return Cluster(finder, job.scheduler, notify)
+    from hknob_cli.spread.memory import keep_memory
     from hknob_cli.spread.processes import Processes
 
+    keep_memory()
     stage.compile()
     finder.prepare(stage)
     return Processes(finder, job.jobs or usable_cores())
