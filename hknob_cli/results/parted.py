@@ -6,6 +6,7 @@ so that a folder that lacks some is known for what it is.
 
 import shutil
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -29,12 +30,16 @@ class Parted(NamedTuple):
     num_rows: int
 
     def tables(self, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> Iterator[pa.Table]:
-        """Part by part; all columns if None, those ``coded`` as a dictionary and its codes.
+        """Part by part, the next one read meanwhile; all columns if None, ``coded`` as a dictionary and its codes.
 
         Raises `ComputationError` for a damaged part.
         """
-        for number in range(self.parts):
-            yield self.part(number, columns, coded=coded)
+        with ThreadPoolExecutor(1) as ahead:
+            coming = [ahead.submit(self.part, 0, columns, coded=coded)]
+            for number in range(1, self.parts + 1):
+                if number < self.parts:
+                    coming.append(ahead.submit(self.part, number, columns, coded=coded))
+                yield coming.pop(0).result()
 
     def part(self, number: int, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> pa.Table:
         """One part. Arguments and errors as of `tables`."""
