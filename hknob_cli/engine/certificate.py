@@ -8,7 +8,7 @@ orbit of the sampled system. A trial whose distance from it, in the norm in whic
 
 from math import sqrt
 
-from hknob_cli.engine.loop import interval, level_of, lower_edge, push, upper_edge
+from hknob_cli.engine.loop import copy_line, interval, level_of, lower_edge, push, upper_edge
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 
 EPSILON = 2.220446049250313e-16
@@ -32,7 +32,7 @@ def forced_response(x, v, ring, head, n, loop):
 
     ``repeats`` is False when the delay line does not return to its own content.
     """
-    line = ring.copy()
+    line = copy_line(ring)
     delay = len(ring)
     zx, zv = 0.0, 0.0
     at = head
@@ -74,7 +74,7 @@ def compare(x, v, tx, tv, ring, head, n, loop):
     it began; its least distance to an edge that changes the torque, and to any count edge; the largest ``|x|`` and
     the largest velocity plus increment, which scale the rounding.
     """
-    line = ring.copy()
+    line = copy_line(ring)
     delay = len(ring)
     x0, v0 = x, v
     at = head

@@ -6,7 +6,7 @@ under the orbit it reaches. Nothing is stored per sample, nor per trial beyond o
 
 from hknob_cli.engine.certificate import DIFFERENT, certify
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, follow, same_line
-from hknob_cli.engine.loop import drive_of, interval, level_of, push
+from hknob_cli.engine.loop import copy_line, drive_of, interval, level_of, push
 from hknob_cli.engine.propagator import hold_coefficients
 
 
@@ -59,11 +59,11 @@ def deepest(x, v, ring, head, n, loop):
     ``ring`` is left as it stands at that sample.
     """
     delay = len(ring)
-    line = ring.copy()
+    line = copy_line(ring)
     at = head
     x0, v0 = x, v
     bx, bv, bhead = x, v, head
-    best = ring.copy()
+    best = copy_line(ring)
     period = n
     for i in range(n):
         if i > 0 and n % i == 0 and near(x0, x) and near(v0, v) and same_line(line, at, ring, head):
@@ -71,7 +71,7 @@ def deepest(x, v, ring, head, n, loop):
             break
         if x < bx:
             bx, bv, bhead = x, v, at
-            best = line.copy()
+            best = copy_line(line)
         older, newer = push(level_of(x, loop.sense), line, at, loop)
         x, v = interval(x, v, older, newer, loop)
         if delay > 0:

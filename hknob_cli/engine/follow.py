@@ -13,7 +13,7 @@ from hknob_cli.engine.certificate import (
     certify,
     distance,
 )
-from hknob_cli.engine.loop import interval, level_of, push
+from hknob_cli.engine.loop import copy_line, interval, level_of, push
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS, settles
 
 FIRST_TOLERANCE = 0.03  # counts between a return and its checkpoint that are worth an attempt at a proof
@@ -57,9 +57,9 @@ def follow(x, v, ring, head, budget, limit, loop):
     delay = len(ring)
     have, events, next_checkpoint, since = False, 0, 1, 0
     cx, cv, chead, tolerance = x, v, head, FIRST_TOLERANCE
-    cring = ring.copy()
+    cring = copy_line(ring)
     edge_n, edge_x, edge_v, edge_head = 0, x, v, head
-    edge_ring = ring.copy()
+    edge_ring = copy_line(ring)
     resting_on_edge = False
     level = level_of(x, loop.sense)
     run, next_test = 0, FIRST_REST_TEST
@@ -95,7 +95,7 @@ def follow(x, v, ring, head, budget, limit, loop):
                         return CYCLE_CONTINUUM, since, ox, ov, head, i
                     if status == ON_EDGE:
                         edge_n, edge_x, edge_v, edge_head = since, ox, ov, head
-                        edge_ring = ring.copy()
+                        edge_ring = copy_line(ring)
                     tolerance = 0.5 * gap
                     if status == NOT_CAPTURED:
                         # Gap and distance from the orbit shrink together: wait until the latter is within the margin.
@@ -105,7 +105,7 @@ def follow(x, v, ring, head, budget, limit, loop):
                 next_checkpoint = 2 * events
                 have, since = True, 0
                 cx, cv, chead, tolerance = x, v, head, FIRST_TOLERANCE
-                cring = ring.copy()
+                cring = copy_line(ring)
         since += 1
         older, newer = push(level, ring, head, loop)
         x, v = interval(x, v, older, newer, loop)

@@ -36,7 +36,8 @@ def hold_coefficients(alpha, beta, t):
         g, s = term, 1.0
         n = 2
         while abs(term) + abs(before) > 1e-20:
-            before, term = term, -(2.0 * a * n * term + c * before) / ((n + 1) * n)
+            # Times the reciprocal: that does not wait for the term, as a division of it would.
+            before, term = term, -(2.0 * a * n * term + c * before) * (1.0 / ((n + 1) * n))
             n += 1
             g += term
             s += n * term

@@ -1,6 +1,6 @@
 """One period of an orbit, hold by hold: what the measures are taken from."""
 
-from hknob_cli.engine.loop import level_of, push
+from hknob_cli.engine.loop import copy_line, level_of, push
 
 
 def holds_per_sample(loop):
@@ -15,7 +15,7 @@ def trace(x, v, ring, head, n, loop, xs, vs, drive):
     the sums of the positions at which holds start, and of the drives.
     """
     delay = len(ring)
-    line = ring.copy()
+    line = copy_line(ring)
     at, hold = head, 0
     split = loop.split > 0.0
     places, drives = 0.0, 0.0
