@@ -105,13 +105,14 @@ class Cluster:
         if self._client.status != "running":
             raise CancelledError
         future: Future[Done] = Future()
-        self._executor.submit(_do, self._work, start, stop).add_done_callback(lambda theirs: self._hear(theirs, future))
+        piece = self._client.submit(_do, self._work, start, stop, pure=False)
+        self._ask(_awaited(piece)).add_done_callback(lambda answer: self._hear(answer, future))
         return future
 
-    def _hear(self, theirs: "Future[Done]", future: "Future[Done]") -> None:
+    def _hear(self, answer: "Future[Done]", future: "Future[Done]") -> None:
         """Take in how a piece has ended; what a worker cannot so much as begin is put into words."""
         try:
-            future.set_result(theirs.result())
+            future.set_result(answer.result())
         except BaseException as error:
             if isinstance(error, (HknobError, *self.deadly, *self.lost)):
                 future.set_exception(error)
@@ -155,7 +156,6 @@ class Cluster:
             try:
                 self._client = _client(self._place())
                 self._heard = time.monotonic() - _LOOK
-                self._executor = self._client.get_executor(pure=False)
             except ValueError as error:
                 raise UsageError(f"--scheduler: must be an address like tcp://HOST:8786; {error}") from None
             except Exception:  # whatever answers there, or does not
@@ -167,6 +167,16 @@ class Cluster:
                 time.sleep(0.5)
             else:
                 return
+
+
+async def _awaited(piece: Any) -> Done:
+    """The result of a piece, raising what it raised.
+
+    Not by the library's own executor: it asks how a piece has ended after its result has come, and if a worker leaves
+    in between, takes the result for an error.
+    """
+    done: Done = await piece
+    return done
 
 
 def _answer(asked: "Future[dict[str, Any]]") -> dict[str, Any] | None:
