@@ -18,7 +18,7 @@ from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 
 _HEAD = 8  # bytes, that say how long the first file is
-_MOST = 8192  # cells found at a time, which bounds the memory that a piece takes
+_MOST = 32_768  # cells found at a time, which bounds the memory that a piece takes
 
 
 class PieceFinder:
