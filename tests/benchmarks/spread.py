@@ -3,9 +3,11 @@
 Every way is the installed command on experiments/million.yaml, smaller by ``--points`` values on each of its six axes,
 and is told as a ratio of its rate to that of one process, and as a share of the kernel's: of `ensemble` back to back on
 prepared cells (`cells.py`), drawn from the same grid, in as many processes at once as work at cells in this way, on as
-many cores as there are. Memory is the peak of what all its processes hold together (proportional set size), looked at
-every two seconds, for a look takes time; of a cluster, which is there for its own runs alone, and has loaded the engine
-before, the client's. The results of every way are compared byte by byte.
+many cores as there are. The kernel is timed just before and just after, for the speed of a machine comes and goes; all
+numbers are medians over turns, ratios and shares of those of each turn. Memory is the peak of what all its processes
+hold together (proportional set size), of a cluster, which is there for its own runs alone, and has loaded the engine
+before, the client's; it is looked at in a turn before the others, for a look takes time. The results of every way are
+compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
 
@@ -40,7 +42,7 @@ SETTINGS = {  # of docs/large_sweeps.md: without them a worker that waits takes 
     "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "false",
 }
 LOOK = 2.0  # s between two looks at the memory
-DRAWN = 160_000  # cells that the kernel is timed on, some seconds: for less the speed of a machine comes and goes
+DRAWN = 100_000  # cells that the kernel is timed on, before and after: some seconds
 ENDS = ((200, 10000), (128, 8192), (0.1, 1.0), (1.0e-4, 1.0e-3), (0.02, 0.2), (5.0e-4, 5.0e-3))
 
 
@@ -67,8 +69,8 @@ def held(root: int) -> int:
     return total
 
 
-def run(out: Path, points: int, *options: str) -> tuple[float, int]:
-    """Seconds and peak bytes of one sweep."""
+def run(out: Path, points: int, *options: str, looked_at: bool = False) -> tuple[float, int]:
+    """Seconds and, if it is ``looked_at``, peak bytes of one sweep."""
     sets = [part for text in smaller(points) for part in ("--set", text)] if points != 10 else []
     begin = time.perf_counter()
     process = subprocess.Popen(
@@ -76,11 +78,11 @@ def run(out: Path, points: int, *options: str) -> tuple[float, int]:
         stdout=subprocess.DEVNULL,
     )
     peak = 0
-    while process.poll() is None:
+    while looked_at and process.poll() is None:
         peak = max(peak, held(process.pid))
         with suppress(subprocess.TimeoutExpired):
             process.wait(LOOK)
-    if process.returncode:
+    if process.wait():
         sys.exit(f"hknob ended with {process.returncode}")
     return time.perf_counter() - begin, peak
 
@@ -165,28 +167,45 @@ def main() -> None:
             f"{given.workers} processes": (given.workers, ["--jobs", str(given.workers)]),
             f"{given.workers} Dask workers": (given.workers, ["--executor", "dask", "--scheduler"]),
         }
-        best: dict[str, tuple[float, int, float]] = {}
-        for turn in range(given.repeat):
+        peaks = {way: turn(place, given.points, *ways[way], way=way, looked_at=True)[2] for way in ways}
+        turns: dict[str, list[tuple[float, float]]] = {way: [] for way in ways}
+        for number in range(given.repeat):
             for way, (count, options) in ways.items():
-                fastest = kernel_seconds(given.points, min(count, usable_cores()))
-                with cluster(count, place) if "Dask" in way else nullcontext("") as file:
-                    more = [file] if file else []
-                    run(place / "warm", 4, *options, *more)
-                    seconds, peak = run(place / way.replace(" ", "-"), given.points, *options, *more)
-                print(f"# turn {turn + 1}: {way}: {seconds:.1f} s, kernel {fastest:.1f} s", file=sys.stderr)
-                before = best.get(way, (seconds, peak, fastest))
-                best[way] = min(before[0], seconds), max(before[1], peak), min(before[2], fastest)
-        first = place / "1-process"
-        print(f"{cells} cells x 4 phases, best of {given.repeat}")
+                seconds, fastest, _ = turn(place, given.points, count, options, way=way)
+                print(f"# turn {number + 1}: {way}: {seconds:.1f} s, kernel {fastest:.1f} s", file=sys.stderr)
+                turns[way].append((seconds, fastest))
+        first, *_ = ways
+        print(f"{cells} cells x 4 phases, medians of {given.repeat} turns")
         head = ("seconds", "cells/s", "ratio", "kernel", "share", "peak MiB")
         print(f"{'':18}" + "".join(f"  {name:>8}" for name in head) + "  bytes")
-        base = next(iter(best.values()))[0]
-        for way, (seconds, peak, fastest) in best.items():
-            equal = "the same" if same(first, place / way.replace(" ", "-")) else "OTHERS"
+        for way, timed in turns.items():
+            seconds, fastest = np.median(timed, axis=0)
+            ratio = np.median([one / its for (one, _), (its, _) in zip(turns[first], timed, strict=True)])
+            share = np.median([its_kernel / its for its, its_kernel in timed])
+            equal = "the same" if same(place / folder_of(first), place / folder_of(way)) else "OTHERS"
             print(
-                f"{way:18}  {seconds:8.1f}  {cells / seconds:8.0f}  {base / seconds:8.2f}  {fastest:8.1f}  "
-                f"{fastest / seconds:8.2f}  {peak / 2**20:8.0f}  {equal}"
+                f"{way:18}  {seconds:8.1f}  {cells / seconds:8.0f}  {ratio:8.2f}  {fastest:8.1f}  "
+                f"{share:8.3f}  {peaks[way] / 2**20:8.0f}  {equal}"
             )
+
+
+def folder_of(way: str) -> str:
+    """Where the results of a way are."""
+    return way.replace(" ", "-")
+
+
+def turn(
+    place: Path, points: int, count: int, options: list[str], *, way: str, looked_at: bool = False
+) -> tuple[float, float, int]:
+    """Seconds of one sweep in one way, of the kernel for its cells, and peak bytes if it is ``looked_at``."""
+    processes = min(count, usable_cores())
+    with cluster(count, place) if "Dask" in way else nullcontext("") as file:
+        more = [file] if file else []
+        run(place / "warm", 4, *options, *more)
+        before = 0.0 if looked_at else kernel_seconds(points, processes)
+        seconds, peak = run(place / folder_of(way), points, *options, *more, looked_at=looked_at)
+        after = 0.0 if looked_at else kernel_seconds(points, processes)
+    return seconds, 0.5 * (before + after), peak
 
 
 if __name__ == "__main__":
