@@ -214,16 +214,17 @@ if __name__ == "__main__":
 
 # Results, 2026-11-22, 2-core AMD EPYC virtual machine, quiet, Python 3.11 (numba 0.68, distributed 2026.8)
 #
-# 1000000 cells x 4 phases, best of 3
+# 1000000 cells x 4 phases, medians of 3 turns
 #                      seconds   cells/s     ratio    kernel     share  peak MiB  bytes
-# 1 process               50.6     19782      1.00      42.7      0.84       403  the same
-# 2 processes             27.2     36738      1.86      22.1      0.81       545  the same
-# 4 processes             27.6     36210      1.83      21.9      0.79       844  the same
-# 4 Dask workers          28.0     35777      1.81      22.4      0.80       258  the same
+# 1 process               48.8     20507      1.00      44.6     0.919       377  the same
+# 2 processes             25.9     38567      1.88      23.0     0.899       515  the same
+# 4 processes             26.1     38270      1.87      22.2     0.844       760  the same
+# 4 Dask workers          27.9     35800      1.76      21.6     0.792       215  the same
 #
-# Each turn, the sweep and then its kernel in as many processes (seconds, share):
-# 1 process: 51.5 of 43.0, 50.6 of 43.3, 50.6 of 42.7: 0.83, 0.86, 0.84
-# 2 processes: 27.4 of 24.8, 28.7 of 23.9, 27.2 of 22.1: 0.91, 0.83, 0.81; all six times of the kernel on both cores,
-# with those beside 4 processes, have the median 23.0, the sweeps 27.4: 0.84. This machine's speed comes and goes by a
-# tenth.
-# A cluster without `SETTINGS`, the same day: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
+# Each turn, the sweep and then its kernel in as many processes, at most two (seconds):
+# 1 process: 48.8 and 42.8, 48.6 and 44.6, 49.2 and 46.5
+# 2 processes: 25.9 and 21.8, 25.6 and 23.0, 26.2 and 23.6: shares 0.84, 0.90, 0.90
+# 4 processes: 26.1 and 22.1, 26.0 and 22.2, 29.4 and 22.3
+# 4 Dask workers: 27.2 and 21.6, 27.9 and 21.6, 28.0 and 22.6
+# All nine times of the kernel on both cores have the median 22.2, the sweeps by two processes 25.9: 0.86.
+# A cluster without `SETTINGS`, an earlier version: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
