@@ -65,7 +65,7 @@ def parse_and_run(parse: Callable[[], object], command: str) -> int:
                 if not handed:
                     _, status = os.waitpid(child, 0)
                     child = 0
-                    return max(1, os.waitstatus_to_exitcode(status)) if status else 0
+                    return _ended(os.waitstatus_to_exitcode(status))
             finally:
                 _end(child)
             _unpickled(handed).run()
@@ -106,6 +106,25 @@ def _end(child: int) -> None:
         with contextlib.suppress(ProcessLookupError, ChildProcessError):
             os.kill(child, signal.SIGKILL)
             os.waitpid(child, 0)
+
+
+def _ended(code: int) -> int:
+    """The exit code of a child that found no work, if it has one.
+
+    Raises `KeyboardInterrupt` where it, or this process, was told to stop (of a signal to both it may hear first, and
+    an import may lose this one's), and `ComputationError` where it was ended otherwise.
+    """
+    from hknob_cli.cli.console import heed
+    from hknob_cli.errors import ComputationError
+
+    heed()
+    if code == -signal.SIGTERM:
+        raise KeyboardInterrupt
+    if code < 0:
+        raise ComputationError(
+            f"the process that reads the command line was ended by signal {-code}; run the same command again"
+        )
+    return code
 
 
 def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:

@@ -180,6 +180,30 @@ def test_signals_at_any_instant_of_the_start(spec_file, tmp_path: Path) -> None:
         assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="finds the child of a process in /proc")
+@pytest.mark.parametrize(
+    ("kind", "code", "said"),
+    [
+        (signal.SIGTERM, 130, "interrupted; "),
+        (signal.SIGKILL, 1, "the process that reads the command line was ended by signal 9;"),
+    ],
+)
+def test_a_signal_to_the_one_that_parses(kind: signal.Signals, code: int, said: str, spec_file, tmp_path: Path) -> None:
+    process = start(spec_file(BUSY), tmp_path / "out")
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+    deadline = time.monotonic() + 60
+    while not (found := children.read_text().split()) and time.monotonic() < deadline:
+        time.sleep(0.001)
+    os.kill(int(found[0]), signal.SIGSTOP)  # so that it is not through before
+    os.kill(int(found[0]), kind)
+    os.kill(int(found[0]), signal.SIGCONT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == code
+    assert errors.startswith(said), errors
+    assert errors.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
 def test_closed_pipe(spec_file, tmp_path: Path) -> None:
     read, write = os.pipe()
     os.close(read)
