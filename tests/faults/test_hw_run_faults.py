@@ -59,6 +59,7 @@ def test_interrupted(tmp_path: Path, kind: signal.Signals) -> None:
     assert recorded.ended == "aborted"
 
 
+@pytest.mark.long
 def test_killed_at_random_instants(tmp_path: Path) -> None:
     """What a kill leaves is gone on with: finished trials are not touched, and the end is as if nothing had been."""
     (tmp_path / "whole").mkdir()

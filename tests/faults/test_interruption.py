@@ -36,6 +36,7 @@ def test_interruption_exits_130_and_leaves_nothing(kind: signal.Signals, spec_fi
     assert not out.exists()
 
 
+@pytest.mark.long
 def test_kill_at_random_instants(spec_file, tmp_path: Path) -> None:
     spec = EXPERIMENTS / "smoke_grid.yaml"
     subprocess.run([HKNOB, "sweep", spec, "-o", tmp_path / "undisturbed", "-q"], check=True, capture_output=True)

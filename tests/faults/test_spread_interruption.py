@@ -44,6 +44,7 @@ def workers(process: subprocess.Popen[str]) -> list[int]:
     return [pid for pid in members(process.pid) if pid != process.pid]
 
 
+@pytest.mark.long
 def test_workers_killed_at_random_instants(undisturbed, tmp_path: Path) -> None:
     spec, wanted = undisturbed
     chance = random.Random(1)
@@ -88,6 +89,7 @@ def test_no_process_outlives_a_killed_parent_and_the_next_run_need_not_wait(undi
     assert left(out) == wanted
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_signals_to_all_at_random_instants(undisturbed, tmp_path: Path, kind: signal.Signals) -> None:
     spec, wanted = undisturbed

@@ -82,6 +82,7 @@ def test_a_good_run_without_a_reference_has_no_verdict(monkeypatch: pytest.Monke
     assert "N no reference" in bench_text({"name": "x", "status": "done", **describe_bench(rows)})
 
 
+@pytest.mark.long
 def test_the_net_of_events_is_fine_enough_for_the_wall() -> None:
     """Without clock and encoder the wall is a spring; of 1e6 N·m/rad, it throws the knob out within 5 us."""
     (trial,) = quick("scenes={hard: {scene: {sampling: continuous, encoder: none, wall: {stiffness: 1e6}}}}").scenes
