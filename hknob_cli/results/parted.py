@@ -6,7 +6,6 @@ so that a folder that lacks some is known for what it is.
 
 import shutil
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,12 +33,15 @@ class Parted(NamedTuple):
 
         Raises `ComputationError` for a damaged part.
         """
+        from concurrent.futures import ThreadPoolExecutor
+
         with ThreadPoolExecutor(1) as ahead:
-            coming = [ahead.submit(self.part, 0, columns, coded=coded)]
+            coming = ahead.submit(self.part, 0, columns, coded=coded)
             for number in range(1, self.parts + 1):
+                table = coming.result()
                 if number < self.parts:
-                    coming.append(ahead.submit(self.part, number, columns, coded=coded))
-                yield coming.pop(0).result()
+                    coming = ahead.submit(self.part, number, columns, coded=coded)
+                yield table
 
     def part(self, number: int, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> pa.Table:
         """One part. Arguments and errors as of `tables`."""

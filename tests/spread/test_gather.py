@@ -102,15 +102,24 @@ def test_an_interruption_in_mid_answer(tmp_path: Path) -> None:
     assert not active_children()
 
 
-def test_a_worker_that_dies_with_nothing_to_do_is_not_blamed_for_what_comes_next() -> None:
-    workers = Processes(plain, 2)
+def kill_all() -> None:
     for child in active_children():
         child.kill()
         child.join()
-    pieces = [workers.submit(start, start + 1) for start in range(5)]
+
+
+def all_done(workers: Processes, count: int) -> list[Future]:
+    """So many items, an item a piece."""
+    pieces = [workers.submit(start, start + 1) for start in range(count)]
     while not all(piece.done() for piece in pieces):
         assert workers.reachable()
-    assert [piece.result()[1] for piece in pieces] == [bytes([start]) for start in range(5)]
+    return pieces
+
+
+def test_a_worker_that_dies_with_nothing_to_do_is_not_blamed_for_what_comes_next() -> None:
+    workers = Processes(plain, 2)
+    kill_all()
+    assert [piece.result()[1] for piece in all_done(workers, 5)] == [bytes([start]) for start in range(5)]
     workers.close()
     assert not active_children()
 
@@ -192,12 +201,8 @@ def test_workers_that_died_leave_no_pipe_open() -> None:
     workers = Processes(plain, 2)
     before = len(list(Path("/proc/self/fd").iterdir()))
     for _ in range(5):
-        for child in active_children():
-            child.kill()
-            child.join()
-        pieces = [workers.submit(start, start + 1) for start in range(4)]
-        while not all(piece.done() for piece in pieces):
-            assert workers.reachable()
+        kill_all()
+        all_done(workers, 4)
         assert len(list(Path("/proc/self/fd").iterdir())) <= before
     workers.close()
 
