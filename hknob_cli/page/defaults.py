@@ -8,6 +8,7 @@ import numpy as np
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page.figures.campaign_samples import MOST
 from hknob_cli.report.large import varying
+from hknob_cli.report.means import WORST
 from hknob_cli.report.perceived import perceived_levels
 from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
@@ -69,10 +70,10 @@ def _sweep(result: Result) -> list[FigurePlan]:
     columns = result.columns("cells")
     if PERSON in result.axes:
         figures = [_figure(result, "population", "people", _PEOPLE)]
-    elif _is_map(result, wide) and "p2p_rad" in columns:
+    elif _is_map(result, wide) and "p2p_max_rad" in columns:
         figures = [
-            _figure(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
-            _figure(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
+            _figure(result, "grid_map", "peak to peak", _WORST, column="p2p_max_rad"),
+            _figure(result, "grid_map", "frequency", _WORST, column="frequency_at_max_hz"),
             *(
                 _figure(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)
                 for level in perceived_levels(result.rows("cells"))
@@ -148,8 +149,8 @@ def _campaign(result: Result) -> list[FigurePlan]:
     figures = []
     if len(_wide(result, "cells")) == 2:
         figures = [
-            _figure(result, "grid_map", "peak to peak", _TRIALS, column="p2p_rad"),
-            _figure(result, "grid_map", "frequency", _TRIALS, column="frequency_hz"),
+            _figure(result, "grid_map", "peak to peak", _TRIALS, column="p2p_max_rad"),
+            _figure(result, "grid_map", "frequency", _TRIALS, column="frequency_at_max_hz"),
         ]
     cells = result.rows("cells")
     if max(len({row[axis] for row in cells}) for axis in result.axes) <= MOST:
@@ -162,10 +163,10 @@ def _none(_result: Result) -> list[FigurePlan]:
 
 
 _NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
-_MEAN = "Means over the trials of a cell; cells where trials come to rest or stay undecided say so."
+_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
-_TRIALS = "Means over the trials of a cell, cycles per second; trials without a sustained buzz are at rest."
+_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
 _MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."
 
@@ -176,7 +177,8 @@ def sentences_of(evidence: Evidence) -> tuple[str, ...]:
 
 
 def _sentence(result: Result) -> str:
-    names = ("p2p_rad", "frequency_hz", "at_rest_fraction", "certified_fraction")
+    size, pitch = WORST
+    names = (*WORST, "at_rest_fraction", "certified_fraction")
     try:
         parts = [columns_of(table, table.column_names) for table in result.tables("cells", names)]
     except MissingError:
@@ -185,10 +187,10 @@ def _sentence(result: Result) -> str:
     count = len(next(iter(column.values()), ()))
     cells = f"{result.name}: {count} cell{'s' if count > 1 else ''}"
     resting = column.get("at_rest_fraction", np.zeros(count)) == 1.0
-    moving = column["p2p_rad"] > 0.0 if "p2p_rad" in column else np.zeros(count, dtype=bool)
+    moving = column[size] > 0.0 if size in column else np.zeros(count, dtype=bool)
     if not moving.any():
         return f"{cells}, the knob comes to rest in all." if count and resting.all() else ""
-    sizes, pitches = 1e3 * column["p2p_rad"][moving], column["frequency_hz"][moving]
+    sizes, pitches = 1e3 * column[size][moving], column[pitch][moving]
     proven = 1.0 if result.stage == CAMPAIGN else column["certified_fraction"].min()
     if not (np.isfinite(pitches).all() and np.isfinite(proven)):
         raise ValueError("of cells with a size some have no pitch, or are neither proven nor not")
@@ -200,6 +202,6 @@ def _sentence(result: Result) -> str:
     still = int(resting.sum())
     rest = f"; at rest in {still}" if still else ""
     return (
-        f"{cells}: peak to peak from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
+        f"{cells}: peak to peak of the largest cycle from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
         f"{pitches.min():.3g} to {pitches.max():.3g} Hz{rest}; {surely}."
     )
