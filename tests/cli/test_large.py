@@ -61,12 +61,9 @@ def test_the_summary_counts_what_nobody_lists(both: Path) -> None:
     assert summary["extremes"]["least_frequency_at_max_hz"]["frequency_at_max_hz"] == least
     text = in_parts("sweep", GRID, "-o", "parts", cwd=both).stdout
     assert "49 cells (up to date)" in text
-    assert (
     size, mean = (f"{1e3 * most[name]:.4g}" for name in ("p2p_max_rad", "p2p_rad"))
     assert f"greatest peak to peak: {size} mrad{f' (mean of the cell {mean})' if mean != size else ''}, at" in text
     assert ", at sample_rate_hz = 100" in text
-        in text
-    )
 
 
 def test_later_stages_take_it(both: Path) -> None:
