@@ -85,6 +85,7 @@ def lay_out(page: Page) -> str:
         style=Markup(_packaged("page.css")),
         script=Markup(_packaged("page.js")),
         figures=figures,
+        numbers=_table_numbers(page),
         lead=[figures[name] for name in page.lead if name in figures],
         rows=rows,
         compared={name: [row for row in rows if row.claim["figure"] == name] for name in figures},
@@ -137,6 +138,12 @@ def _figures(page: Page) -> dict[str, _Figure]:
             tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
         )
     return figures
+
+
+def _table_numbers(page: Page) -> dict[str, int]:
+    """Numbers of the tables on the page, by id."""
+    tables = (table.id for chapter in page.chapters for table in chapter.tables)
+    return {name: number for number, name in enumerate(tables, 1)}
 
 
 def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, _Origin]) -> _Row:

@@ -12,12 +12,12 @@ if TYPE_CHECKING:
 
 
 @drawing
-def remedy_dots(evidence: Evidence, of: str, *, case: str) -> "Figure":
+def remedy_dots(evidence: Evidence, of: str, *, case: str, felt: bool = False) -> "Figure":
     """A row a remedy, a marker a hand: peak to peak (mrad), frequency (Hz), and stiffness over that of the reference.
 
     The remedy that leaves least, of the hand that it helps least, is uppermost. In the last panel filled markers
-    are the stiffness under a steady push, hollow ones the depth of a knock. Raises `MissingError` where there is no
-    such case.
+    are the stiffness under a steady push, hollow ones the depth of a knock. ``felt`` adds how much more the buzz is
+    felt (filled) and heard (hollow) than the reference's, dB. Raises `MissingError` where there is no such case.
     """
     rows = [row for row in evidence[of].rows("cases") if row["case"] == case]
     if not rows:
@@ -25,13 +25,13 @@ def remedy_dots(evidence: Evidence, of: str, *, case: str) -> "Figure":
     names = sorted(dict.fromkeys(row["remedy"] for row in rows), key=lambda name: _worst(rows, name), reverse=True)
     hands = list(dict.fromkeys(row["hand"] for row in rows))
     figure = ink.figure(0.2 * len(names) + 1.2)
-    panels = figure.subplots(1, 3, sharey=True, width_ratios=(1.5, 1.1, 1.0))
+    panels = figure.subplots(1, 4 if felt else 3, sharey=True, width_ratios=(1.5, 1.1, 1.0, *([1.1] * felt)))
     moving = [row["p2p_rad"] for row in rows if row["p2p_rad"]]
     rest = 0.4e3 * min(moving, default=1e-6)  # where rest is drawn, left of all that moves
     for i, hand in enumerate(hands):
         mine = {row["remedy"]: row for row in rows if row["hand"] == hand}
         _draw_hand(list(panels), [mine[name] for name in names], i, len(hands), hand, rest)
-    for axes in panels:
+    for axes in panels[:3]:
         axes.set_xscale("log")
         _plain_numbers(axes)
     panels[0].set_yticks(range(len(names)), names, fontsize=8)
@@ -41,6 +41,9 @@ def remedy_dots(evidence: Evidence, of: str, *, case: str) -> "Figure":
     panels[1].set_xlabel("frequency, Hz")
     panels[2].set_xlabel("times the plain wall's\n(\N{BLACK CIRCLE} stiffness, \N{WHITE CIRCLE} knock)")
     panels[2].axvline(1.0, color="black", linewidth=0.6, alpha=0.5)
+    for axes in panels[3:]:
+        axes.axvline(0.0, color="black", linewidth=0.6, alpha=0.5)
+        axes.set_xlabel("more than the reference, dB\n(\N{BLACK CIRCLE} felt, \N{WHITE CIRCLE} heard)")
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper left", ncols=min(3, len(labels)))
     return figure
@@ -52,7 +55,7 @@ def _worst(rows: Rows, name: str) -> float:
 
 
 def _draw_hand(panels: "list[Axes]", rows: Rows, i: int, count: int, hand: str, rest: float) -> None:
-    size, pitch, stiffness = panels
+    size, pitch, stiffness, *louder = panels
     at = [y + (i - 0.5 * (count - 1)) * 0.4 / count for y in range(len(rows))]
     style: dict[str, Any] = {**ink.points(i), "markersize": 4.5}
     none = float("nan")
@@ -61,6 +64,10 @@ def _draw_hand(panels: "list[Axes]", rows: Rows, i: int, count: int, hand: str, 
     pitch.plot([row["frequency_hz"] or none for row in rows], at, **style)
     stiffness.plot([row["stiffness_kept"] or none for row in rows], at, **style)
     stiffness.plot([row["knock_ratio"] or none for row in rows], at, **{**style, "fillstyle": "none"})
+    for panel in louder:
+        for column, fill in (("touch_change_db", "full"), ("hearing_change_db", "none")):
+            changes = [none if row[column] is None else row[column] for row in rows]
+            panel.plot(changes, at, **{**style, "fillstyle": fill})
 
 
 def _plain_numbers(axes: "Axes") -> None:
