@@ -27,9 +27,10 @@ class RemediesWork(Work):
         """The files of those thresholds, too."""
         return (*super().reads(job), *threshold_files(job.plan.perceive))
 
-    def pictures(self, _job: Job) -> tuple[str, ...]:
-        """The cases."""
-        return ("remedies.png",)
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The cases, and how much each remedy helps over each further axis of the grid."""
+        cases = ("remedies.png",) if job.plan.cases or not job.plan.further else ()
+        return (*cases, *(f"remedies_{axis.replace('.', '_')}.png" for axis in job.plan.further))
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
@@ -38,18 +39,24 @@ class RemediesWork(Work):
             return stage.run(progress)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """One picture, where there are cases."""
+        """The pictures that there are."""
+        from hknob_cli.report.remedies_over_picture import draw_over
         from hknob_cli.report.remedies_picture import draw_trial
 
-        if draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
-            return paths
-        note(job, "no picture: no cases are given")
-        return []
+        further = list(job.plan.further.items())
+        drawn = []
+        for path, (axis, unit) in zip(paths[len(paths) - len(further) :], further, strict=True):
+            draw_over(tables[0].to_pylist(), axis, unit, title=job.plan.name, path=path)
+            drawn.append(path)
+        if len(paths) > len(further) and draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
+            drawn.insert(0, paths[0])
+        if not drawn:
+            note(job, "no picture: no cases are given, and no further axis")
+        return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
-        """Every remedy at every case and over the grid."""
-        del job
-        return describe_trial(*tables)
+        """Every remedy at every case, over the grid, and over its further axes."""
+        return describe_trial(*tables, further=list(job.plan.further))
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""
