@@ -9,14 +9,15 @@ from hknob_cli.report.picture import axis_name
 
 _NAMES = {
     "p2p_rad": "peak to peak",
-    "p2p_max_rad": "peak to peak, largest",
+    "p2p_max_rad": "largest peak to peak",
     "p2p_counts": "peak to peak",
     "frequency_hz": "frequency",
-    "frequency_at_max_hz": "frequency of the largest",
+    "frequency_at_max_hz": "its frequency",
     "rms_rad": "RMS",
     "rms_sine_rad": "RMS of a sine",
     "amplitude_rad": "amplitude (half of peak to peak)",
     "orbit": "number",
+    "period_samples": "period",
     "orbit_count": "attractors",
     "basin_fraction": "trials that reach it",
     "certified_fraction": "proven",

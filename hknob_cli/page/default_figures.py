@@ -54,7 +54,7 @@ def _sweep(result: Result) -> list[FigurePlan]:
     elif not wide:
         figures = [planned(result, "attractors", "every attractor", _ATTRACTORS)]
     elif _is_map(result, wide):
-        figures = _maps(result, columns)
+        figures = _maps(result, columns, _MEAN)
     elif len(wide) == 1:
         figures = _over_one_axis(result)
     else:
@@ -69,15 +69,15 @@ def _grown(result: Result, wide: list[str]) -> list[FigurePlan]:
     return [planned(result, draw, "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
 
 
-def _maps(result: Result, columns: list[str]) -> list[FigurePlan]:
+def _maps(result: Result, columns: list[str], mean: str) -> list[FigurePlan]:
     rows = result.rows("cells")
     figures = []
     worst = "p2p_max_rad" in columns and any(row["p2p_max_rad"] != (row["p2p_rad"] or 0.0) for row in rows)
     if worst:
         figures.append(planned(result, "grid_map", "largest peak to peak", _WORST, column="p2p_max_rad"))
     figures += [
-        planned(result, "grid_map", "peak to peak", _MEAN, column="p2p_rad"),
-        planned(result, "grid_map", "frequency", _MEAN, column="frequency_hz"),
+        planned(result, "grid_map", "peak to peak", mean, column="p2p_rad"),
+        planned(result, "grid_map", "frequency", mean, column="frequency_hz"),
         *(
             planned(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)
             for level in perceived_levels(rows)
@@ -160,10 +160,7 @@ def _campaign(result: Result) -> list[FigurePlan]:
     wide = _wide(result, "cells")
     cells = result.rows("cells")
     if len(wide) == 2:
-        figures = [
-            planned(result, "grid_map", "peak to peak", _TRIALS, column="p2p_rad"),
-            planned(result, "grid_map", "frequency", _TRIALS, column="frequency_hz"),
-        ]
+        figures = _maps(result, result.table("cells").column_names, _TRIALS)
     else:
         draw = "axis_lines" if wide else "cell_dots"
         figures = [planned(result, draw, "peak to peak and frequency", _TRIALS)]
@@ -175,13 +172,13 @@ def _campaign(result: Result) -> list[FigurePlan]:
 
 _NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
 _MEAN = "Means over the trials of a cell that cycle; cells where trials come to rest or stay undecided say so."
-_WORST = "Of the largest attractor of each cell; cells where trials come to rest or stay undecided say so."
+_WORST = "Of the largest attractor, or trial, of each cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
 _ORBITS = "A dot for each orbit, sized by its share of the trials."
 _LINES = "A cell at rest is at 0."
 _CELLS = "A row a cell, or of many cells the share that has at most so much. Cells at rest are at 0."
-_TRIALS = "Means over the trials of a cell, cycles per second; trials without a sustained buzz are at rest."
+_TRIALS = "Means over the trials of a cell that buzz; trials without a sustained buzz are at rest."
 _MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."
 _AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."

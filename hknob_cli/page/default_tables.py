@@ -53,12 +53,12 @@ def tables_of(result: Result) -> tuple[TablePlan, ...]:
 
 def _has_rows(result: Result, file: str) -> bool:
     if result.stage == CAMPAIGN and file == "cells":
-        return result.table(file).num_rows > 0
+        return bool(result.table(file).num_rows)
     if f"{file}.parquet" not in result.files:
         return False
     if result.parted(file):  # attractors of a hundred thousand cells say less than their cells
         return file != "orbits"
-    return result.table(file).num_rows > 0
+    return bool(result.table(file).num_rows)
 
 
 def _table(result: Result, file: str) -> TablePlan:

@@ -13,6 +13,7 @@ from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan
 
 T = TypeVar("T")
+_WORST = ("p2p_max_rad", "frequency_at_max_hz")  # of the largest attractor, by which a cell is judged
 
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
@@ -39,30 +40,47 @@ def sentences_of(evidence: Evidence) -> tuple[str, ...]:
 
 
 def _sentence(result: Result) -> str:
-    names = ("p2p_rad", "frequency_hz", "at_rest_fraction", "certified_fraction")
+    names = ("p2p_rad", "frequency_hz", *_WORST, "at_rest_fraction", "certified_fraction")
     try:
         parts = [columns_of(table, table.column_names) for table in result.tables("cells", names)]
     except MissingError:
         return ""
     column = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     count = len(next(iter(column.values()), ()))
-    cells = f"{result.name}: {count} cell{'s' if count > 1 else ''}"
-    resting = column.get("at_rest_fraction", np.zeros(count)) == 1.0
-    moving = column["p2p_rad"] > 0.0 if "p2p_rad" in column else np.zeros(count, dtype=bool)
+    cells = f"{result.name}: {count:,} cell{'s' if count != 1 else ''}"
+    resting = column.get("at_rest_fraction", np.zeros(count))
+    judged = _WORST if all(name in column for name in _WORST) else ("p2p_rad", "frequency_hz")
+    moving = column[judged[0]] > 0.0 if judged[0] in column else np.zeros(count, dtype=bool)
     if not moving.any():
-        return f"{cells}, the knob comes to rest in all." if count and resting.all() else ""
-    sizes, pitches = 1e3 * column["p2p_rad"][moving], column["frequency_hz"][moving]
+        where = "in all" if count > 1 else "there"
+        return f"{cells}, the knob comes to rest {where}." if count and (resting == 1.0).all() else ""
+    sizes, pitches = 1e3 * column[judged[0]][moving], column[judged[1]][moving]
     proven = 1.0 if result.stage == CAMPAIGN else column["certified_fraction"].min()
     if not (np.isfinite(pitches).all() and np.isfinite(proven)):
         raise ValueError("of cells with a size some have no pitch, or are neither proven nor not")
-    if result.stage == CAMPAIGN:
-        surely = "recorded"
-    else:
-        every = proven == 1.0
-        surely = "every trial proven" if every else f"at least {100 * proven:.0f} % of the trials of a cell proven"
-    still = int(resting.sum())
-    rest = f"; at rest in {still}" if still else ""
-    return (
-        f"{cells}: peak to peak from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
-        f"{pitches.min():.3g} to {pitches.max():.3g} Hz{rest}; {surely}."
-    )
+    means = 1e3 * column["p2p_rad"][moving]
+    differs = judged == _WORST and bool((np.abs(means - sizes) > 1e-9 * sizes).any())
+    what = "largest peak to peak" if differs else "peak to peak"
+    mean = f" (means of the trials that cycle: {_span(means)} mrad)" if differs else ""
+    surely = "recorded" if result.stage == CAMPAIGN else _surely(float(proven))
+    return f"{cells}: {what} {_span(sizes)} mrad{mean}, {_span(pitches)} Hz{_rest(resting, count)}; {surely}."
+
+
+def _span(values: "np.ndarray") -> str:
+    """Least and largest of some values; the one, where they are equal as written."""
+    least, most = f"{values.min():.3g}", f"{values.max():.3g}"
+    return most if least == most else f"from {least} to {most}"
+
+
+def _rest(resting: "np.ndarray", count: int) -> str:
+    """In how many cells the knob comes to rest, always or from some starts."""
+    still, some = int((resting == 1.0).sum()), int(((resting > 0.0) & (resting < 1.0)).sum())
+    if count == 1:
+        return f"; {100.0 * float(resting[0]):.3g} % of the trials come to rest" if some else ""
+    found = [f"at rest in {still}"] if still else []
+    found += [f"some trials come to rest in {some}"] if some else []
+    return "".join(f"; {one}" for one in found)
+
+
+def _surely(proven: float) -> str:
+    return "every trial proven" if proven == 1.0 else f"at least {100 * proven:.0f} % of the trials of a cell proven"

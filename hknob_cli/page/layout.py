@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from hknob_cli.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
 from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.numeral import MINUS, numeral
+from hknob_cli.page.tables import UPRIGHT
 
 GLOSSARY = {
     REPRODUCED: "a reading that the print allows is within the tolerance",
@@ -86,6 +87,7 @@ def lay_out(page: Page) -> str:
         script=Markup(_packaged("page.js")),
         figures=figures,
         numbers=_table_numbers(page),
+        upright=UPRIGHT,
         lead=[figures[name] for name in page.lead if name in figures],
         rows=rows,
         compared={name: [row for row in rows if row.claim["figure"] == name] for name in figures},

@@ -19,8 +19,10 @@ CUT = 40  # rows of a longer one
 NOTHING = "\N{EN DASH}"
 # What identifies a row, or is what everybody looks for: a column even where all rows have the same, or none a value.
 _ALWAYS = ("p2p_rad", "p2p_max_rad", "frequency_hz")
+_WORST = ("p2p_max_rad", "frequency_at_max_hz")  # by which a cell is judged: they stand before the means
 # Columns of a table of several rows that stay in the file.
 _LEFT_OUT = {
+    "cells": ("p2p_counts",),
     "orbits": (
         "min_rad", "max_rad", "margin_counts", "closure_rad", "wall_work_j", "damping_loss_j", "friction_loss_j",
         "late_entry_j", "late_exit_j", "staircase_j", "hand_inertia_kg_m2", "hand_damping_nm_s_per_rad",
@@ -37,11 +39,14 @@ _DIGITS = 4
 _AXIS_DIGITS = 6
 
 
+UPRIGHT = (Head("quantity", "", "", True), Head("value", "", "", False), Head("meaning", "", "", True))
+
+
 class _Cut(NamedTuple):
     """Rows that are shown, how many there are, and in words which they are; no words where all are shown."""
 
     rows: list[Row]
-    count: int
+    of: int
     which: str
 
 
@@ -49,22 +54,30 @@ def table_of(plan: TablePlan, evidence: Evidence) -> Table:
     """The table of a plan. Raises `MissingError` where its file has no rows."""
     result = evidence[plan.of]
     fields, cut = _rows(result, plan)
+    fields = _ordered(fields)
     if not cut.rows:
         raise MissingError(f"{plan.file}.parquet of '{plan.of}' has no rows")
     axes = [axis for axis in result.axes if axis in fields]
     shown = {name: shown_as(field, is_axis=name in axes) for name, field in fields.items()}
     file = f"{plan.file}.parquet"
-    count = f"{cut.count:,} row{'s' if cut.count != 1 else ''}"
-    caption = f"All {count} of {file}." if cut.count > 1 else f"The one row of {file}."
+    count = f"{cut.of:,} row{'s' if cut.of != 1 else ''}"
+    caption = f"All {count} of {file}." if cut.of > 1 else f"The one row of {file}."
     if cut.which:
         caption = f"{len(cut.rows)} of {count} of {file}: {cut.which}."
     if plan.made:
         caption = caption.replace(file, plan.made)
     if len(cut.rows) == 1:
-        heads, rows, notes = _upright(cut.rows[0], shown)
+        heads, rows, notes = _upright(cut.rows[0], shown, axes)
     else:
         heads, rows, notes = _across(plan.file, cut.rows, shown, axes)
     return Table(plan.id, plan.title, " ".join(filter(None, [caption, plan.caption])), heads, rows, notes, (plan.of,))
+
+
+def _ordered(fields: dict[str, pa.Field]) -> dict[str, pa.Field]:
+    """Columns, those of the largest attractor before those of the mean."""
+    names = [name for name in fields if name not in _WORST]
+    at = names.index("p2p_rad") if "p2p_rad" in names else len(names)
+    return {name: fields[name] for name in (*names[:at], *(one for one in _WORST if one in fields), *names[at:])}
 
 
 def _across(
@@ -79,8 +92,10 @@ def _across(
             continue
         if name in _ALWAYS or len(values) > 1:
             kept.append(name)
-        elif values <= {None, ""}:
+        elif values == {None}:
             empty.append(shown[name].head)
+        elif values == {""}:  # a remark that no row has
+            continue
         else:
             unit = f" {shown[name].unit}" if shown[name].unit else ""
             same.append(f"{shown[name].head} {_text(rows[0][name], shown[name], name in axes)}{unit}")
@@ -93,21 +108,20 @@ def _across(
 
 
 def _upright(
-    row: Row, shown: dict[str, Shown]
+    row: Row, shown: dict[str, Shown], axes: list[str]
 ) -> tuple[tuple[Head, ...], tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """A line a quantity, of a single row: its name, value with unit, and meaning."""
-    there = [name for name, value in row.items() if _key(value) not in (None, "")]
-    empty = [shown[name].head for name in row if name not in there and name in shown]
+    there = [name for name in shown if _key(row[name]) not in (None, "")]
+    empty = [shown[name].head for name in shown if _key(row[name]) is None]
     body = tuple(
         (
             shown[name].head,
-            f"{_text(row[name], shown[name], True)} {shown[name].unit}".strip(),
+            f"{_text(row[name], shown[name], name in axes)} {shown[name].unit}".strip(),
             shown[name].meaning,
         )
         for name in there
     )
-    heads = (Head("quantity", "", "", True), Head("value", "", "", False), Head("meaning", "", "", True))
-    return heads, body, (f"Without a value: {'; '.join(empty)}.",) if empty else ()
+    return UPRIGHT, body, (f"Without a value: {'; '.join(empty)}.",) if empty else ()
 
 
 def _key(value: Any) -> Any:
@@ -131,23 +145,37 @@ def _rows(result: Result, plan: TablePlan) -> tuple[dict[str, pa.Field], _Cut]:
     These are all, or of a long table those where one of ``plan.first`` is true, else those with the largest values of
     ``plan.key``, else the first.
     """
-    large = result.parted(plan.file)
-    whole = None if large else result.table(plan.file)
-    count = large.num_rows if large else whole.num_rows
-    fields = {field.name: field for field in (whole.schema if whole is not None else result.schema(plan.file))}
-    if count <= WHOLE:
-        return fields, _Cut((large.table() if whole is None else whole).to_pylist(), count, "")
-    if whole is not None and plan.first:
-        rows = [row for row in whole.to_pylist() if any(row[name] for name in plan.first)]
-        return fields, _Cut(rows[:WHOLE], count, plan.first_are)
+    if large := result.parted(plan.file):
+        fields = {field.name: field for field in result.schema(plan.file)}
+        return fields, _of_parts(large, fields, plan)
+    table = result.table(plan.file)
+    fields = {field.name: field for field in table.schema}
+    if table.num_rows <= WHOLE:
+        return fields, _Cut(table.to_pylist(), table.num_rows, "")
+    if plan.first:
+        rows = [row for row in table.to_pylist() if any(row[name] for name in plan.first)]
+        return fields, _Cut(rows[:WHOLE], table.num_rows, plan.first_are)
     if plan.key not in fields:
-        table = whole if whole is not None else large.part(0, list(fields))
-        return fields, _Cut(table.slice(0, CUT).to_pylist(), count, "the first")
-    which = f"those with the largest {shown_as(fields[plan.key], is_axis=False).head}"
-    if whole is not None:
-        order = _largest(whole, plan.key)
-        return fields, _Cut(whole.take([place for _, place in order]).to_pylist(), count, which)
-    return fields, _Cut(_largest_of_parts(large, plan.key, list(fields)), count, which)
+        return fields, _Cut(table.slice(0, CUT).to_pylist(), table.num_rows, "the first")
+    chosen = table.take([place for _, place in _largest(table, plan.key)])
+    return fields, _Cut(chosen.to_pylist(), table.num_rows, _which(fields[plan.key]))
+
+
+def _which(key: pa.Field) -> str:
+    name = shown_as(key, is_axis=False).head
+    return f"those with the {name if 'largest' in name else f'largest {name}'}"
+
+
+def _of_parts(large: Parted, fields: dict[str, pa.Field], plan: TablePlan) -> _Cut:
+    """Rows of a table that is never read as a whole."""
+    if plan.key not in fields:
+        return _Cut(large.part(0, list(fields)).slice(0, CUT).to_pylist(), large.num_rows, "the first")
+    best: list[tuple[float, int, int]] = []
+    for number, table in enumerate(large.tables([plan.key])):
+        found = [(-value, number, place) for value, place in _largest(table, plan.key)]
+        best = sorted([*best, *found])[:CUT]
+    rows = [large.part(number, list(fields)).slice(place, 1).to_pylist()[0] for _, number, place in best]
+    return _Cut(rows, large.num_rows, _which(fields[plan.key]))
 
 
 def _largest(table: pa.Table, key: str) -> list[tuple[float, int]]:
@@ -157,12 +185,3 @@ def _largest(table: pa.Table, key: str) -> list[tuple[float, int]]:
     values = np.nan_to_num(columns_of(table, [key])[key], nan=-np.inf)
     order = np.argsort(-values, kind="stable")[:CUT]
     return [(float(values[place]), int(place)) for place in order]
-
-
-def _largest_of_parts(large: Parted, key: str, names: list[str]) -> list[Row]:
-    """The same rows of a table that is never read as a whole."""
-    best: list[tuple[float, int, int]] = []
-    for number, table in enumerate(large.tables([key])):
-        found = [(-value, number, place) for value, place in _largest(table, key)]
-        best = sorted([*best, *found])[:CUT]
-    return [large.part(number, names).slice(place, 1).to_pylist()[0] for _, number, place in best]

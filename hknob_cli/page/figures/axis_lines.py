@@ -48,7 +48,7 @@ def _draw(panels: "list[Axes]", series: Series, over: str, index: int) -> None:
             best[point.row[over]] = point.values
     style = ink.series(index) | {"marker": ink.MARKERS[index % len(ink.MARKERS)], "markersize": 4.5}
     for i, panel in enumerate(panels):
-        shown = [(x, values[i]) for x, values in sorted(best.items()) if values[i] is not None]
+        shown = [(x, y) for x, values in sorted(best.items()) if (y := values[i]) is not None]
         if i:  # at rest there is no pitch
             shown = [(x, y) for x, y in shown if y]
         panel.plot([x for x, _ in shown], [y for _, y in shown], label=series.name or None, **style)

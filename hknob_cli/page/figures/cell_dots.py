@@ -57,7 +57,7 @@ def _rows(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figu
             panel.plot(xs, [y for _, y in shown], label=one.name or None, **ink.points(i), markersize=5.0)
         panel.set_xlabel(cells.panels[number] + ("\n(left of the line: at rest)" if rest is not None else ""))
         panel.set_ylim(-0.7, len(places) - 0.3)
-        if not any(line.get_xdata().size for line in panel.lines[: len(cells.series)]):  # type: ignore[union-attr]
+        if not any(line.get_xdata().size for line in panel.lines[: len(cells.series)]):
             panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
             panel.set_xticks([])
     first = {_place(point, cells): point.row for one in cells.series for point in one.points}
@@ -100,7 +100,7 @@ def _shares(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Fi
             panel.step(xs, ys, where="post", label=one.name or None, **ink.series(i))
         panel.set_xlabel(cells.panels[number])
         panel.set_ylim(0.0, 101.0)
-        if not any(line.get_xdata().size for line in panel.lines):  # type: ignore[union-attr]
+        if not any(line.get_xdata().size for line in panel.lines):
             panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
     panels[0].set_ylabel(f"of the {len(places):,} cells at most this, %")
     return figure

@@ -80,7 +80,8 @@ def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
     differ = any(one.values[0] and one.values[0] != other.values[0] for one, other in zip(largest, mean, strict=True))
     if not differ:
         return [Series("", largest)]
-    return [Series("largest attractor", largest), Series("mean of the trials that cycle", mean)]
+    worst = "largest attractor" if result.stage == "sweep" else "trial that buzzes most"
+    return [Series(worst, largest), Series("mean of those that cycle", mean)]
 
 
 def _points(rows: Rows, columns: tuple[tuple[str, float], ...]) -> list[Point]:

@@ -12,6 +12,8 @@ _TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cell
 _CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
+    "p2p_max_rad": ("largest peak to peak, mrad", 1e3),
+    "frequency_at_max_hz": ("frequency of the largest, Hz", 1.0),
     "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
     "amplitude_rad": ("amplitude (half of peak to peak), mrad", 1e3),
     "rms_rad": ("RMS, mrad", 1e3),
@@ -26,7 +28,7 @@ _NAMES: dict[str, tuple[str, float]] = {
     "growth_j_per_s2": ("growth of energy, mJ/s\u00b2", 1e3),
     "growth_std_j_per_s2": ("standard deviation of growth, mJ/s\u00b2", 1e3),
 }
-_ORBIT_MEASURES = ("p2p_rad", "p2p_counts", "frequency_hz", "rms_rad")
+_ORBIT_MEASURES = ("p2p_rad", "p2p_max_rad", "p2p_counts", "frequency_hz", "frequency_at_max_hz", "rms_rad")
 _ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
 MOST_WRITTEN = 16  # values of an axis up to which a map has its values written in
 MOST = 24  # values of an axis that a map shows
