@@ -107,8 +107,17 @@ def _over_many(result: Result, what: str, where: dict[str, Any]) -> list[FigureP
         figures = [planned(result, "what_matters", what, _MATTERS, **({"where": where} if where else {}))]
     large = result.parted("cells")
     if not figures or (not large and result.table("cells").num_rows <= MOST_DOTS):
-        figures.append(planned(result, "cell_dots", "every cell", _CELLS))
+        figures.append(_every_cell(result, "cells"))
     return figures
+
+
+def _every_cell(result: Result, file: str) -> FigurePlan:
+    if result.parted(file):
+        few = False
+    else:
+        axes = [result.table(file).column(axis).to_pylist() for axis in result.axes]
+        few = len(set(zip(*axes, strict=True))) <= MOST_DOTS
+    return planned(result, "cell_dots", "every cell", _ROWS if few else _SHARES)
 
 
 def _analysis(result: Result, file: str, choice: str, caption: str) -> list[FigurePlan]:
@@ -124,7 +133,7 @@ def _analysis(result: Result, file: str, choice: str, caption: str) -> list[Figu
             planned(result, "what_matters", f"what matters by {name}", _MATTERS, where={choice: name})
             for name in telling
         ]
-        return figures or [planned(result, "cell_dots", "every cell", _CELLS)]
+        return figures or [_every_cell(result, file)]
     figures = []
     for name in names:
         by = {"where": {choice: name}}
@@ -177,7 +186,8 @@ _PEOPLE = "How many people have at most so large a limit cycle, and, of those fo
 _ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
 _ORBITS = "A dot for each orbit, sized by its share of the trials."
 _LINES = "A cell at rest is at 0."
-_CELLS = "A row a cell, or of many cells the share that has at most so much. Cells at rest are at 0."
+_ROWS = "A row a cell."
+_SHARES = "How many of the cells, in per cent, have at most so large a value."
 _TRIALS = "Means over the trials of a cell that buzz; trials without a sustained buzz are at rest."
 _MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."

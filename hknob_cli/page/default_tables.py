@@ -3,10 +3,7 @@
 from hknob_cli.results.evidence import CAMPAIGN, Result
 from hknob_cli.spec.page_plan import TablePlan
 
-_MEAN = (
-    "Peak to peak and frequency are means over the trials that cycle; the largest is that of the largest attractor, 0"
-    " where all come to rest."
-)
+_MEAN = "Peak to peak and frequency are means over the trials that cycle."
 _TITLES = {
     "cells": "cells",
     "orbits": "attractors",
@@ -71,7 +68,7 @@ def _table(result: Result, file: str) -> TablePlan:
         of=result.name,
         file=file,
         title=f"{result.name}: {_TITLES[file]}",
-        caption=_MEAN if result.stage == "sweep" and file == "cells" and "p2p_max_rad" in columns else "",
+        caption=_MEAN if file == "cells" and "p2p_max_rad" in columns and "growth_j_per_s2" not in columns else "",
         key=next((name for name in _KEYS.get(file, ()) if name in columns), ""),
         first=tuple(name for name in _FLAGS if name in columns) if is_design else (),
         first_are="the front, the answer, the next cheaper and the present design" if is_design else "",

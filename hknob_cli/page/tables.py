@@ -85,12 +85,14 @@ def _across(
 ) -> tuple[tuple[Head, ...], tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """A column a quantity, without those that are the same in every row, or empty: a note says these."""
     left_out = [name for name in _LEFT_OUT.get(file, ()) if name in shown]
+    single = all(name in shown for name in ("p2p_rad", *_WORST)) and not any(map(_coexist, rows))
+    shown = {name: one for name, one in shown.items() if not (single and name in _WORST)}
     same, empty, kept = [], [], []
     for name in shown:
         values = {_key(row[name]) for row in rows}
         if name in left_out:
             continue
-        if name in _ALWAYS or len(values) > 1:
+        if len(values) > 1 or (name in _ALWAYS and values != {None}):
             kept.append(name)
         elif values == {None}:
             empty.append(shown[name].head)
@@ -103,8 +105,14 @@ def _across(
     body = tuple(tuple(_text(row[name], shown[name], name in axes) for name in kept) for row in rows)
     notes = [f"The same in every row: {'; '.join(same)}."] if same else []
     notes += [f"Without a value in any row: {'; '.join(empty)}."] if empty else []
+    notes += ["Of every row the largest peak to peak is the mean, too."] if single and "p2p_rad" in kept else []
     notes += [f"{file}.parquet has further columns: {', '.join(left_out)}."] if left_out else []
     return heads, body, tuple(notes)
+
+
+def _coexist(row: Row) -> bool:
+    """Whether the largest attractor of a cell is not all of what cycles in it."""
+    return bool(row["p2p_max_rad"]) and row["p2p_max_rad"] != row["p2p_rad"]
 
 
 def _upright(

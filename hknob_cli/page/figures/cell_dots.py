@@ -55,6 +55,8 @@ def _rows(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figu
             shown = [(x, y) for x, y in shown if x is not None and (x or number == 0 or signed)]
             xs = [x if x or rest is None else rest for x, _ in shown]
             panel.plot(xs, [y for _, y in shown], label=one.name or None, **ink.points(i), markersize=5.0)
+        if signed and all(value >= 0.0 for one in cells.series for point in one.points if (value := point.values[0])):
+            panel.set_xlim(left=0.0)
         panel.set_xlabel(cells.panels[number] + ("\n(left of the line: at rest)" if rest is not None else ""))
         panel.set_ylim(-0.7, len(places) - 0.3)
         if not any(line.get_xdata().size for line in panel.lines[: len(cells.series)]):

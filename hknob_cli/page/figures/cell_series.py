@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hknob_cli.page.figures.grid import column_label
+from hknob_cli.page.figures.grid import axes_of, column_label
 from hknob_cli.report.matrix import short
 from hknob_cli.results.evidence import MissingError, Result, Rows
 
@@ -48,7 +48,7 @@ def cells_of(result: Result, *, column: str | None = None) -> Cells:
     if lacking := [name for name in ([column] if column else ["p2p_rad", "frequency_hz"]) if name not in names]:
         raise MissingError(f"'{result.name}' has no column {', '.join(lacking)}")
     rows = result.rows(file)
-    axes = [axis for axis in result.axes if axis in names]
+    axes = axes_of(result, rows)
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
     if column:
         name, factor = column_label(result, column)
@@ -58,7 +58,7 @@ def cells_of(result: Result, *, column: str | None = None) -> Cells:
 
 def place_of(row: Row, axes: list[str]) -> str:
     """A cell in words, by its values of some axes."""
-    return ", ".join(_SHORT.get(axis, f"{axis} {{}}").format(short(row[axis], 6)) for axis in axes)
+    return ", ".join(_SHORT.get(axis, f"{axis.replace('.', ' ')} {{}}").format(short(row[axis], 6)) for axis in axes)
 
 
 def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
