@@ -7,7 +7,7 @@ from typing import Any
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
-from hknob_cli.report.dfa import describe_dfa, dfa_text
+from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import DfaStage
@@ -46,7 +46,7 @@ class DfaWork(Work):
             return (table,)
         rows, axes = table.to_pylist(), list(job.plan.axes)
         groups = {
-            method: compare.summarise(compare.nearest([row for row in rows if row["method"] == method], axes))
+            method: compare.summarise(nearest_cycles([row for row in rows if row["method"] == method], axes))
             for method in job.plan.methods
         }
         return table, compare.statistics_table("method", groups)

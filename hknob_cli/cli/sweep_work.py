@@ -150,10 +150,11 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
     if drawn or not axes:
         return drawn
+    from hknob_cli.report.means import WORST
     from hknob_cli.report.what_matters import axes_that_matter, columns_of
 
     names = axes_that_matter(axes, cells.column_names)
-    return _draw_matters(job, columns_of(cells, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names, path)
+    return _draw_matters(job, columns_of(cells, [*names, *WORST, "at_rest_fraction"]), names, path)
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:

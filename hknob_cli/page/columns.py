@@ -9,7 +9,7 @@ from hknob_cli.report.picture import axis_name
 
 _NAMES = {
     "p2p_rad": "peak to peak",
-    "p2p_max_rad": "largest peak to peak",
+    "p2p_max_rad": "peak to peak, largest cycle",
     "p2p_counts": "peak to peak",
     "frequency_hz": "frequency",
     "frequency_at_max_hz": "its frequency",
@@ -45,6 +45,9 @@ _NAMES = {
     "knock_ratio": "depth of a knock, of the reference's",
     "sweep_p2p_rad": "peak to peak of the sweep",
     "sweep_frequency_hz": "frequency of the sweep",
+    "sweep_p2p_max_rad": "peak to peak of the sweep's largest cycle",
+    "p2p_max_difference": "peak to peak, difference from the largest cycle",
+    "p2p_mean_ratio": "means, times smaller than the reference",
     "p2p_difference": "peak to peak, difference",
     "amplitude_difference": "amplitude from peak to peak, difference",
     "frequency_difference": "frequency, difference",
@@ -70,7 +73,7 @@ _UNITS = {
     "1": ("", 1.0),
 }
 _SHARES = ("_fraction", "_difference", "_above")
-_PERCENT = {"vaf", "r_squared", "unknown", "trials_differ"}
+_PERCENT = {"vaf", "r_squared", "unknown", "trials_differ", "mean", "std", "least", "largest"}
 # What a name ends in that says its unit, which stands beside it in a table.
 _ENDING = re.compile(
     r"_(rad|hz|db|kg_m2|nm_s_per_rad|nm_per_rad|n_s_per_m|n_per_m|nm|kg|counts_per_rev|j|n|s|percent|fraction)$"

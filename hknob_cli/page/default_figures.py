@@ -8,6 +8,7 @@ from hknob_cli.page.figures.cell_dots import MOST as MOST_DOTS
 from hknob_cli.page.figures.what_matters import can_tell
 from hknob_cli.page.planned_figure import planned
 from hknob_cli.report.large import varying
+from hknob_cli.report.means import differs
 from hknob_cli.report.perceived import perceived_levels
 from hknob_cli.results.evidence import CAMPAIGN, Result
 from hknob_cli.spec.page_plan import FigurePlan
@@ -54,7 +55,7 @@ def _sweep(result: Result) -> list[FigurePlan]:
     elif not wide:
         figures = [planned(result, "attractors", "every attractor", _ATTRACTORS)]
     elif _is_map(result, wide):
-        figures = _maps(result, columns, _MEAN)
+        figures = _maps(result, _WORST)
     elif len(wide) == 1:
         figures = _over_one_axis(result)
     else:
@@ -69,21 +70,19 @@ def _grown(result: Result, wide: list[str]) -> list[FigurePlan]:
     return [planned(result, draw, "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
 
 
-def _maps(result: Result, columns: list[str], mean: str) -> list[FigurePlan]:
+def _maps(result: Result, caption: str) -> list[FigurePlan]:
+    """Maps of the largest cycle, with that of the mean where other cycles coexist, and of the levels."""
     rows = result.rows("cells")
-    figures = []
-    worst = "p2p_max_rad" in columns and any(row["p2p_max_rad"] != (row["p2p_rad"] or 0.0) for row in rows)
-    if worst:
-        figures.append(planned(result, "grid_map", "largest peak to peak", _WORST, column="p2p_max_rad"))
-    figures += [
-        planned(result, "grid_map", "peak to peak", mean, column="p2p_rad"),
-        planned(result, "grid_map", "frequency", mean, column="frequency_hz"),
-        *(
-            planned(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)
-            for level in perceived_levels(rows)
-        ),
+    figures = [
+        planned(result, "grid_map", "peak to peak", caption, column="p2p_max_rad"),
+        planned(result, "grid_map", "frequency", caption, column="frequency_at_max_hz"),
     ]
-    return figures
+    if differs(rows):
+        figures.append(planned(result, "grid_map", "mean peak to peak", _MEAN, column="p2p_rad"))
+    return figures + [
+        planned(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)
+        for level in perceived_levels(rows)
+    ]
 
 
 def _over_one_axis(result: Result) -> list[FigurePlan]:
@@ -169,7 +168,7 @@ def _campaign(result: Result) -> list[FigurePlan]:
     wide = _wide(result, "cells")
     cells = result.rows("cells")
     if len(wide) == 2:
-        figures = _maps(result, result.table("cells").column_names, _TRIALS)
+        figures = _maps(result, _TRIALS)
     else:
         draw = "axis_lines" if wide else "cell_dots"
         figures = [planned(result, draw, "peak to peak and frequency", _TRIALS)]
@@ -180,15 +179,15 @@ def _campaign(result: Result) -> list[FigurePlan]:
 
 
 _NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
-_MEAN = "Means over the trials of a cell that cycle; cells where trials come to rest or stay undecided say so."
-_WORST = "Of the largest attractor, or trial, of each cell; cells where trials come to rest or stay undecided say so."
+_MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
+_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
 _ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
 _ORBITS = "A dot for each orbit, sized by its share of the trials."
 _LINES = "A cell at rest is at 0."
 _ROWS = "A row a cell."
 _SHARES = "How many of the cells, in per cent, have at most so large a value."
-_TRIALS = "Means over the trials of a cell that buzz; trials without a sustained buzz are at rest."
+_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
 _MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."
 _AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."

@@ -8,12 +8,12 @@ import numpy as np
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page.default_figures import figures_of
 from hknob_cli.page.default_tables import tables_of
+from hknob_cli.report.means import SAME, WORST
 from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan
 
 T = TypeVar("T")
-_WORST = ("p2p_max_rad", "frequency_at_max_hz")  # of the largest attractor, by which a cell is judged
 
 
 def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
@@ -40,7 +40,8 @@ def sentences_of(evidence: Evidence) -> tuple[str, ...]:
 
 
 def _sentence(result: Result) -> str:
-    names = ("p2p_rad", "frequency_hz", *_WORST, "at_rest_fraction", "certified_fraction")
+    size, pitch = WORST
+    names = ("p2p_rad", *WORST, "at_rest_fraction", "certified_fraction")
     try:
         parts = [columns_of(table, table.column_names) for table in result.tables("cells", names)]
     except MissingError:
@@ -49,21 +50,22 @@ def _sentence(result: Result) -> str:
     count = len(next(iter(column.values()), ()))
     cells = f"{result.name}: {count:,} cell{'s' if count != 1 else ''}"
     resting = column.get("at_rest_fraction", np.zeros(count))
-    judged = _WORST if all(name in column for name in _WORST) else ("p2p_rad", "frequency_hz")
-    moving = column[judged[0]] > 0.0 if judged[0] in column else np.zeros(count, dtype=bool)
+    moving = column[size] > 0.0 if size in column else np.zeros(count, dtype=bool)
     if not moving.any():
         where = "in all" if count > 1 else "there"
         return f"{cells}, the knob comes to rest {where}." if count and (resting == 1.0).all() else ""
-    sizes, pitches = 1e3 * column[judged[0]][moving], column[judged[1]][moving]
+    sizes, pitches = 1e3 * column[size][moving], column[pitch][moving]
     proven = 1.0 if result.stage == CAMPAIGN else column["certified_fraction"].min()
     if not (np.isfinite(pitches).all() and np.isfinite(proven)):
         raise ValueError("of cells with a size some have no pitch, or are neither proven nor not")
-    means = 1e3 * column["p2p_rad"][moving]
-    differs = judged == _WORST and bool((np.abs(means - sizes) > 1e-9 * sizes).any())
-    what = "largest peak to peak" if differs else "peak to peak"
-    mean = f" (means of the trials that cycle: {_span(means)} mrad)" if differs else ""
+    means = 1e3 * column["p2p_rad"][moving] if "p2p_rad" in column else sizes
+    differs = bool((np.abs(means - sizes) > SAME * sizes).any())
+    mean = f"; mean of those that cycle {_span(means)} mrad" if differs else ""
     surely = "recorded" if result.stage == CAMPAIGN else _surely(float(proven))
-    return f"{cells}: {what} {_span(sizes)} mrad{mean}, {_span(pitches)} Hz{_rest(resting, count)}; {surely}."
+    return (
+        f"{cells}: peak to peak of the largest cycle {_span(sizes)} mrad, {_span(pitches).removeprefix('from ')} Hz{mean}"
+        f"{_rest(resting, count)}; {surely}."
+    )
 
 
 def _span(values: "np.ndarray") -> str:

@@ -8,10 +8,12 @@ import pyarrow as pa
 from hknob_cli.page.book import Head, Table
 from hknob_cli.page.columns import Shown, shown_as
 from hknob_cli.page.numeral import numeral
+from hknob_cli.report.means import WORST, differs
 from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.evidence import Evidence, MissingError, Result
 from hknob_cli.results.parted import Parted
 from hknob_cli.spec.page_plan import TablePlan
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE
 
 Row = dict[str, Any]
 WHOLE = 100  # rows up to which a table is shown whole
@@ -19,7 +21,6 @@ CUT = 40  # rows of a longer one
 NOTHING = "\N{EN DASH}"
 # What identifies a row, or is what everybody looks for: a column even where all rows have the same, or none a value.
 _ALWAYS = ("p2p_rad", "p2p_max_rad", "frequency_hz")
-_WORST = ("p2p_max_rad", "frequency_at_max_hz")  # by which a cell is judged: they stand before the means
 # Columns of a table of several rows that stay in the file.
 _LEFT_OUT = {
     "cells": ("p2p_counts",),
@@ -35,6 +36,8 @@ _LEFT_OUT = {
     "trials": ("steady_first", "steady_last", "torque_hz", "grip_zero_n", "native_counts", "device"),
     "bench": ("samples", "error_counts", "reference_swing_rad", "p2p_relative_error"),
 }  # fmt: skip
+# What a search for a design is for, which stands before the sizes.
+_ANSWER = ("chosen", "present", "feasible", "fails", "touch_db")
 _DIGITS = 4
 _AXIS_DIGITS = 6
 
@@ -57,7 +60,7 @@ def table_of(plan: TablePlan, evidence: Evidence) -> Table:
     fields = _ordered(fields)
     if not cut.rows:
         raise MissingError(f"{plan.file}.parquet of '{plan.of}' has no rows")
-    axes = [axis for axis in result.axes if axis in fields]
+    axes = [name for name in fields if name in result.axes or name in (RATE, COUNTS, PERSON) or "." in name]
     shown = {name: shown_as(field, is_axis=name in axes) for name, field in fields.items()}
     file = f"{plan.file}.parquet"
     count = f"{cut.of:,} row{'s' if cut.of != 1 else ''}"
@@ -75,9 +78,10 @@ def table_of(plan: TablePlan, evidence: Evidence) -> Table:
 
 def _ordered(fields: dict[str, pa.Field]) -> dict[str, pa.Field]:
     """Columns, those of the largest attractor before those of the mean."""
-    names = [name for name in fields if name not in _WORST]
+    first = [name for name in _ANSWER if name in fields] if "relaxes" in fields else []
+    names = [name for name in fields if name not in WORST and name not in first]
     at = names.index("p2p_rad") if "p2p_rad" in names else len(names)
-    return {name: fields[name] for name in (*names[:at], *(one for one in _WORST if one in fields), *names[at:])}
+    return {name: fields[name] for name in (*names[:at], *first, *(one for one in WORST if one in fields), *names[at:])}
 
 
 def _across(
@@ -85,8 +89,8 @@ def _across(
 ) -> tuple[tuple[Head, ...], tuple[tuple[str, ...], ...], tuple[str, ...]]:
     """A column a quantity, without those that are the same in every row, or empty: a note says these."""
     left_out = [name for name in _LEFT_OUT.get(file, ()) if name in shown]
-    single = all(name in shown for name in ("p2p_rad", *_WORST)) and not any(map(_coexist, rows))
-    shown = {name: one for name, one in shown.items() if not (single and name in _WORST)}
+    single = all(name in shown for name in ("p2p_rad", *WORST)) and not differs(rows)
+    shown = {name: one for name, one in shown.items() if not (single and name in WORST)}
     same, empty, kept = [], [], []
     for name in shown:
         values = {_key(row[name]) for row in rows}
@@ -105,14 +109,9 @@ def _across(
     body = tuple(tuple(_text(row[name], shown[name], name in axes) for name in kept) for row in rows)
     notes = [f"The same in every row: {'; '.join(same)}."] if same else []
     notes += [f"Without a value in any row: {'; '.join(empty)}."] if empty else []
-    notes += ["Of every row the largest peak to peak is the mean, too."] if single and "p2p_rad" in kept else []
+    notes += ["In every row the mean is the size of the largest cycle, too."] if single and "p2p_rad" in kept else []
     notes += [f"{file}.parquet has further columns: {', '.join(left_out)}."] if left_out else []
     return heads, body, tuple(notes)
-
-
-def _coexist(row: Row) -> bool:
-    """Whether the largest attractor of a cell is not all of what cycles in it."""
-    return bool(row["p2p_max_rad"]) and row["p2p_max_rad"] != row["p2p_rad"]
 
 
 def _upright(

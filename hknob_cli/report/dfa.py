@@ -1,5 +1,6 @@
 """A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import pyarrow as pa
@@ -40,7 +41,7 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
         key = tuple(row[axis] for axis in wide)
         counts[key] = counts.get(key, 0) + 1
     # Of several cycles the table shows the largest; all are in the file.
-    last = [{**row, "several": counts[tuple(row[axis] for axis in wide)] > 1} for row in _largest(rows, wide)]
+    last = [{**row, "several": counts[tuple(row[axis] for axis in wide)] > 1} for row in largest_cycles(rows, wide)]
     if len(wide) == 2 and fits(rows, wide):
         size = f"{method}: peak to peak, mrad"
         return [
@@ -55,11 +56,24 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
     return [*lines, f"  ... and {len(last) - MAX_ROWS} more cells in dfa.parquet"] if len(last) > MAX_ROWS else lines
 
 
-def _largest(rows: list[dict[str, Any]], wide: list[str]) -> list[dict[str, Any]]:
+def largest_cycles(rows: list[dict[str, Any]], axes: Sequence[str]) -> list[dict[str, Any]]:
+    """One row for each cell of the axes: of several cycles of one method the largest."""
     best: dict[tuple[Any, ...], dict[str, Any]] = {}
     for row in rows:
-        key = tuple(row[axis] for axis in wide)
+        key = tuple(row[axis] for axis in axes)
         if key not in best or (row["p2p_rad"] or 0.0) > (best[key]["p2p_rad"] or 0.0):
+            best[key] = row
+    return list(best.values())
+
+
+def nearest_cycles(rows: list[dict[str, Any]], axes: list[str]) -> list[dict[str, Any]]:
+    """One row a cell: of several cycles the one nearest to the sweep in peak to peak."""
+    best: dict[tuple[Any, ...], dict[str, Any]] = {}
+    for row in rows:
+        key = tuple(row[axis] for axis in axes)
+        difference = row["p2p_difference"]
+        known = best.get(key, {}).get("p2p_difference")
+        if key not in best or (difference is not None and (known is None or abs(difference) < abs(known))):
             best[key] = row
     return list(best.values())
 

@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
+from hknob_cli.report.means import differs
 from hknob_cli.results.campaign_cells import cell_rows
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -59,7 +60,7 @@ def hw_run_text(summary: dict[str, Any]) -> str:
 def _sizes(cells: list[Row]) -> list[tuple[str, float, str]]:
     """Tables of size: the trial that buzzes most, and the mean, where cells have several trials that buzz."""
     what = "peak to peak, mrad (mean peak minus mean trough)"
-    if all(cell["sustained"] < 2 for cell in cells):
+    if not differs(cells):
         return [("p2p_rad", 1e3, what)]
     return [
         ("p2p_max_rad", 1e3, f"{what}, the trial that buzzes most"),

@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.report.matrix import short
+from hknob_cli.report.means import MEANS, WORST
 from hknob_cli.report.what_matters import (
     Columns,
     axes_that_matter,
@@ -21,7 +22,7 @@ from hknob_cli.results.arrays import tally
 from hknob_cli.results.parted import PART_CELLS, Parted
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")
-MEASURES = ("p2p_rad", "frequency_hz")
+MEASURES = WORST
 # What is looked at to say what matters most: columns of cells, and how many parts at most.
 LOOKED_AT = (*MEASURES, "at_rest_fraction")
 MOST_LOOKED_AT = 256
@@ -40,7 +41,7 @@ def describe_large(
     sums = dict.fromkeys(SHARES, 0.0)
     still = 0
     extremes: dict[str, dict[str, Any]] = {}
-    for number, table in enumerate(cells.tables([*{*axes, *names}, *SHARES, *MEASURES])):
+    for number, table in enumerate(cells.tables([*{*axes, *names}, *SHARES, *MEASURES, *MEANS.values()])):
         count += table.num_rows
         some += thinning.take(number, table, [*names, *LOOKED_AT])
         column = columns_of(table, [*SHARES, *MEASURES])
@@ -117,14 +118,15 @@ def _joined(some: Sequence[Columns]) -> Columns:
 
 
 def _widen(extremes: dict[str, dict[str, Any]], name: str, values: Any, table: pa.Table, axes: list[str]) -> None:
-    """Take in the least above 0, and the most, of one part's values."""
+    """Take in the least above 0, and the most, of one part's values, which are of the largest cycle of each cell."""
     above = np.where(values > 0.0, values, np.nan)
     if not np.isfinite(above).any():
         return
     for which, at in (("least", int(np.nanargmin(above))), ("most", int(np.nanargmax(above)))):
         value, known = float(above[at]), extremes.get(f"{which}_{name}")
         if known is None or (value < known[name] if which == "least" else value > known[name]):
-            extremes[f"{which}_{name}"] = {name: value, **{axis: table[axis][at].as_py() for axis in axes}}
+            others = (MEANS[name], *axes)
+            extremes[f"{which}_{name}"] = {name: value, **{other: table[other][at].as_py() for other in others}}
 
 
 def large_text(summary: dict[str, Any]) -> str:
@@ -141,13 +143,15 @@ def large_text(summary: dict[str, Any]) -> str:
     lines += [f"trials: {', '.join(found)}"] if found else []
     if summary["cells_at_rest"]:
         lines.append(f"cells where every trial comes to rest: {summary['cells_at_rest']:,}")
-    names = {"p2p_rad": ("peak to peak", 1e3, "mrad"), "frequency_hz": ("frequency", 1.0, "Hz")}
+    names = {"p2p_max_rad": ("peak to peak", 1e3, "mrad"), "frequency_at_max_hz": ("frequency", 1.0, "Hz")}
     words = {"least": "least", "most": "greatest"}
     for key, row in summary["extremes"].items():
         which, name = key.split("_", 1)
         what, scale, unit = names[name]
-        where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis != name)
-        lines.append(f"{words[which]} {what}: {short(scale * row[name])} {unit}, at {where}")
+        where = ", ".join(f"{axis} = {short(value)}" for axis, value in row.items() if axis not in (name, MEANS[name]))
+        size, mean = (short(scale * row[one]) for one in (name, MEANS[name]))
+        beside = f" (mean of the cell {mean})" if mean != size else ""
+        lines.append(f"{words[which]} {what}: {size} {unit}{beside}, at {where}")
     if summary["what_matters"]:
         looked_at = sum(one["cells"] for one in summary["what_matters"][0]["bins"])
         lines += ["", *matters_text(summary["what_matters"], f"{looked_at:,} of {summary['cell_count']:,}")]

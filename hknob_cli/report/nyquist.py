@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hknob_cli.report.dfa import nearest_cycles
 from hknob_cli.report.picture import save
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan
@@ -33,7 +34,7 @@ def draw_dfa(plan: DfaPlan, rows: list[dict[str, Any]], *, path: Path) -> bool:
     _draw_sizes(panels[0][1], rows, plan.methods, wide or [RATE])
     if differs:
         method = plan.methods[0]
-        of = [row for row in rows if row["method"] == method]
+        of = nearest_cycles([row for row in rows if row["method"] == method], list(plan.axes))
         draw_difference(panels[1][0], of, wide, "p2p_difference", f"{method}: peak to peak against the sweep, %")
         draw_difference(panels[1][1], of, wide, "frequency_difference", f"{method}: frequency against the sweep, %")
     figure.suptitle(f"{plan.name}: limit cycles by describing functions")
@@ -105,9 +106,10 @@ def _draw_sizes(axes: "Axes", rows: list[dict[str, Any]], methods: tuple[str, ..
         of = [row for row in chosen if row["method"] == method]
         style = {"ls": "", "ms": 4, "alpha": 0.6} if method == "sampled" else {"lw": 1, "ms": 5}
         axes.plot([row[across] for row in of], [1e3 * row["p2p_rad"] for row in of], marker=mark, label=method, **style)
-    beside = {row[across]: row["sweep_p2p_rad"] for row in chosen if row.get("sweep_p2p_rad")}
-    if beside:
-        axes.plot(list(beside), [1e3 * value for value in beside.values()], "k--", lw=1.5, label="sweep (mean)")
+    for column, line, name in (("sweep_p2p_max_rad", "k-", "largest"), ("sweep_p2p_rad", "k--", "mean")):
+        beside = {row[across]: row[column] for row in chosen if row.get(column)}
+        if beside:
+            axes.plot(list(beside), [1e3 * value for value in beside.values()], line, lw=1.5, label=f"sweep, {name}")
     values = sorted({row[across] for row in chosen})
     if values and values[0] > 0 and values[-1] > 5 * values[0]:
         axes.set_xscale("log")

@@ -14,6 +14,7 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.report.growth_picture import draw_growth
 from hknob_cli.report.literal import literal
 from hknob_cli.report.matrix import is_whole
+from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.perceived import level_limits, perceived_levels
 from hknob_cli.results.place import create
 from hknob_cli.results.png import KEYWORD, source_text
@@ -103,10 +104,11 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
     downs, acrosses = (sorted({row[axis] for row in rows}) for axis in wide)
     grid = {(row[down], row[across]): row for row in rows}
     levels = perceived_levels(rows)
+    of = ", of the largest cycle" if differs(rows) else ""
     places = figure.subplots(2 if levels else 1, 2, sharey=True, squeeze=False)
     panels: list[tuple[Axes, str, float, str, tuple[float, float] | None]] = [
-        (places[0, 0], "p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)", None),
-        (places[0, 1], "frequency_hz", 1.0, "frequency, Hz", None),
+        (places[0, 0], "p2p_max_rad", 1e3, f"peak to peak, mrad (mean peak minus mean trough){of}", None),
+        (places[0, 1], "frequency_at_max_hz", 1.0, f"frequency, Hz{of}", None),
     ]
     for one, level in zip(places[1:].flat, levels, strict=False):
         panels.append((one, level.column, 1.0, level.title, level_limits(rows, level)))
@@ -125,13 +127,15 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
         if len(rows) <= _MOST_LABELS:
             for i, d in enumerate(downs):
                 for j, a in enumerate(acrosses):
-                    _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j])
+                    mean = mean_beside(grid[d, a], column)
+                    _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j], mean=mean and scale * mean)
     for left in places[:, 0]:
         left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
         left.set_ylabel(axis_name(down))
     marks = (
-        "a dot for each orbit that coexists in a cell (the value is their mean, weighted by how often trials reach it"
-        + ("; levels are those of the most noticeable)" if levels else ")")
+        "a dot for each orbit that coexists in a cell"
+        + (";  in brackets: the mean of the trials that cycle" if of else "")
+        + (";  levels are those of the most noticeable orbit" if levels else "")
     )
     figure.supxlabel(f"{marks};  rest: trials come to rest;  div: they diverge;  ?: undecided", fontsize=8)
 
@@ -160,14 +164,17 @@ def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, fl
     ]
 
 
-def _write(axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, ink: str) -> None:
-    """The value of a cell, a dot per coexisting orbit, and how trials end that do not cycle."""
+def _write(
+    axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, ink: str, mean: float | None = None
+) -> None:
+    """The value of a cell, the mean beside it, a dot per coexisting orbit, and how trials end that do not cycle."""
     words = [
         word
         for word, column in (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
         if row[column] > 0
     ]
     text = "" if isnan(value) or (value == 0 and words) else f"{value:.3g}"
+    text += f" ({mean:.3g})" if text and mean else ""
     axes.text(x, y, "\n".join(filter(None, [text, " ".join(words)])), ha="center", va="center", fontsize=8, color=ink)
     count = int(row["orbit_count"])
     if count > 1:

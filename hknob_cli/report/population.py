@@ -1,7 +1,8 @@
 """A sweep over a population in words and numbers: for how many people a knob buzzes, how much, and at what pitch.
 
-The knob buzzes for a person if any of the trials ends in a limit cycle. Peak to peak is over all people, 0 where the
-knob comes to rest; frequency over those for whom it buzzes. Quantiles interpolate linearly between people.
+The knob buzzes for a person if any of the trials ends in a limit cycle. Size and pitch are those of the person's
+largest cycle: peak to peak over all people, 0 where the knob comes to rest; frequency over those for whom it buzzes.
+Quantiles interpolate linearly between people.
 """
 
 from typing import Any
@@ -11,7 +12,7 @@ from hknob_cli.spec.plan import PERSON
 
 Row = dict[str, Any]
 QUANTILES = {"p5": 0.05, "median": 0.5, "p95": 0.95}
-_MEASURES = ("p2p_rad", "frequency_hz")
+_MEASURES = ("p2p_max_rad", "frequency_at_max_hz")
 
 
 def by_cell(rows: list[Row], axes: list[str]) -> list[tuple[Row, list[Row]]]:
@@ -25,12 +26,12 @@ def by_cell(rows: list[Row], axes: list[str]) -> list[tuple[Row, list[Row]]]:
 
 def sizes(people: list[Row]) -> list[float]:
     """Peak to peak (rad) of everyone for whom it is known, in order."""
-    return sorted(row["p2p_rad"] for row in people if row["p2p_rad"] is not None)
+    return sorted(row["p2p_max_rad"] for row in people if row["p2p_max_rad"] is not None)
 
 
 def pitches(people: list[Row]) -> list[float]:
     """Frequencies (Hz) of those for whom the knob buzzes, in order."""
-    return sorted(row["frequency_hz"] for row in people if row["p2p_rad"])
+    return sorted(row["frequency_at_max_hz"] for row in people if row["p2p_max_rad"])
 
 
 def describe_people(cells: list[Row], axes: list[str]) -> list[Row]:
@@ -39,11 +40,11 @@ def describe_people(cells: list[Row], axes: list[str]) -> list[Row]:
 
 
 def _describe(people: list[Row]) -> Row:
-    measures = {"p2p_rad": sizes(people), "frequency_hz": pitches(people)}
+    measures = dict(zip(_MEASURES, (sizes(people), pitches(people)), strict=True))
     return {
         "people": len(people),
-        "buzzing_fraction": len(measures["frequency_hz"]) / len(people),
-        "unknown_fraction": 1.0 - len(measures["p2p_rad"]) / len(people),
+        "buzzing_fraction": len(measures["frequency_at_max_hz"]) / len(people),
+        "unknown_fraction": 1.0 - len(measures["p2p_max_rad"]) / len(people),
         **{
             f"{measure}_{name}": _quantile(values, part)
             for measure, values in measures.items()
@@ -69,9 +70,9 @@ def people_text(summary: Row, axes: list[str]) -> list[str]:
     if len(wide) == 2 and fits(rows, wide):
         titles = {
             "buzzing_fraction": (100.0, "people for whom the knob buzzes, %"),
-            "p2p_rad_median": (1e3, "peak to peak, mrad, median of the people"),
-            "p2p_rad_p95": (1e3, "peak to peak, mrad, 95 % of the people have less"),
-            "frequency_hz_median": (1.0, "frequency, Hz, median of those for whom it buzzes"),
+            "p2p_max_rad_median": (1e3, "peak to peak, mrad, median of the people"),
+            "p2p_max_rad_p95": (1e3, "peak to peak, mrad, 95 % of the people have less"),
+            "frequency_at_max_hz_median": (1.0, "frequency, Hz, median of those for whom it buzzes"),
         }
         tables = (matrix(rows, wide, name, scale=scale, title=title) for name, (scale, title) in titles.items())
         lines = [line for table in tables for line in (*table, "")]

@@ -64,8 +64,8 @@ def _curves(figure: "Figure", cells: list[tuple[Row, list[Row]]], wide: list[str
                 style = _STYLES[i % len(_STYLES)]
                 axes.step(*cumulative(values, scale), where="post", linestyle=style, color=f"C{i}", label=label)
     left.set_ylabel("people who have at most this, %")
-    left.set_xlabel("peak to peak, mrad (0: at rest)")
-    right.set_xlabel("frequency, Hz (of those for whom it buzzes)")
+    left.set_xlabel("peak to peak of the largest cycle, mrad (0: at rest)")
+    right.set_xlabel("frequency of the largest cycle, Hz (of those for whom it buzzes)")
     for axes in (left, right):
         axes.set_ylim(0.0, 100.0)
         axes.grid(alpha=0.3)
@@ -82,7 +82,7 @@ def _maps(figure: "Figure", rows: list[Row], wide: list[str]) -> None:
     left, right = figure.subplots(1, 2, sharey=True)
     panels: tuple[tuple[Axes, str, float, str, tuple[float, float] | None], ...] = (
         (left, "buzzing_fraction", 100.0, "people for whom the knob buzzes, %", (0.0, 100.0)),
-        (right, "p2p_rad_p95", 1e3, "peak to peak, mrad: 95 % of the people have less", None),
+        (right, "p2p_max_rad_p95", 1e3, "peak to peak, mrad: 95 % of the people have less", None),
     )
     for axes, column, scale, label, limits in panels:
         table: Any = [[grid[d, a][column] for a in acrosses] for d in downs]

@@ -5,6 +5,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.means import differs
 from hknob_cli.report.perceived import perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
@@ -46,13 +47,8 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
         lines += ["", "bounces do not settle: nothing damps them, so there are no limit cycles to prove"]
         return "\n".join(lines)
     if len(wide) == 2 and fits(rows, wide):
-        lines += [
-            "",
-            *matrix(
-                rows, wide, "p2p_rad", scale=1e3, title="peak to peak, mrad (mean peak minus mean trough)", mark=_mark
-            ),
-        ]
-        lines += ["", *matrix(rows, wide, "frequency_hz", scale=1.0, title="frequency, Hz", mark=_mark)]
+        for column, scale, title in _measures(rows):
+            lines += ["", *matrix(rows, wide, column, scale=scale, title=title, mark=_mark)]
         for level in perceived_levels(rows):
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     else:
@@ -60,6 +56,20 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     notes = [*_notes(rows), *perceived_text(rows)]
     lines += ["", *notes] if notes else []
     return "\n".join(lines)
+
+
+def _measures(rows: list[dict[str, Any]]) -> list[tuple[str, float, str]]:
+    """Columns to show, their scales and titles: of the largest cycle of a cell, and the means where they are others."""
+    size, pitch = "peak to peak, mrad (mean peak minus mean trough)", "frequency, Hz"
+    if not differs(rows):
+        return [("p2p_max_rad", 1e3, size), ("frequency_at_max_hz", 1.0, pitch)]
+    mean = "mean of the trials that cycle"
+    return [
+        ("p2p_max_rad", 1e3, f"{size}, of the largest cycle"),
+        ("p2p_rad", 1e3, f"peak to peak, mrad, {mean}"),
+        ("frequency_at_max_hz", 1.0, f"{pitch}, of the largest cycle"),
+        ("frequency_hz", 1.0, f"{pitch}, {mean}"),
+    ]
 
 
 def _headline(summary: dict[str, Any]) -> str:
@@ -89,8 +99,8 @@ def _mark(row: dict[str, Any]) -> str:
 def _notes(rows: list[dict[str, Any]]) -> list[str]:
     marks = "".join(_mark(row) for row in rows)
     words = {
-        "*": "several orbits coexist; which one a trial reaches depends on when it is sampled, the value is their mean",
-        "r": "trials come to rest",
+        "*": "several orbits coexist; which one a trial reaches depends on when it is sampled",
+        "r": "trials come to rest; they are in no mean",
         "!": "trials diverge",
         "?": "trials undecided; orbits.parquet says why",
     }
@@ -99,12 +109,24 @@ def _notes(rows: list[dict[str, Any]]) -> list[str]:
 
 def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
     levels = perceived_levels(rows)
-    heads = [*axes, "p2p mrad", "frequency Hz", "orbits", *(level.head for level in levels), ""]
+    sides = ("", "mean ") if differs(rows) else ("",)
+    heads = [
+        *axes,
+        *(f"{side}{name}" for name in ("p2p mrad", "frequency Hz") for side in sides),
+        *(["at rest %"] if any(row["at_rest_fraction"] for row in rows) else []),
+        "orbits",
+        *(level.head for level in levels),
+        "",
+    ]
     body = [
         [
             *(short(row[axis], 6) for axis in axes),
-            short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
-            short(row["frequency_hz"]),
+            *(
+                short(None if row[name] is None else scale * row[name])
+                for names, scale in ((("p2p_max_rad", "p2p_rad"), 1e3), (("frequency_at_max_hz", "frequency_hz"), 1.0))
+                for name in names[: len(sides)]
+            ),
+            *([short(100.0 * row["at_rest_fraction"])] if "at rest %" in heads else []),
             str(row["orbit_count"]),
             *(short(row[level.column]) for level in levels),
             _mark(row),
@@ -115,6 +137,8 @@ def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
     lines = [
         "  ".join(f"{text:>{w}}" for text, w in zip(line, widths, strict=True)).rstrip() for line in [heads, *body]
     ]
+    if len(sides) > 1:
+        lines += ["p2p and frequency are those of the largest cycle; means are of the trials that cycle"]
     if len(rows) > MAX_ROWS:
         lines.append(f"... and {len(rows) - MAX_ROWS} more cells in cells.parquet")
     return lines

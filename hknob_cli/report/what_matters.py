@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.means import ONE, WORST
 from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.spec.plan import PERSON
@@ -30,6 +31,8 @@ Columns = dict[str, "NDArray[Any]"]
 
 class Bin(NamedTuple):
     """Cells at one value of an axis, or between two: the middle one's value, and 10, 50 and 90 % of what buzzes.
+
+    Size and pitch of a cell are those of its largest cycle.
 
     ``share``: mean of the share that is told beside it, of trials at rest or of cells in domain.
     """
@@ -66,7 +69,7 @@ def matters_of(rows: Sequence[dict[str, Any]], axes: Sequence[str]) -> list[Matt
     if is_map(columns_in(rows, plain), plain):
         return []
     names = axes_that_matter(axes, list(rows[0]))
-    return what_matters(columns_in(rows, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names)
+    return what_matters(columns_in(rows, [*names, *WORST, "at_rest_fraction"]), names)
 
 
 def columns_in(rows: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Columns:
@@ -91,15 +94,17 @@ def is_map(columns: Columns, axes: Sequence[str]) -> bool:
 def what_matters(columns: Columns, axes: Sequence[str], *, share: str = "at_rest_fraction") -> list[Matter]:
     """Every axis that varies, the one that explains most first; none where too few cells have a size.
 
-    ``columns``: one number a cell, nan for none: the axes, p2p_rad (0 at rest), frequency_hz and ``share``.
+    ``columns``: one number a cell, nan for none: the axes, size (0 where all rests) and pitch, which are `WORST` or
+    `ONE`, and ``share``.
     """
     import numpy as np
 
-    known = np.isfinite(columns["p2p_rad"])
+    size = measures_in(columns)[0]
+    known = np.isfinite(columns[size])
     if known.sum() < _LEAST_CELLS:
         return []
     kept = {name: values[known] for name, values in columns.items()}
-    order = ranks(kept["p2p_rad"])
+    order = ranks(kept[size])
     found = []
     for axis in axes:
         values = kept[axis]
@@ -109,6 +114,11 @@ def what_matters(columns: Columns, axes: Sequence[str], *, share: str = "at_rest
         bins = tuple(_bin(values, kept, place == i, share) for i in range(int(place.max()) + 1))
         found.append(Matter(axis, _explained(order, place), _correlation(ranks(values), order), bins))
     return sorted(found, key=lambda one: -one.explained)
+
+
+def measures_in(columns: Columns) -> tuple[str, str]:
+    """Names of the columns of size and pitch: `WORST`, or `ONE` where these are not there."""
+    return WORST if WORST[0] in columns else ONE
 
 
 def _places(values: "NDArray[Any]") -> "NDArray[Any]":
@@ -156,7 +166,8 @@ def _correlation(first: "NDArray[Any]", second: "NDArray[Any]") -> float:
 def _bin(values: "NDArray[Any]", columns: Columns, here: "NDArray[Any]", share: str) -> Bin:
     import numpy as np
 
-    buzzing = here & (columns["p2p_rad"] > 0.0)
+    size, pitch = measures_in(columns)
+    buzzing = here & (columns[size] > 0.0)
 
     def band(name: str) -> tuple[float, float, float] | None:
         there = columns[name][buzzing]
@@ -167,7 +178,7 @@ def _bin(values: "NDArray[Any]", columns: Columns, here: "NDArray[Any]", share: 
         return low, middle, high
 
     middle = float(np.median(values[here]))
-    return Bin(int(here.sum()), middle, band("p2p_rad"), band("frequency_hz"), float(columns[share][here].mean()))
+    return Bin(int(here.sum()), middle, band(size), band(pitch), float(columns[share][here].mean()))
 
 
 def describe_matters(matters: Sequence[Matter]) -> list[dict[str, Any]]:
@@ -185,7 +196,7 @@ def matters_text(matters: Sequence[dict[str, Any]], cells: str) -> list[str]:
     return [
         *(line.rstrip() for line in lines),
         f"of the order of {cells} cells by size, rest the least; {left:.0f} % is the interplay of axes, or within bins",
-        "medians of cells that buzz, from one end of an axis to the other",
+        "medians of cells that buzz, each by its largest cycle, from one end of an axis to the other",
     ]
 
 

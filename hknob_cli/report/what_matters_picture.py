@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING
 
 import pyarrow as pa
 
+from hknob_cli.report.dfa import largest_cycles
+from hknob_cli.report.means import ONE
 from hknob_cli.report.picture import axis_name, is_geometric, save
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, what_matters
+from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in, what_matters
 from hknob_cli.spec.points_plan import Points
 
 if TYPE_CHECKING:
@@ -55,7 +57,8 @@ def draw_matters(
     across = min(_ACROSS, len(matters))
     figure = Figure(figsize=(3.5 * across + 0.6, 5.4 * ceil(len(matters) / across) + 0.9), layout="constrained")
     draw_blocks(figure, found, series, across=across, scales=scales or {}, share=share)
-    cells = len(next(iter(series.values()))["p2p_rad"])
+    columns = next(iter(series.values()))
+    cells = len(columns[measures_in(columns)[0]])
     of = f"{cells:,} of {total:,}" if total and total != cells else f"{cells:,}"
     figure.suptitle(f"{title}: what matters most for limit cycles against a virtual wall ({of} cells)")
     figure.supxlabel(note_of(matters, name if len(found) > 1 else "", 60 * across), fontsize=8)
@@ -103,10 +106,16 @@ def draw_blocks(
 def draw_by(
     table: pa.Table, choice: str, axes: Sequence[str], *, title: str, path: Path, stage: str, points: Points | None
 ) -> bool:
-    """The same of predictions, a line for each value of the column ``choice``, with the share in domain."""
+    """The same of predictions, a line for each value of the column ``choice``, with the share in domain.
+
+    Of several cycles that a method finds in a cell the largest.
+    """
     import numpy as np
 
-    columns = columns_of(table, [*axes, "p2p_rad", "frequency_hz", "in_domain"])
+    names = [*axes, *ONE, "in_domain"]
+    if "orbit" in table.column_names:
+        table = pa.Table.from_pylist(largest_cycles(table.to_pylist(), [*axes, choice]), table.schema)
+    columns = columns_of(table, names)
     chosen = np.array(table[choice].to_pylist())
     series = {
         name: {column: values[chosen == name] for column, values in columns.items()}
@@ -141,9 +150,10 @@ def _dots(block: "list[Axes]", axis: str, columns: Columns, most: int) -> None:
     """Cells themselves, at most so many, evenly chosen."""
     import numpy as np
 
-    buzzing = np.flatnonzero(columns["p2p_rad"] > 0.0)
+    size, pitch = measures_in(columns)
+    buzzing = np.flatnonzero(columns[size] > 0.0)
     buzzing = buzzing[:: max(1, ceil(len(buzzing) / most))]
-    for panel, name, scale in ((block[0], "p2p_rad", 1e3), (block[1], "frequency_hz", 1.0)):
+    for panel, name, scale in ((block[0], size, 1e3), (block[1], pitch, 1.0)):
         values, sizes = columns[axis][buzzing], scale * columns[name][buzzing]
         panel.plot(values, sizes, ".", color="0.6", markersize=1.6, alpha=0.5, zorder=0)
 
@@ -199,6 +209,7 @@ def note_of(matters: Sequence[Matter], first: str, width: int) -> str:
     drawn = "lines: medians" if first else "dots: cells; lines: medians; bands: 10 to 90 %"
     text = (
         f"explains: by itself, of the variance of places in {order}, between the bins of the axis (epsilon squared); "
-        f"{left:.0f} % is the interplay of axes, or within bins.  {drawn}, of cells that buzz"
+        f"{left:.0f} % is the interplay of axes, or within bins.  {drawn}, of cells that "
+        "buzz, each by its largest cycle"
     )
     return fill(text.replace(" %", "~%"), width).replace("~%", " %")  # a number stays with its sign

@@ -231,15 +231,3 @@ def grouped(table: pa.Table, name: str) -> dict[str, dict[str, dict[str, Any]]]:
         numbers = {key: row[key] for key in Statistics._fields}
         groups.setdefault(row[name], {})[title] = numbers
     return groups
-
-
-def nearest(rows: list[dict[str, Any]], axes: list[str]) -> list[dict[str, Any]]:
-    """One row a cell: of several cycles the one nearest to the sweep in peak to peak."""
-    best: dict[tuple[Any, ...], dict[str, Any]] = {}
-    for row in rows:
-        key = tuple(row[axis] for axis in axes)
-        difference = row["p2p_difference"]
-        known = best.get(key, {}).get("p2p_difference")
-        if key not in best or (difference is not None and (known is None or abs(difference) < abs(known))):
-            best[key] = row
-    return list(best.values())

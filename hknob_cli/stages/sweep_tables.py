@@ -105,7 +105,8 @@ def lay_out_cells(
         return found.total(found.trials * which) / trials
 
     p2p = mean(m.p2p_rad)
-    largest = found.largest(m.p2p_rad)
+    sizes: Any = m.p2p_rad
+    largest = found.largest(sizes)
     frequency = np.append(np.where(moving, m.frequency_hz, nan), nan)
     values = {
         "p2p_rad": p2p,

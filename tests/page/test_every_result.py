@@ -18,7 +18,7 @@ LOOKED_FOR = {
     "dfa": ("p2p_rad", 1e3),
     "predict": ("p2p_rad", 1e3),
     "passivity": ("colgate_schenkel_load", 1.0),
-    "differences": ("mean", 1.0),
+    "differences": ("mean", 100.0),
     "remedies": ("p2p_rad", 1e3),
     "cases": ("p2p_rad", 1e3),
     "design": ("cost", 1.0),

@@ -134,14 +134,16 @@ def _differences(
     evidence: Evidence, result: str, against: str, quantity: str, where: Where | None, file: str
 ) -> list[float]:
     """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
-    from hknob_cli.stages.compare import nearest
+    from hknob_cli.report.dfa import nearest_cycles
 
     if quantity not in QUANTITIES:
         raise UsageError(f"quantity: must be one of {', '.join(QUANTITIES)}, got '{quantity}'")
     axes = evidence[result].axes
     rows = rows_of(evidence, result, file, where, needs=[*axes, *_NEEDS])
     column = QUANTITIES[quantity]
-    return [row[column] for row in nearest(_beside(evidence, rows, result, against), axes) if row[column] is not None]
+    return [
+        row[column] for row in nearest_cycles(_beside(evidence, rows, result, against), axes) if row[column] is not None
+    ]
 
 
 def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:

@@ -68,7 +68,8 @@ def _draw(
     assert isinstance(panel, Axes)
     line = one.values(column, factor)[one.downs.index(count)] if count in one.downs else []
     pairs = [(x, y) for x, y in zip(one.acrosses, line, strict=False) if y == y and y > 0.0]
-    at_rest = [x for x, y in zip(one.acrosses, line, strict=False) if y == 0.0]
+    cells = one.cells[one.downs.index(count)] if count in one.downs else []
+    at_rest = [x for x, cell in zip(one.acrosses, cells, strict=False) if cell and cell.get("at_rest_fraction") == 1.0]
     xs, ys = zip(*pairs, strict=True) if pairs else ((), ())
     if last:
         panel.plot(xs, ys, color="black", marker="o", linestyle="none", markersize=5.0, label=name, zorder=4)

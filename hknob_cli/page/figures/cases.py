@@ -6,6 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, number
 from hknob_cli.report.matrix import short
+from hknob_cli.report.means import MEANS
 from hknob_cli.results.evidence import Evidence, MissingError, Rows
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts"}
 def cases(evidence: Evidence, of: str | list[str], *, names: list[str] | None = None) -> "Figure":
     """Orbits of every cell of the results, a row a cell: peak to peak (mrad), and frequency (Hz); dots by basin share.
 
-    The mean over the trials is written beside its bar. Raises `MissingError` where none has a limit cycle.
+    The largest is written above its dot; a bar is the mean over the trials that cycle. Raises `MissingError` where none
+    has a limit cycle.
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -35,21 +37,22 @@ def cases(evidence: Evidence, of: str | list[str], *, names: list[str] | None = 
         raise MissingError(f"{', '.join(results)}: no limit cycle")
     figure = ink.figure(0.5 * len(rows) + 0.9)
     panels = figure.subplots(1, 2, sharey=True)
-    for axes_, column, scale, label in (
-        (panels[0], "p2p_rad", 1e3, "peak to peak, mrad"),
-        (panels[1], "frequency_hz", 1.0, "frequency, Hz"),
+    for axes_, largest, scale, label in (
+        (panels[0], "p2p_max_rad", 1e3, "peak to peak, mrad"),
+        (panels[1], "frequency_at_max_hz", 1.0, "frequency, Hz"),
     ):
+        column = MEANS[largest]
         for y, (_, cell, orbits) in enumerate(reversed(rows)):
             for row in orbits:
                 if row[column]:
                     size = 3.0 + 6.0 * row["basin_fraction"] ** 0.5
                     dot = {"color": ink.COLOURS[0], "markeredgewidth": 0, "markersize": size}
                     axes_.plot([scale * row[column]], [y], marker="o", **dot)
-            mean = scale * (cell[column] or 0.0)
-            if mean > 0:
-                axes_.plot([mean], [y], marker="|", markersize=18, color="black", linestyle="none")
+            if cell[column]:
+                axes_.plot([scale * cell[column]], [y], marker="|", markersize=18, color="black", linestyle="none")
+                worst = scale * cell[largest]
                 axes_.annotate(
-                    number(mean), (mean, y), textcoords="offset points", xytext=(0, 12), ha="center", fontsize=8
+                    number(worst), (worst, y), textcoords="offset points", xytext=(0, 12), ha="center", fontsize=8
                 )
             else:
                 axes_.text(0.5, y, "rest", ha="center", va="center", fontsize=8, transform=axes_.get_yaxis_transform())
@@ -62,6 +65,7 @@ def cases(evidence: Evidence, of: str | list[str], *, names: list[str] | None = 
         axes_.margins(x=0.25)
     panels[0].set_yticks(range(len(rows)), [text for text, _, _ in reversed(rows)], fontsize=8)
     figure.supxlabel(
-        "a dot an orbit, larger the more trials reach it;  bar and number: the mean of the trials", fontsize=8
+        "a dot an orbit, larger the more trials reach it;  number: the largest;  bar: the mean of trials that cycle",
+        fontsize=8,
     )
     return figure

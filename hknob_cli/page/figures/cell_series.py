@@ -4,6 +4,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.page.figures.grid import axes_of, column_label
 from hknob_cli.report.matrix import short
+from hknob_cli.report.means import WORST, differs
 from hknob_cli.results.evidence import MissingError, Result, Rows
 
 Row = dict[str, Any]
@@ -71,16 +72,19 @@ def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
         if "sweep_p2p_rad" in names:
             cells = list({tuple(row[axis] for axis in result.axes): row for row in rows}.values())
             swept = (("sweep_p2p_rad", SIZE[1]), ("sweep_frequency_hz", PITCH[1]))
-            series.append(Series("sweep", _points(cells, swept)))
+            largest = (("sweep_p2p_max_rad", SIZE[1]), swept[1])
+            apart = any(row.get("sweep_p2p_max_rad") != row["sweep_p2p_rad"] for row in cells)
+            if apart and "sweep_p2p_max_rad" in names:
+                sizes = [Point(one.row, (one.values[0], None)) for one in _points(cells, largest)]
+                series.append(Series("sweep, largest cycle", sizes))
+            series.append(Series("sweep, mean" if apart else "sweep", _points(cells, swept)))
         return series
     if "p2p_max_rad" not in names:
         return [Series("", mean)]
-    pitch = "frequency_at_max_hz" if "frequency_at_max_hz" in names else "frequency_hz"
-    largest = _points(rows, (("p2p_max_rad", SIZE[1]), (pitch, PITCH[1])))
-    differ = any(one.values[0] and one.values[0] != other.values[0] for one, other in zip(largest, mean, strict=True))
-    if not differ:
+    largest = _points(rows, ((WORST[0], SIZE[1]), (WORST[1], PITCH[1])))
+    if not differs(rows):
         return [Series("", largest)]
-    worst = "largest attractor" if result.stage == "sweep" else "trial that buzzes most"
+    worst = "largest cycle" if result.stage == "sweep" else "trial that buzzes most"
     return [Series(worst, largest), Series("mean of those that cycle", mean)]
 
 

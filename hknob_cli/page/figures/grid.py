@@ -2,7 +2,9 @@
 
 from typing import Any, NamedTuple
 
+from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.matrix import labels, short
+from hknob_cli.report.means import MEANS, mean_beside
 from hknob_cli.report.picture import axis_name
 from hknob_cli.results.evidence import MissingError, Result, Rows
 
@@ -12,14 +14,16 @@ _TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cell
 _CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
-    "p2p_max_rad": ("largest peak to peak, mrad", 1e3),
-    "frequency_at_max_hz": ("frequency of the largest, Hz", 1.0),
     "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
+    "p2p_max_rad": ("peak to peak of the largest cycle, mrad", 1e3),
+    "frequency_at_max_hz": ("frequency of the largest cycle, Hz", 1.0),
+    "sweep_p2p_max_rad": ("peak to peak of the sweep's largest cycle, mrad", 1e3),
     "amplitude_rad": ("amplitude (half of peak to peak), mrad", 1e3),
     "rms_rad": ("RMS, mrad", 1e3),
     "rms_sine_rad": ("RMS as .707/2 of peak to peak, mrad", 1e3),
     "p2p_counts": ("peak to peak, counts", 1.0),
     "frequency_hz": ("frequency, Hz", 1.0),
+    "frequency_at_max_hz": ("frequency of the largest cycle, Hz", 1.0),
     "touch_db": ("touch, dB above threshold", 1.0),
     "hearing_db": ("sound, dB above threshold", 1.0),
     "hearing_relative_db": ("sound, relative dB", 1.0),
@@ -28,7 +32,7 @@ _NAMES: dict[str, tuple[str, float]] = {
     "growth_j_per_s2": ("growth of energy, mJ/s\u00b2", 1e3),
     "growth_std_j_per_s2": ("standard deviation of growth, mJ/s\u00b2", 1e3),
 }
-_ORBIT_MEASURES = ("p2p_rad", "p2p_max_rad", "p2p_counts", "frequency_hz", "frequency_at_max_hz", "rms_rad")
+_ORBIT_MEASURES = (*MEANS, *MEANS.values(), "p2p_counts", "rms_rad")
 _ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
 MOST_WRITTEN = 16  # values of an axis up to which a map has its values written in
 MOST = 24  # values of an axis that a map shows
@@ -65,6 +69,8 @@ class Grid(NamedTuple):
 def rows_of(result: Result, where: Row | None = None) -> Rows:
     """Rows of the result's table of cells; ``where`` says of which method or law, where there are several.
 
+    Of several cycles that a method finds in a cell the largest, unless ``where`` has the number of an ``orbit``.
+
     Raises `MissingError` for a result without cells, where nothing is left, and where several are.
     """
     if result.stage not in _TABLES:
@@ -81,9 +87,7 @@ def rows_of(result: Result, where: Row | None = None) -> Rows:
         rows = [row for row in rows if row[name] == value]
     if not rows:
         raise MissingError(f"'{result.name}' has no cell where {chosen}")
-    if "orbit" in rows[0] and "orbit" not in chosen:
-        rows = [row for row in rows if row["orbit"] == 0]
-    return rows
+    return largest_cycles(rows, axes_of(result, rows)) if "orbit" in rows[0] and "orbit" not in chosen else rows
 
 
 def grid(
@@ -187,7 +191,15 @@ def cell_text(cell: Row | None, value: float, column: str, digits: int = 3) -> s
         text = number(value, digits, short=True)
     if text and cell.get("in_domain") is False:
         text = f"({text})"
+    if text and (mean := _mean_text(cell, value, column, digits)):
+        text = f"{text} ({mean})"
     return "\n".join(filter(None, [text, " ".join(words)])) or "none"
+
+
+def _mean_text(cell: Row, value: float, column: str, digits: int) -> str:
+    """The mean over the cycles of a cell, where it is another than that of the largest, which is ``value``."""
+    mean = mean_beside(cell, column)
+    return "" if mean is None else number(value * mean / cell[column], digits)
 
 
 def ends(cell: Row) -> tuple[str, ...]:
@@ -201,6 +213,8 @@ def notes(grids: list[Grid], column: str) -> str:
     words = {word for cell in cells for word in ends(cell)} if column in _ORBIT_MEASURES else set()
     meaning = {"rest": "rest: trials that come to rest", "div": "div: that diverge", "?": "?: undecided"}
     said = [text for word, text in meaning.items() if word in words]
+    if any(_mean_text(cell, 1.0, column, 3) for cell in cells):
+        said = ["in brackets: the mean of the trials that cycle", *said]
     if words and any(max(len(one.acrosses), len(one.downs)) > MOST_WRITTEN for one in grids):
         said = ["empty: no limit cycle"]
     if any(cell.get("in_domain") is False for cell in cells):

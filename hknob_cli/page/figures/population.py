@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 def population(evidence: Evidence, of: str, *, at: Row | None = None, height: float = 3.4) -> "Figure":
     """Cumulative distribution over people of peak to peak and of frequency, a line for each cell.
 
-    ``at`` gives values of axes, the nearest of which are taken. Peak to peak is of all people, 0 at rest; frequency of
-    those for whom the knob buzzes. Of many cells a few are drawn. Raises `MissingError` where the result has no
-    population.
+    ``at`` gives values of axes, the nearest of which are taken. Both are of a person's largest cycle: peak to peak of
+    all people, 0 at rest; frequency of those for whom the knob buzzes. Of many cells a few are drawn. Raises
+    `MissingError` where the result has no population.
     """
     result = evidence[of]
     rows = rows_of(result)

@@ -8,6 +8,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, ends, grid
 from hknob_cli.page.figures.heat import draw_key, draw_map, height_of, ramp
 from hknob_cli.page.figures.mesh import draw_mesh
+from hknob_cli.report.means import WORST
 from hknob_cli.results.evidence import Evidence, MissingError
 
 if TYPE_CHECKING:
@@ -27,16 +28,18 @@ def surface(
 ) -> "Figure":
     """The larger of log peak to peak and frequency, both scaled to 0..1 over the grid; small is good.
 
+    Both are those of the largest cycle of a cell.
     ``log_pitch``: log frequency, too. A letter says which of the two it is (s: size, p: pitch); the best cell of each
     row has a frame. For axes see `grid`. Raises `MissingError`.
     """
     from matplotlib.colors import Normalize
 
-    cells = grid(evidence[of], across=across, down=down, at=at, columns=("p2p_rad", "frequency_hz"))
-    sizes = [[log(value) if value > 0 else float("nan") for value in line] for line in cells.values("p2p_rad")]
+    size_of, pitch_of = WORST
+    cells = grid(evidence[of], across=across, down=down, at=at, columns=WORST)
+    sizes = [[log(value) if value > 0 else float("nan") for value in line] for line in cells.values(size_of)]
     pitches = [
         [(log(value) if log_pitch else value) if value > 0 else float("nan") for value in line]
-        for line in cells.values("frequency_hz")
+        for line in cells.values(pitch_of)
     ]
     if not any(value == value for line in sizes for value in line):
         raise MissingError(f"'{of}' has no limit cycle")

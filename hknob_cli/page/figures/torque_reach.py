@@ -7,6 +7,7 @@ import numpy as np
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import grid
+from hknob_cli.report.means import WORST
 from hknob_cli.report.ticks import log_ticks
 from hknob_cli.results.evidence import Evidence, MissingError
 
@@ -28,25 +29,26 @@ def torque_reach(
     """Peak to peak (mrad) over pitch (Hz): the most that +- half a count's torque gives the inertia, K q / (32 J f^2).
 
     The first ``of`` is a sweep of one cell, whose scene has the wall and the inertia; it and the others (sweeps and
-    campaigns of one cell) are points, means of the trials that buzz. ``printed_hz``, ``printed_rad``: what a text says.
+    campaigns of one cell) are points, the largest cycle of each. ``printed_hz``, ``printed_rad``: what a text says.
     Raises `MissingError` where one is at rest.
     """
     from hknob_cli.claims.checks import compute
 
     points: list[tuple[str, float, float]] = []
     for name, said in zip(of, names or of, strict=True):
-        cells = grid(evidence[name], columns=("p2p_rad", "frequency_hz")).rows
-        if len(cells) != 1 or not cells[0]["p2p_rad"]:
+        cells = grid(evidence[name], columns=WORST).rows
+        if len(cells) != 1 or not cells[0][WORST[0]]:
             raise MissingError(f"'{name}' is at rest, or of several cells")
-        points.append((said, float(cells[0]["frequency_hz"]), float(cells[0]["p2p_rad"])))
+        size, pitch = (float(cells[0][column]) for column in WORST)
+        points.append((said, pitch, size))
     pitches = [pitch for _, pitch, _ in points] + ([printed_hz] if printed_hz else [])
-    pitch = np.geomspace(min(pitches) / _MARGIN, max(pitches) * _MARGIN, 60)
+    line = np.geomspace(min(pitches) / _MARGIN, max(pitches) * _MARGIN, 60)
     at_one = compute("swing_at", evidence, {"result": of[0], "frequency_hz": 1.0})
     if at_one is None:
         raise MissingError(f"'{of[0]}' has no wall")
     drawn = ink.figure(3.3)
     panel = drawn.subplots()
-    panel.plot(pitch, 1e3 * at_one / pitch**2, color="black", linewidth=1.2, label="half a count's torque, no losses")
+    panel.plot(line, 1e3 * at_one / line**2, color="black", linewidth=1.2, label="half a count's torque, no losses")
     for i, (said, at_hz, p2p_rad) in enumerate(points):
         panel.plot([at_hz], [1e3 * p2p_rad], markersize=7, label=said, **ink.points(i))
     if printed_hz and printed_rad:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, rows_of
+from hknob_cli.report.means import ONE, WORST
 from hknob_cli.results.evidence import Evidence, MissingError, Result
 
 if TYPE_CHECKING:
@@ -21,6 +22,8 @@ _DOTS = 100  # cells drawn in a panel, which each take room in the file
 @drawing
 def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most: int = 6) -> "Figure":
     """Peak to peak, frequency, and the share at rest (or in domain) over each axis that varies, at most ``most``.
+
+    A cell is judged by its largest cycle; one in which all trials rest is the least.
 
     Lines are medians, bands reach from 10 to 90 % of the cells that buzz, dots are some of them; "explains" is the
     share of the variance of the cells' places in order of size that lies between the bins of an axis (epsilon squared
@@ -41,7 +44,7 @@ def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most:
     note = note_of(matters, "", 120)
     if hidden := len(matters) - len(shown):
         note += f"\nleft out: {hidden} that explain{'s' if hidden == 1 else ''} less"
-    if (large := result.parted("cells")) and (looked_at := len(columns["p2p_rad"])) < large.num_rows:
+    if (large := result.parted("cells")) and (looked_at := len(columns[share])) < large.num_rows:
         note += f"\nof {looked_at:,} of {large.num_rows:,} cells, from all over them"
     figure.supxlabel(note, fontsize=7)
     return figure
@@ -61,18 +64,17 @@ def _cells(result: Result, where: Row | None) -> tuple[list[str], "Columns", str
     from hknob_cli.report.what_matters import axes_that_matter, columns_in
 
     if large := result.parted("cells"):
-        _refuse_lacking(result, large.column_names, "at_rest_fraction")
+        _refuse_lacking(result, large.column_names, (*WORST, "at_rest_fraction"))
         return *matters_at_large(large, result.axes), "at_rest_fraction"
     rows = rows_of(result, where)
     share = "at_rest_fraction" if "at_rest_fraction" in rows[0] else "in_domain"
-    needed = _refuse_lacking(result, list(rows[0]), share)
+    needed = (*(WORST if share == "at_rest_fraction" else ONE), share)
+    _refuse_lacking(result, list(rows[0]), needed)
     axes = axes_that_matter(axes_of(result, rows), list(rows[0]))
     return axes, columns_in(rows, [*axes, *needed]), share
 
 
-def _refuse_lacking(result: Result, names: Sequence[str], share: str) -> tuple[str, ...]:
-    """Columns that are needed beside the axes. Raises `MissingError` where ``names`` lack one."""
-    needed = ("p2p_rad", "frequency_hz", share)
+def _refuse_lacking(result: Result, names: Sequence[str], needed: Sequence[str]) -> None:
+    """Raise `MissingError` where ``names`` lack a column that is ``needed`` beside the axes."""
     if lacking := [name for name in needed if name not in names]:
         raise MissingError(f"'{result.name}' has no column {', '.join(lacking)}")
-    return needed
