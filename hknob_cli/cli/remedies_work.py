@@ -8,6 +8,7 @@ from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.remedies import describe_trial, trial_text
+from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies import RemediesStage
 
 
@@ -34,6 +35,11 @@ class RemediesWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        for one in job.plan.remedies:
+            for sweep in (one.grid, *one.cases[:1]):
+                if warning := domain_warning(sweep, one.name):
+                    note(job, warning)
+                    break
         stage = RemediesStage(job.plan, jobs=job.jobs)
         with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
             return stage.run(progress)
@@ -56,7 +62,7 @@ class RemediesWork(Work):
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every remedy at every case, over the grid, and over its further axes."""
-        return describe_trial(*tables, further=list(job.plan.further))
+        return describe_trial(tables[0], tables[1], list(job.plan.further))
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""

@@ -29,8 +29,10 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
             _together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere
         ]
         found[case] = sorted(here, key=_size)
-    outside = {name: sum(row.get("in_domain") is False for row in (*over, *rows) if row["remedy"] == name)
-               for name in everywhere}
+    outside = {
+        name: sum(row.get("in_domain") is False for row in (*over, *rows) if row["remedy"] == name)
+        for name in everywhere
+    }
     loose = sum((row.get("undecided_fraction") or 0.0) > 0.0 for row in (*over, *rows))
     hands = list(dict.fromkeys(row["hand"] for row in over))
     return {

@@ -1,4 +1,4 @@
-"""Remedies over a further axis of the grid: where each helps and where it harms, by the hand and cell it helps least."""
+"""Remedies over a further axis of the grid: where each helps and where it harms, for the hand that gains least."""
 
 from math import inf
 from statistics import median
@@ -36,7 +36,7 @@ def _together(rows: list[Row]) -> Row:
 
 
 def _rests(row: Row) -> bool:
-    return row["p2p_max_rad"] == 0.0 and row["diverged_fraction"] == 0.0
+    return bool(row["p2p_max_rad"] == 0.0 and row["diverged_fraction"] == 0.0)
 
 
 def _compared(row: Row) -> bool:
@@ -52,7 +52,10 @@ def over_text(axis: str, found: dict[str, list[Row]]) -> list[str]:
         f"{'':{wide}}" + "".join(f"{head:>9.3g}" for head in heads),
     ]
     lines += [f"{name:{wide}}" + "".join(f"{said(row):>9}" for row in rows) for name, rows in found.items()]
-    return [*lines, "rest: all come to rest; starts: the remedy buzzes where the reference rests; -: nothing to compare."]
+    return [
+        *lines,
+        "rest: all come to rest; starts: the remedy buzzes where the reference rests; -: nothing to compare.",
+    ]
 
 
 def said(row: Row) -> str:

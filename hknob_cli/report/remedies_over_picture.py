@@ -1,4 +1,4 @@
-"""The picture of remedies over a further axis: blue where a remedy makes the largest cycle smaller, red where larger."""
+"""The picture of remedies over a further axis: blue where the largest cycle is smaller, red where it is larger."""
 
 from math import log2
 from pathlib import Path

@@ -64,6 +64,7 @@ def validate_design(source: Source) -> DesignPlan:
         torques=spec.press.torques,
         exhaustive=spec.exhaustive,
         values=source.value,
+        uncertainty_db=spec.uncertainty_db,
     )
     if plan.size > MOST_DESIGNS:
         raise SpecError([source.fault(("choices",), f"must span at most {MOST_DESIGNS} designs, got {plan.size}")])

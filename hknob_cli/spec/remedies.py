@@ -61,7 +61,9 @@ class RemediesSpec(Part):
     name: Annotated[Name, Field(description="names the results folder")]
     base: Annotated[
         dict[str, Any],
-        Field(description="scene without a hand, grid (any number of the scene may be an axis) and starts, as in a sweep"),
+        Field(
+            description="scene without a hand, grid (any number of the scene may be an axis) and starts, as in a sweep"
+        ),
     ]
     hands: Annotated[dict[Label, HandSpec], Field(min_length=1, max_length=1000, description="hands by name")]
     cases: Annotated[

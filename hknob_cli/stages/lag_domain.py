@@ -1,9 +1,10 @@
-"""Whether the bounded lag of a scene stays within its domain: whoever holds the knob, it must damp and not drive."""
+"""Whether the bounded lag of a scene is within its domain: whoever holds the knob, it must damp more than it drives."""
 
-from collections.abc import Iterable
+from collections.abc import Iterator
+from itertools import product
 
-from hknob_cli.spec.plan import Hand, Scene
-from hknob_cli.theory.bounded_lag import least_keep
+from hknob_cli.spec.plan import GRIP, PERSON, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 LAG = "bounded_lag"
 
@@ -14,29 +15,49 @@ def has_domain(scene: Scene) -> bool:
 
 
 def in_domain(scene: Scene) -> bool | None:
-    """Whether a scene, its hand chosen, keeps at least what `least_keep` asks for; None without such a controller."""
+    """Whether a scene, its hand chosen, has keep >= J/(b tau), as docs/controllers.md says; None without a lag."""
     if scene.controller is None or not has_domain(scene):
         return None
-    return scene.controller.keep >= _least(scene)
+    return scene.controller.keep >= min(1.0, _slowness(scene))
 
 
-def domain_warning(scenes: Iterable[Scene], where: str) -> str:
-    """What to say of the worst of some scenes that are outside the domain; ``where`` they are. Empty where none is."""
+def domain_warning(sweep: SweepPlan, who: str) -> str:
+    """What to say of a sweep some of whose cells are outside the domain, by the worst of them; empty where none is."""
+    if not has_domain(sweep.scene):
+        return ""
+    scenes = list(_differing(sweep))
     outside = [scene for scene in scenes if in_domain(scene) is False]
     if not outside:
         return ""
-    worst = max(outside, key=_least)
+    worst = max(outside, key=_slowness)
     assert worst.controller
+    r = _slowness(worst)
+    if r < 1.0:
+        advice = f"keep must be at least {r:.2g}, best {best_keep(r):.2g}"
+    else:
+        advice = "no keep below 1 helps with this time_constant"
     return (
-        f"{where}: outside the domain of bounded_lag, keep {worst.controller.keep:g} is below"
-        f" J/(J + b tau) = {_least(worst):.2g}: below one count the lag drives, and may make the buzz larger"
+        f"{who}: bounded_lag with keep {worst.controller.keep:g} is outside its domain for {len(outside)} of"
+        f" {len(scenes)} hands and knobs, where it may make the buzz larger: J/(b tau) reaches {r:.2g}; {advice}"
+        " (docs/controllers.md)"
     )
 
 
-def _least(scene: Scene) -> float:
+def _differing(sweep: SweepPlan) -> Iterator[Scene]:
+    """The scenes of a sweep that differ in what the domain depends on: knob, hand and controller."""
+    axes = {
+        name: values
+        for name, values in sweep.axes.items()
+        if name in (PERSON, GRIP) or name.startswith(("knob.", "hand.", "controller."))
+    }
+    for values in product(*axes.values()):
+        yield scene_at(sweep.scene, dict(zip(axes, values, strict=True)))
+
+
+def _slowness(scene: Scene) -> float:
     hand = scene.hand or Hand()
     assert scene.controller
-    return least_keep(
+    return slowness(
         inertia_kg_m2=scene.knob.inertia + hand.inertia,
         damping_nm_s_per_rad=scene.knob.damping + hand.damping,
         time_constant_s=scene.controller.time_constant,

@@ -9,27 +9,23 @@ sample's delay and of the lag is the damping b:
     G keep T/2 + (1 - keep) J/(keep tau) = b.
 
 So G = (2 b/(keep T)) (1 - r (1 - keep)/keep) with r = J/(b tau); the plain wall's (keep = 1) is 2 b/T, and the
-amplitude goes as 1/G. G is above 0 for keep > r/(1 + r), and greatest at keep = 2 r/(1 + r), where the buzz is
-(1 + r)^2/(4 r) times smaller than the plain wall's. From r = 1 on no lag makes it smaller.
+amplitude goes as 1/G. The buzz is smaller than the plain wall's for r < keep < 1, smallest at keep = 2 r/(1 + r), where
+it is (1 + r)^2/(4 r) times smaller. Below keep = r/(1 + r) the lag drives a slow oscillation of its own; from r = 1 on
+no lag makes the buzz smaller. Sample delay, friction and the hand's stiffness are left out: the last helps.
 """
 
 
-def least_keep(*, inertia_kg_m2: float, damping_nm_s_per_rad: float, time_constant_s: float) -> float:
-    """Part of a step below which the lag drives a slow oscillation of knob and hand: r/(1 + r) = J/(J + b tau)."""
-    return inertia_kg_m2 / (inertia_kg_m2 + damping_nm_s_per_rad * time_constant_s)
+def slowness(*, inertia_kg_m2: float, damping_nm_s_per_rad: float, time_constant_s: float) -> float:
+    """Time J/b in which knob and hand lose their speed, over that of the lag; infinite without damping."""
+    loss = damping_nm_s_per_rad * time_constant_s
+    return inertia_kg_m2 / loss if loss > 0.0 else float("inf")
 
 
-def best_keep(*, inertia_kg_m2: float, damping_nm_s_per_rad: float, time_constant_s: float) -> float:
-    """Part of a step that leaves the smallest buzz: twice the least, at most 1, which is the plain wall."""
-    least = least_keep(
-        inertia_kg_m2=inertia_kg_m2, damping_nm_s_per_rad=damping_nm_s_per_rad, time_constant_s=time_constant_s
-    )
-    return min(1.0, 2.0 * least)
+def best_keep(r: float) -> float:
+    """Part of a step that leaves the smallest buzz; 1, the plain wall, where none makes it smaller."""
+    return 2.0 * r / (1.0 + r) if r < 1.0 else 1.0
 
 
-def times_smaller(
-    keep: float, *, inertia_kg_m2: float, damping_nm_s_per_rad: float, time_constant_s: float
-) -> float:
+def times_smaller(keep: float, r: float) -> float:
     """How many times smaller than with the plain wall the buzz is expected; 0 where the lag drives."""
-    r = inertia_kg_m2 / (damping_nm_s_per_rad * time_constant_s)
-    return max(0.0, (1.0 - r * (1.0 - keep) / keep) / keep)
+    return max(0.0, (1.0 - r * (1.0 - keep) / keep) / keep) if keep < 1.0 else 1.0
