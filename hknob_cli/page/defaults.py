@@ -62,10 +62,8 @@ def _sentence(result: Result) -> str:
     differs = bool((np.abs(means - sizes) > SAME * sizes).any())
     mean = f"; mean of those that cycle {_span(means)} mrad" if differs else ""
     surely = "recorded" if result.stage == CAMPAIGN else _surely(float(proven))
-    return (
-        f"{cells}: peak to peak of the largest cycle {_span(sizes)} mrad, {_span(pitches).removeprefix('from ')} Hz{mean}"
-        f"{_rest(resting, count)}; {surely}."
-    )
+    found = f"peak to peak of the largest cycle {_span(sizes)} mrad, {_span(pitches).removeprefix('from ')} Hz"
+    return f"{cells}: {found}{mean}{_rest(resting, count)}; {surely}."
 
 
 def _span(values: "np.ndarray") -> str:

@@ -180,10 +180,10 @@ def _all() -> dict[str, str]:
             found[f"{kind}, {shape}"] = spec
             found[f"{kind} against a sweep, {shape}"] = spec + "against: AGAINST\n"
     for shape in ("one cell", "one axis", "two axes", "three axes"):
-        if shape != "three axes":  # which remedies do not have
-            tried = TRIED.replace("GRID", GRIDS[shape].strip())
-            found[f"remedies, {shape}"] = tried
-            found[f"remedies with cases, {shape}"] = tried + CASES
+        tried = TRIED.replace("GRID", GRIDS[shape].strip().replace("wall.stiffness", "knob.inertia"))
+        tried = tried.replace("[0.2, 0.27]", "[1.9e-6, 4.0e-6]")
+        found[f"remedies, {shape}"] = tried
+        found[f"remedies with cases, {shape}"] = tried + CASES
         found[f"design, {shape}"] = SOUGHT.replace("CHOICES\n", CHOICES[shape])
     found["remedies with perceive"] = TRIED.replace("GRID", GRIDS["one axis"].strip()) + PERCEIVE
     found["remedies with cases and perceive"] = TRIED.replace("GRID", GRIDS["one axis"].strip()) + CASES + PERCEIVE

@@ -65,17 +65,18 @@ def place_of(row: Row, axes: list[str]) -> str:
 def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
     mean = _points(rows, (("p2p_rad", SIZE[1]), ("frequency_hz", PITCH[1])))
     if choice := _CHOICES.get(result.stage):
-        found = {row[choice]: [] for row in rows}  # type: dict[str, list[Point]]
+        found: dict[str, list[Point]] = {row[choice]: [] for row in rows}
         for point in mean:
             found[point.row[choice]].append(point)
         series = [Series(name, points) for name, points in found.items()]
         if "sweep_p2p_rad" in names:
             cells = list({tuple(row[axis] for axis in result.axes): row for row in rows}.values())
             swept = (("sweep_p2p_rad", SIZE[1]), ("sweep_frequency_hz", PITCH[1]))
-            largest = (("sweep_p2p_max_rad", SIZE[1]), swept[1])
             apart = any(row.get("sweep_p2p_max_rad") != row["sweep_p2p_rad"] for row in cells)
             if apart and "sweep_p2p_max_rad" in names:
-                sizes = [Point(one.row, (one.values[0], None)) for one in _points(cells, largest)]
+                sizes = [
+                    Point(one.row, (one.values[0], None)) for one in _points(cells, (("sweep_p2p_max_rad", SIZE[1]),))
+                ]
                 series.append(Series("sweep, largest cycle", sizes))
             series.append(Series("sweep, mean" if apart else "sweep", _points(cells, swept)))
         return series

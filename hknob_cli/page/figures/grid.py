@@ -16,7 +16,6 @@ _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
     "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
     "p2p_max_rad": ("peak to peak of the largest cycle, mrad", 1e3),
-    "frequency_at_max_hz": ("frequency of the largest cycle, Hz", 1.0),
     "sweep_p2p_max_rad": ("peak to peak of the sweep's largest cycle, mrad", 1e3),
     "amplitude_rad": ("amplitude (half of peak to peak), mrad", 1e3),
     "rms_rad": ("RMS, mrad", 1e3),
