@@ -101,9 +101,9 @@ def design_text(plan: DesignPlan, summary: Row) -> str:
         "",
         *_table(plan, summary),
     ]
-    best = summary["notional_best"]
-    if best:
-        lines += ["", *_surface(summary["notional"])]
+    best, surface = summary["notional_best"], _surface(summary["notional"])
+    if best and surface:
+        lines += ["", *surface]
         lines.append(
             f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
             f" where touch is {_level(best)}."

@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.remedies_grid import grid_text
 from hknob_cli.report.remedies_over import over_axis, over_text
 
 Row = dict[str, Any]
@@ -110,6 +111,8 @@ def trial_text(summary: dict[str, Any]) -> str:
     for case, rows in summary["cases"].items():
         lines += ["", f"{case}: of the hand that buzzes most", f"{'':{wide}}  " + "".join(f"{h:>10}" for h in heads)]
         lines += [f"{row['remedy']:{wide}}  {_line(row, summary['grid'][row['remedy']])}" for row in rows]
+    if not summary["cases"]:
+        lines += ["", *grid_text(summary["grid"])]
     for axis, values in summary["over"].items():
         lines += ["", *over_text(axis, values)]
     if summary["cases"]:
