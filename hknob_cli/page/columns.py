@@ -12,7 +12,7 @@ _NAMES = {
     "p2p_max_rad": "peak to peak, largest cycle",
     "p2p_counts": "peak to peak",
     "frequency_hz": "frequency",
-    "frequency_at_max_hz": "its frequency",
+    "frequency_at_max_hz": "frequency, largest cycle",
     "rms_rad": "RMS",
     "rms_sine_rad": "RMS of a sine",
     "amplitude_rad": "amplitude (half of peak to peak)",

@@ -169,8 +169,7 @@ def _rows(result: Result, plan: TablePlan) -> tuple[dict[str, pa.Field], _Cut]:
 
 
 def _which(key: pa.Field) -> str:
-    name = shown_as(key, is_axis=False).head
-    return f"those with the {name if 'largest' in name else f'largest {name}'}"
+    return f"those with the largest values of \N{LEFT DOUBLE QUOTATION MARK}{shown_as(key, is_axis=False).head}\N{RIGHT DOUBLE QUOTATION MARK}"
 
 
 def _of_parts(large: Parted, fields: dict[str, pa.Field], plan: TablePlan) -> _Cut:
