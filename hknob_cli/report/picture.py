@@ -174,11 +174,17 @@ def _write(
         if row[column] > 0
     ]
     text = "" if isnan(value) or (value == 0 and words) else f"{value:.3g}"
-    text += f" ({mean:.3g})" if text and mean else ""
+    text += f" ({_few(mean, 11 - len(text))})" if text and mean else ""
     axes.text(x, y, "\n".join(filter(None, [text, " ".join(words)])), ha="center", va="center", fontsize=8, color=ink)
     count = int(row["orbit_count"])
     if count > 1:
         axes.text(x, y - 0.33, "•" * min(count, 8), ha="center", va="center", fontsize=7, color=ink)
+
+
+def _few(value: float, room: int) -> str:
+    """A number to three digits, or to two where these take more letters than there is room."""
+    text = f"{value:.3g}"
+    return text if len(text) <= room else f"{float(f'{value:.2g}'):g}"
 
 
 def _draw_orbits(figure: "Figure", orbits: list[dict[str, Any]], axis: str) -> None:

@@ -102,3 +102,27 @@ def test_what_is_not_there_is_said(made: Made) -> None:
     along = {"result": "a", "column": "p2p_rad", "along": "sample_rate_hz", "direction": "upward"}
     with pytest.raises(UsageError, match="direction"):
         compute("trend", evidence, along)
+
+
+def test_a_cell_at_rest_has_the_size_0_and_no_pitch(made: Made) -> None:
+    """From rest to rest nothing falls, and no pitch rises to or from a cell without one."""
+    rows = [
+        cell(rate, counts, 0.0 if counts == 2048 else 1.0 / rate, 0.1 * rate, at_rest_fraction=float(counts == 2048))
+        for rate in (100, 200, 400)
+        for counts in (128, 2048)
+    ]
+    evidence = made("a", {"cells": rows})
+    size = {"result": "a", "column": "p2p_rad", "direction": "down"}
+    assert compute("trend", evidence, {**size, "along": "sample_rate_hz"}) == 50.0
+    assert compute("trend", evidence, {**size, "along": "counts_per_rev"}) == 100.0
+    pitch = {"result": "a", "column": "frequency_hz", "along": "sample_rate_hz"}
+    assert compute("trend", evidence, {**pitch, "direction": "up"}) == 50.0
+    assert compute("trend", evidence, {**pitch, "along": "counts_per_rev", "direction": "down"}) == 0.0
+    assert compute("end_to_end", evidence, pitch) == 4.0
+    assert compute("end_to_end", evidence, {"result": "a", "column": "p2p_rad", "along": "counts_per_rev"}) == 0.0
+    assert compute("count_of_cells", evidence, {"result": "a", "having": {"p2p_rad": {"below": 1e-9}}}) == 3
+
+
+def test_a_cell_that_partly_rests_is_sized_by_its_cycles(made: Made) -> None:
+    evidence = made("a", {"cells": [cell(100, 128, 2.0, 50.0, at_rest_fraction=0.9)]})
+    assert compute("cell_statistic", evidence, {"result": "a", "column": "p2p_rad"}) == 2.0

@@ -53,15 +53,17 @@ def test_the_summary_counts_what_nobody_lists(both: Path) -> None:
     assert (summary["status"], summary["cell_count"]) == ("up to date", 49)
     assert summary["orbits"] == {kind: int((orbits["outcome"] == kind).sum()) for kind in summary["orbits"]}
     assert summary["certified_fraction"] == pytest.approx(cells["certified_fraction"].mean(), rel=1e-12)
-    most = cells.loc[cells["p2p_rad"].idxmax()]
-    assert summary["extremes"]["most_p2p_rad"] == {
-        name: most[name] for name in ("p2p_rad", "sample_rate_hz", "counts_per_rev")
+    most = cells.loc[cells["p2p_max_rad"].idxmax()]
+    assert summary["extremes"]["most_p2p_max_rad"] == {
+        name: most[name] for name in ("p2p_max_rad", "p2p_rad", "sample_rate_hz", "counts_per_rev")
     }
-    least = cells["frequency_hz"].where(cells["frequency_hz"] > 0).min()
-    assert summary["extremes"]["least_frequency_hz"]["frequency_hz"] == least
+    least = cells["frequency_at_max_hz"].min()
+    assert summary["extremes"]["least_frequency_at_max_hz"]["frequency_at_max_hz"] == least
     text = in_parts("sweep", GRID, "-o", "parts", cwd=both).stdout
     assert "49 cells (up to date)" in text
-    assert f"greatest peak to peak: {1e3 * most['p2p_rad']:.4g} mrad, at sample_rate_hz = 100" in text
+    size, mean = (f"{1e3 * most[name]:.4g}" for name in ("p2p_max_rad", "p2p_rad"))
+    assert f"greatest peak to peak: {size} mrad{f' (mean of the cell {mean})' if mean != size else ''}, at" in text
+    assert ", at sample_rate_hz = 100" in text
 
 
 def test_later_stages_take_it(both: Path) -> None:

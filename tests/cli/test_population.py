@@ -72,11 +72,11 @@ def test_the_summary_is_over_people(hknob, spec_file, tmp_path, hands) -> None:
     summary = json.loads(done.stdout)
     assert summary["axes"]["person"] == [1, 2, 3, 4]
     first, _ = summary["population"]
-    sizes = sorted(row["p2p_rad"] for row in rows(tmp_path / "out")[:4])
+    sizes = sorted(row["p2p_max_rad"] for row in rows(tmp_path / "out")[:4])
     assert first["people"] == 4
     assert first["buzzing_fraction"] == sum(size > 0 for size in sizes) / 4
-    assert first["p2p_rad_median"] == pytest.approx(0.5 * (sizes[1] + sizes[2]))
-    assert first["p2p_rad_p95"] == pytest.approx(sizes[2] + 0.85 * (sizes[3] - sizes[2]))
+    assert first["p2p_max_rad_median"] == pytest.approx(0.5 * (sizes[1] + sizes[2]))
+    assert first["p2p_max_rad_p95"] == pytest.approx(sizes[2] + 0.85 * (sizes[3] - sizes[2]))
     assert first["counts_per_rev"] == 1024
 
 

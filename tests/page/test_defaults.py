@@ -19,8 +19,10 @@ from hknob_cli.results.store import write
 
 CELLS: dict[str, Any] = {
     "sample_rate_hz": [500.0, 1000.0],
-    "p2p_rad": [2e-3, 1e-3],
-    "frequency_hz": [80.0, 90.0],
+    "p2p_rad": [1.5e-3, 1e-3],
+    "p2p_max_rad": [2e-3, 1e-3],
+    "frequency_hz": [85.0, 90.0],
+    "frequency_at_max_hz": [80.0, 90.0],
     "certified_fraction": [1.0, 1.0],
     "at_rest_fraction": [0.0, 0.0],
 }
@@ -35,12 +37,15 @@ def evidence(folder: Path, **columns: Any) -> Evidence:
 
 
 def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
-    assert "2 cells: peak to peak from 1 to 2 mrad" in sentences_of(evidence(tmp_path))[0]
+    assert (
+        "2 cells: peak to peak of the largest cycle from 1 to 2 mrad, 80 to 90 Hz"
+        in sentences_of(evidence(tmp_path))[0]
+    )
     assert [figure.draw for figure in chapters_of(evidence(tmp_path))[0].figures] == ["staircase"]
 
 
 @pytest.mark.parametrize(
-    "columns", [{"frequency_hz": None}, {"p2p_rad": ["x", "y"]}, {"certified_fraction": [None, 1.0]}]
+    "columns", [{"frequency_at_max_hz": None}, {"p2p_max_rad": ["x", "y"]}, {"certified_fraction": [None, 1.0]}]
 )
 def test_tables_of_another_shape_have_no_sentence(tmp_path: Path, columns: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match=r"results: the tables of 'tried' in .* are not as its stage writes them"):
@@ -67,9 +72,9 @@ def design(folder: Path, *, parts: int) -> Evidence:
     rate, bias = dice.uniform(500.0, 1000.0, 90), dice.uniform(0.0, 1e-3, 90)
     rest = bias < 1e-4
     table = pa.table({
-        "sample_rate_hz": rate, "bias.torque": bias, "p2p_rad": np.where(rest, 0.0, 1.0 / rate),
-        "frequency_hz": np.where(rest, np.nan, 90.0 + 1e4 * bias), "certified_fraction": np.ones(90),
-        "at_rest_fraction": rest.astype(float),
+        "sample_rate_hz": rate, "bias.torque": bias, "p2p_max_rad": np.where(rest, 0.0, 1.0 / rate),
+        "frequency_at_max_hz": np.where(rest, np.nan, 90.0 + 1e4 * bias), "p2p_rad": 0.9 / rate,
+        "certified_fraction": np.ones(90), "at_rest_fraction": rest.astype(float),
     })  # fmt: skip
     grid = {"design": {"random": 90}, "sample_rate_hz": {"log": [500, 1000]}, "bias.torque": {"lin": [0.0, 0.001]}}
     stamp = describe(stage="sweep", values={"name": "x", "grid": grid}, overrides=())

@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import MODULES, draw
-from hknob_cli.page.figures.grid import grid, number
+from hknob_cli.page.figures.grid import grid, number, rows_of
 from hknob_cli.report.ticks import log_ticks
 from hknob_cli.results.evidence import Evidence, MissingError
 from tests.conftest import EXPERIMENTS, HKNOB
@@ -65,6 +65,14 @@ RUNS: dict[str, tuple[str, ...]] = {
         "starts={angle: 0.02, phases: 1}",
     ),
     "dfa": ("dfa", "dfa_hand_on_knob", AXES, "methods=[df1, tsypkin]"),
+    "several": ("dfa", "dfa_hand_on_knob", AXES, "methods=[sampled]"),
+    "pushed": (
+        "sweep",
+        "hand_on_knob",
+        "grid={sample_rate_hz: [455, 1000], counts_per_rev: [256, 512]}",
+        "scene.bias.torque=0.007",
+        "starts={angle: 0.02, phases: 16}",
+    ),
     "predict": ("predict", "predict_hand_on_knob", AXES),
     "bench": (
         "bench",
@@ -281,3 +289,27 @@ def test_ticks_of_a_log_scale_are_few_and_within_it(low: float, high: float) -> 
     assert 1 <= len(ticks) <= 6
     assert len(texts) == len(set(texts)) == len(ticks)
     assert all(0.999 * low <= tick <= 1.001 * high for tick in ticks)
+
+
+def test_of_several_cycles_in_a_cell_the_largest_is_drawn(evidence: Evidence) -> None:
+    result = evidence["several"]
+    rows = result.rows("dfa")
+    assert max(row["orbit"] for row in rows) > 0
+    for cell in rows_of(result, {"method": "sampled"}):
+        sizes = [row["p2p_rad"] for row in rows if all(row[axis] == cell[axis] for axis in result.axes)]
+        assert cell["p2p_rad"] == max(sizes)
+    text = text_of(drawn(evidence, "grid_map", "several", {}))
+    assert number(1e3 * max(row["p2p_rad"] for row in rows)) in text
+    first = {"where": {"method": "sampled", "orbit": 0}}
+    assert {cell["orbit"] for cell in rows_of(result, first["where"])} == {0}
+    assert text_of(drawn(evidence, "grid_map", "several", first)) != text
+
+
+def test_a_map_of_the_largest_cycles_has_the_mean_beside_them(evidence: Evidence) -> None:
+    """Of 455 Hz and 256 counts, where two cycles coexist with rest, which is in no mean."""
+    cell = next(row for row in evidence["pushed"].rows("cells") if row["counts_per_rev"] == 256)
+    assert 0.0 < cell["at_rest_fraction"] < 1.0
+    text = text_of(drawn(evidence, "grid_map", "pushed", {"column": "p2p_max_rad"}))
+    assert f"{1e3 * cell['p2p_max_rad']:.1f} ({1e3 * cell['p2p_rad']:.1f})" in text
+    assert "in brackets: the mean of the trials that cycle" in text
+    assert "rest: trials that come to rest" in text

@@ -29,7 +29,13 @@ def columns(size: np.ndarray, **others: np.ndarray) -> dict[str, np.ndarray]:
     """Cells of a design of the axes a, b, c."""
     axes = dict(zip("abc", UNIT.T, strict=True))
     rest = (size == 0.0).astype(float)
-    return {**axes, "p2p_rad": size, "frequency_hz": np.full(COUNT, 80.0), "at_rest_fraction": rest, **others}
+    return {
+        **axes,
+        "p2p_max_rad": size,
+        "frequency_at_max_hz": np.full(COUNT, 80.0),
+        "at_rest_fraction": rest,
+        **others,
+    }
 
 
 def explained(found: dict[str, np.ndarray]) -> dict[str, float]:

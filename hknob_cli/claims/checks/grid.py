@@ -1,7 +1,7 @@
 """What the cells of a grid say: values, shares, trends, slopes and spreads."""
 
 import itertools
-from math import log
+from math import log, nan
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Line, Where, averaged, lines, matching, one_number, percent, rows_of
@@ -56,12 +56,13 @@ def trend(
 ) -> float | None:
     """Share of the steps along an axis, %, in which a column goes ``up`` or ``down``.
 
-    ``average``: of its mean over the other axes.
+    ``average``: of its mean over the other axes. A step from or to a cell at rest does not go either way where rest has
+    no value, as it has no pitch.
     """
     sign = _sign(direction)
     return percent(
         sign * (after - before) > 0.0
-        for line in _lines(evidence, result, column, along, where, average, file)
+        for line in _lines(evidence, result, column, along, where, average, file, resting=not average)
         for (_, before), (_, after) in itertools.pairwise(line)
     )
 
@@ -130,7 +131,7 @@ def end_to_end(
     file: str = "cells",
 ) -> float | None:
     """A column at the end of an axis over that at its start; a statistic over the other axes' values."""
-    many = _lines(evidence, result, column, along, where, average, file)
+    many = _lines(evidence, result, column, along, where, average, file, resting=not average)
     return one_number((line[-1][1] / line[0][1] for line in many if line and line[0][1]), statistic)
 
 
@@ -166,7 +167,8 @@ def paired_trend(
     series: dict[tuple[float, ...], list[float]] = {}
     for step in steps:
         for row in matching(rows, dict(zip(pairs, step, strict=True))):
-            series.setdefault(tuple(row[axis] for axis in others), []).append(sign * row[column])
+            value = nan if row[column] is None else sign * row[column]
+            series.setdefault(tuple(row[axis] for axis in others), []).append(value)
     if first_only:
         return percent(values[0] < min(values[1:]) for values in series.values())
     return percent(after > before for values in series.values() for before, after in itertools.pairwise(values))
@@ -179,10 +181,18 @@ def _sign(direction: str) -> float:
 
 
 def _lines(
-    evidence: Evidence, result: str, column: str, along: str, where: Where | None, average: bool, file: str
+    evidence: Evidence,
+    result: str,
+    column: str,
+    along: str,
+    where: Where | None,
+    average: bool,
+    file: str,
+    *,
+    resting: bool = False,
 ) -> list[Line]:
     rows = rows_of(evidence, result, file, where, needs=[column, along])
-    many = lines(rows, evidence[result].axes, along=along, column=column)
+    many = lines(rows, evidence[result].axes, along=along, column=column, resting=resting)
     return averaged(many) if average else many
 
 

@@ -1,7 +1,7 @@
 """Rows of results by what a claim says of them, and one number from many."""
 
 from collections.abc import Callable, Iterable
-from math import isfinite, sqrt
+from math import isfinite, nan, sqrt
 from typing import Any
 
 from hknob_cli.errors import UsageError
@@ -11,6 +11,7 @@ Where = dict[str, Any]
 Line = list[tuple[float, float]]
 
 SAME = 5e-3  # texts round: 2154 Hz is 2154.43
+_SIZES = ("p2p_rad", "p2p_counts", "rms_rad")  # of a cell's cycles
 _BOUNDS: dict[str, Callable[[float, float], bool]] = {
     "at_least": lambda value, bound: value >= bound * (1.0 - 1e-9),
     "at_most": lambda value, bound: value <= bound * (1.0 + 1e-9),
@@ -23,17 +24,26 @@ def rows_of(evidence: Evidence, result: str, file: str, where: Where | None = No
     """Rows of a result's table that ``where`` asks for, and that have all columns of ``needs``.
 
     ``where``: by column, a value (numbers as printed, to 0.5 %), a list of them, or bounds (`at_least`, `at_most`,
-    `above`, `below`). Raises `MissingError` where there is no such result, column or row, and `UsageError` for an
-    unknown bound.
+    `above`, `below`). A cell in which all trials rest has the size 0, as a print of one trial a cell has it, and no
+    pitch. Raises `MissingError` where there is no such result, column or row, and `UsageError` for an unknown bound.
     """
     asked = where or {}
     table = evidence[result].table(file)
     if lacking := sorted({*needs, *asked} - set(table.column_names)):
         raise MissingError(f"no column {', '.join(lacking)} in {file} of '{result}'")
-    found = matching(table.to_pylist(), asked)
+    found = matching([_sized(row) for row in table.to_pylist()], asked)
     if not found:
         raise MissingError(f"no such row in {file} of '{result}'")
     return found
+
+
+def rests(row: dict[str, Any]) -> bool:
+    """Whether all trials of a cell rest."""
+    return bool(row.get("at_rest_fraction") == 1.0)
+
+
+def _sized(row: dict[str, Any]) -> dict[str, Any]:
+    return {**row, **{name: 0.0 for name in _SIZES if name in row and row[name] is None}} if rests(row) else row
 
 
 def matching(rows: Rows, asked: Where) -> Rows:
@@ -91,19 +101,21 @@ def percent(flags: Iterable[bool]) -> float | None:
     return 100.0 * sum(found) / len(found) if found else None
 
 
-def lines(rows: Rows, axes: list[str], *, along: str, column: str) -> list[Line]:
+def lines(rows: Rows, axes: list[str], *, along: str, column: str, resting: bool = False) -> list[Line]:
     """(axis value, column value) in ascending order along an axis, a list for each value of the other axes.
 
-    Raises `MissingError` if ``along`` is no axis. Rows without a value are left out.
+    Raises `MissingError` if ``along`` is no axis. Rows without a value are left out; with ``resting`` a cell in which
+    all trials rest stays in its place, and its value is not a number.
     """
     if along not in axes:
         raise MissingError(f"no axis {along}; there are {', '.join(axes)}")
     found: dict[tuple[Any, ...], Line] = {}
     for row in rows:
-        if row[column] is not None:
+        value = nan if row[column] is None and resting and rests(row) else row[column]
+        if value is not None:
             key = tuple(row[axis] for axis in axes if axis != along)
-            found.setdefault(key, []).append((row[along], row[column]))
-    return [sorted(line) for line in found.values()]
+            found.setdefault(key, []).append((row[along], value))
+    return [sorted(line, key=lambda point: point[0]) for line in found.values()]
 
 
 def averaged(many: list[Line]) -> list[Line]:
