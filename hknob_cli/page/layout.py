@@ -83,7 +83,7 @@ def lay_out(page: Page) -> str:
     counts = Counter(row.kind for row in rows)
     return environment.get_template("page.html.j2").render(
         page=page,
-        style=Markup(_packaged("page.css")),
+        style=Markup(_packaged("page.css") + (_packaged("tables.css") if _table_numbers(page) else "")),
         script=Markup(_packaged("page.js")),
         figures=figures,
         numbers=_table_numbers(page),

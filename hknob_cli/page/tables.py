@@ -169,7 +169,8 @@ def _rows(result: Result, plan: TablePlan) -> tuple[dict[str, pa.Field], _Cut]:
 
 
 def _which(key: pa.Field) -> str:
-    return f"those with the largest values of \N{LEFT DOUBLE QUOTATION MARK}{shown_as(key, is_axis=False).head}\N{RIGHT DOUBLE QUOTATION MARK}"
+    name = shown_as(key, is_axis=False).head
+    return f"those with the largest values of \N{LEFT DOUBLE QUOTATION MARK}{name}\N{RIGHT DOUBLE QUOTATION MARK}"
 
 
 def _of_parts(large: Parted, fields: dict[str, pa.Field], plan: TablePlan) -> _Cut:

@@ -72,7 +72,8 @@ def identified_values(evidence: Evidence, of: str) -> "Figure":
         panel.tick_params(axis="x", labelsize=7.5)
         panel.margins(x=0.15)
         if all(row[one.column] >= 0.0 for _, row in known):
-            panel.set_xlim(left=0.0)
+            most = max(row[one.column] + (row[f"{one.column}_std"] or 0.0) for _, row in known)
+            panel.set_xlim(0.0, 1.12 * one.factor * most or 1.0)
     for panel in panels[len(parameters) :]:
         panel.set_axis_off()
     names = [_name(row, chosen) for row in reversed(shown)]
