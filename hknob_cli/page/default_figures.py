@@ -52,6 +52,8 @@ def _sweep(result: Result) -> list[FigurePlan]:
         figures = [planned(result, "population", "people", _PEOPLE)]
     elif "growth_j_per_s2" in columns:
         figures = _grown(result, wide)
+    elif not wide and "orbits.parquet" not in result.files:
+        figures = [_every_cell(result, "cells")]
     elif not wide:
         figures = [planned(result, "attractors", "every attractor", _ATTRACTORS)]
     elif _is_map(result, wide):
@@ -86,7 +88,8 @@ def _maps(result: Result, caption: str) -> list[FigurePlan]:
 
 
 def _over_one_axis(result: Result) -> list[FigurePlan]:
-    cycles = any(row["outcome"] == "cycle" and row["p2p_rad"] for row in result.rows("orbits"))
+    orbits = result.rows("orbits") if "orbits.parquet" in result.files else []
+    cycles = any(row["outcome"] == "cycle" and row["p2p_rad"] for row in orbits)
     levels = perceived_levels(result.rows("cells"))
     return [
         planned(result, "staircase", "every orbit", _ORBITS)
