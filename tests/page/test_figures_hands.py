@@ -129,7 +129,7 @@ def test_a_page_without_chapters_shows_what_was_identified(evidence: Evidence) -
     shown = {title: [figure.draw for figure in figures] for title, figures in chapters.items()}
     assert shown["hands (sysid)"] == ["all_persons", "identified_values"]
     assert shown["motor (sysid)"] == ["motor_calibration"]
-    assert shown["study (sysid)"] == ["bias_curves", "hidden_inertia"]
+    assert shown["study (sysid)"] == ["bias_curves", "bias_curves", "hidden_inertia"]  # a figure each grip
     for figures in chapters.values():
         for figure in figures:
             assert draw(figure.draw, evidence, figure.of[0], figure.options)
