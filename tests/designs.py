@@ -33,7 +33,7 @@ remedies:
   plain wall: {}
   bounded lag:
     cost: 0.25
-    change: {scene: {controller: {kind: bounded_lag, keep: 0.15, time_constant: 0.02}}}
+    change: {scene: {controller: {kind: bounded_lag, keep: 0.15, time_constant: 0.1}}}
   fast:
     cost: 0.75
     change: {grid: {sample_rate_hz: 4000}}

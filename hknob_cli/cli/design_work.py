@@ -11,6 +11,7 @@ from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.design import describe_design, design_text
 from hknob_cli.stages.design import DesignStage
+from hknob_cli.stages.lag_domain import domain_warning
 
 
 class DesignWork(Work):
@@ -36,6 +37,9 @@ class DesignWork(Work):
     def compute(self, job: Job) -> Tables:
         """The table of `files`."""
         begin = time.perf_counter()
+        for one in job.plan.candidates:
+            if warning := domain_warning(one.sweep, one.name):
+                note(job, warning)
         stage = DesignStage(job.plan, jobs=job.jobs, notify=partial(note, job))
         with progress_bar(job.plan.size, show=not job.quiet, what="designs") as progress:
             table = stage.run(progress)

@@ -8,6 +8,7 @@ from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.remedies import describe_trial, trial_text
+from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies import RemediesStage
 
 
@@ -27,29 +28,41 @@ class RemediesWork(Work):
         """The files of those thresholds, too."""
         return (*super().reads(job), *threshold_files(job.plan.perceive))
 
-    def pictures(self, _job: Job) -> tuple[str, ...]:
-        """The cases."""
-        return ("remedies.png",)
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The cases, and how much each remedy helps over each further axis of the grid."""
+        cases = ("remedies.png",) if job.plan.cases or not job.plan.further else ()
+        return (*cases, *(f"remedies_{axis.replace('.', '_')}.png" for axis in job.plan.further))
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
+        for one in job.plan.remedies:
+            for sweep in (one.grid, *one.cases[:1]):
+                if warning := domain_warning(sweep, one.name):
+                    note(job, warning)
+                    break
         stage = RemediesStage(job.plan, jobs=job.jobs)
         with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
             return stage.run(progress)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """One picture, where there are cases."""
+        """The pictures that there are."""
+        from hknob_cli.report.remedies_over_picture import draw_over
         from hknob_cli.report.remedies_picture import draw_trial
 
-        if draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
-            return paths
-        note(job, "no picture: no cases are given")
-        return []
+        further = list(job.plan.further.items())
+        drawn = []
+        for path, (axis, unit) in zip(paths[len(paths) - len(further) :], further, strict=True):
+            draw_over(tables[0].to_pylist(), axis, unit, title=job.plan.name, path=path)
+            drawn.append(path)
+        if len(paths) > len(further) and draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
+            drawn.insert(0, paths[0])
+        if not drawn:
+            note(job, "no picture: no cases are given, and no further axis")
+        return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
-        """Every remedy at every case and over the grid."""
-        del job
-        return describe_trial(*tables)
+        """Every remedy at every case, over the grid, and over its further axes."""
+        return describe_trial(tables[0], tables[1], list(job.plan.further))
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""

@@ -27,13 +27,35 @@ class Drawn(NamedTuple):
     clips: tuple[Clip, ...] = ()
 
 
+class Head(NamedTuple):
+    """The head of a table's column: its name, unit (empty where there is none), meaning, and whether it is text."""
+
+    name: str
+    unit: str
+    meaning: str
+    is_text: bool
+
+
+class Table(NamedTuple):
+    """Rows of a result as texts: its id (the anchor), title, which rows these are, and notes below it."""
+
+    id: str
+    title: str
+    caption: str
+    heads: tuple[Head, ...]
+    rows: tuple[tuple[str, ...], ...]
+    notes: tuple[str, ...]
+    results: tuple[str, ...]
+
+
 class Chapter(NamedTuple):
-    """A part of the page: its id, title, text in paragraphs, and figures."""
+    """A part of the page: its id, title, text in paragraphs, figures, and tables."""
 
     id: str
     title: str
     text: tuple[str, ...]
     figures: tuple[Drawn, ...]
+    tables: tuple[Table, ...] = ()
 
 
 class Source(NamedTuple):

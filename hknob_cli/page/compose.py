@@ -12,12 +12,13 @@ import numpy as np
 from hknob_cli.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.page import ink
-from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source
+from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source, Table
 from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw, drawing_of
+from hknob_cli.page.tables import table_of
 from hknob_cli.results.evidence import Evidence, MissingError, Result
-from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence
+from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]
@@ -50,7 +51,8 @@ def compose(
             figures.append(_drawn(figure, evidence, mark))
             progress(done := done + 1, total)
         paragraphs = tuple(part.strip() for part in chapter.text.split("\n\n") if part.strip())
-        drawn.append(Chapter(_slug(chapter), chapter.title, paragraphs, tuple(figures)))
+        tables = tuple(_tabulated(table, evidence) for table in chapter.tables)
+        drawn.append(Chapter(_slug(chapter), chapter.title, paragraphs, tuple(figures), tables))
     shown = [figure.id for chapter in chapters for figure in chapter.figures]
     return Page(
         name=plan.name,
@@ -103,6 +105,14 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
         what = f"{figure.draw} of {', '.join(figure.of) or 'nothing'} cannot be drawn with {figure.options}"
         raise UsageError(f"{figure.where or figure.id}: {what}: {error}") from error
     return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing, heard)
+
+
+def _tabulated(table: TablePlan, evidence: Evidence) -> Table:
+    """A table. Raises `UsageError` for a file that is not as its stage writes it."""
+    try:
+        return table_of(table, evidence)
+    except MISSHAPEN as error:
+        raise UsageError(f"{table.file}.parquet of '{table.of}' cannot be shown: {error}") from error
 
 
 def _filled(sentence: Sentence, evidence: Evidence) -> str:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from hknob_cli.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
 from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.numeral import MINUS, numeral
+from hknob_cli.page.tables import UPRIGHT
 
 GLOSSARY = {
     REPRODUCED: "a reading that the print allows is within the tolerance",
@@ -82,9 +83,11 @@ def lay_out(page: Page) -> str:
     counts = Counter(row.kind for row in rows)
     return environment.get_template("page.html.j2").render(
         page=page,
-        style=Markup(_packaged("page.css")),
+        style=Markup(_packaged("page.css") + (_packaged("tables.css") if _table_numbers(page) else "")),
         script=Markup(_packaged("page.js")),
         figures=figures,
+        numbers=_table_numbers(page),
+        upright=UPRIGHT,
         lead=[figures[name] for name in page.lead if name in figures],
         rows=rows,
         compared={name: [row for row in rows if row.claim["figure"] == name] for name in figures},
@@ -137,6 +140,12 @@ def _figures(page: Page) -> dict[str, _Figure]:
             tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
         )
     return figures
+
+
+def _table_numbers(page: Page) -> dict[str, int]:
+    """Numbers of the tables on the page, by id."""
+    tables = (table.id for chapter in page.chapters for table in chapter.tables)
+    return {name: number for number, name in enumerate(tables, 1)}
 
 
 def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, _Origin]) -> _Row:

@@ -2,7 +2,8 @@
 
 Hannaford & Ryu (2001, 2002), for an impedance display. The energy that the wall took is summed from the torque held
 and the counts moved; where it is below 0 a damper is added that would bring it to 0 at the speed now seen, up to a
-largest one, without which the one count that a slow knob moves would take back all that is owed at once.
+largest one, without which the one count that a slow knob moves would take back all that is owed at once. The damper
+acts wherever energy is owed, outside the wall too.
 """
 
 import numpy as np
@@ -12,7 +13,10 @@ from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
 class PassivityControl(Differencing):
-    """``damping`` (N·m·s/rad): the most that the controller adds; ``reset``: the sum begins anew outside the wall."""
+    """``damping`` (N·m·s/rad): the most that the controller adds; ``reset``: the sum begins anew outside the wall.
+
+    That is at a sample outside at which no count has been moved since the last one.
+    """
 
     rows = 3
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.perception.doubt import REDRAWS, doubts
 from hknob_cli.report.matrix import matrix, short
 from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.plan import COUNTS, RATE
@@ -39,6 +40,10 @@ def describe_design(plan: DesignPlan, table: pa.Table) -> Row:
         "present": _one(rows, "present"),
         "binding": {step["choice"]: step["fails"] for step in steps},
         "relaxed": steps,
+        "outside_domain": sum(row.get("in_domain") is False for row in rows),
+        "uncertainty_db": plan.uncertainty_db,
+        "answer_if": {one.name: _answer_if(rows, one.name) for one in doubts(plan)},
+        "redrawn": _redrawn(rows),
         "next_cheaper": cheaper,
         "next_cheaper_touch_db": _more(cheaper, chosen, "touch_db"),
         "next_cheaper_hearing_db": _more(cheaper, chosen, "hearing_above_present_db"),
@@ -46,6 +51,17 @@ def describe_design(plan: DesignPlan, table: pa.Table) -> Row:
         "notional": [{name: row[name] for name in (RATE, COUNTS, "notional", "touch_db")} for row in plain],
         "notional_best": min(plain, key=lambda row: row["notional"], default=None),
     }
+
+
+def _answer_if(rows: list[Row], name: str) -> Row | None:
+    """The design that would be the answer if levels or thresholds were others; None where that would cost more."""
+    return next((row for row in rows if name in row["answer_if"].split("; ")), None)
+
+
+def _redrawn(rows: list[Row]) -> list[Row]:
+    """Answers of redraws of the people, the most frequent first; empty where people are listed."""
+    found = [row for row in rows if row.get("redrawn")]
+    return sorted(found, key=lambda row: -float(row["redrawn"]))
 
 
 def _one(rows: list[Row], flag: str) -> Row | None:
@@ -85,9 +101,9 @@ def design_text(plan: DesignPlan, summary: Row) -> str:
         "",
         *_table(plan, summary),
     ]
-    best = summary["notional_best"]
-    if best:
-        lines += ["", *_surface(summary["notional"])]
+    best, surface = summary["notional_best"], _surface(summary["notional"])
+    if best and surface:
+        lines += ["", *surface]
         lines.append(
             f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
             f" where touch is {_level(best)}."
@@ -102,6 +118,10 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
     else:
         proof = "every orbit of everyone proven" if chosen["certified"] else _unproven(chosen)
         lines = [f"Cheapest that meets every limit: {name_of(plan, chosen)}", f"  cost {chosen['cost']:g}; {proof}"]
+        if chosen.get("in_domain") is False:
+            lines.append(
+                "  WARNING: for some hands its bounded_lag is outside the domain that docs/controllers.md states"
+            )
         for step in summary["relaxed"]:
             what = f"{step['choice']} {_value(step['from'])} -> {_value(step['to'])}"
             lines.append(f"  binds: {what}, saving {step['saves']:g}, fails {step['fails'] or 'nothing'}")
@@ -111,6 +131,44 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
             felt = f"felt {more:+.1f} dB" if more is not None else f"touch {_level(cheaper)}, not {_level(chosen)}"
             lines.append(f"  next cheaper: {name_of(plan, cheaper)}, cost {cheaper['cost']:g}, {felt}")
     lines.append(f"Present design: {name_of(plan, there)}, cost {there['cost']:g}, touch {_level(there)}")
+    return [*lines, *_how_sure(plan, summary)]
+
+
+def _how_sure(plan: DesignPlan, summary: Row) -> list[str]:
+    """What would change the answer: levels that are others, other thresholds, other people."""
+    found, chosen = summary["answer_if"], summary["chosen"]
+    if not found or chosen is None:
+        return []
+    off = summary["uncertainty_db"]
+    same = [name for name, row in found.items() if row is chosen]
+    lines = [""]
+    if chosen["margin_db"] is None:
+        lines.append("How sure: the tightest limit is met by rest, or its level is not known.")
+    else:
+        close = f", less than the {off:g} dB to which levels are known" if chosen["margin_db"] < off else ""
+        lines.append(f"How sure: the tightest limit is met by {chosen['margin_db']:.1f} dB{close}.")
+    if same:
+        lines.append(f"  the same answer: {', '.join(same)}")
+    for name, row in found.items():
+        if row is None:
+            lines.append(f"  {name}: nothing at this cost or below; a dearer design")
+        elif row is not chosen:
+            lines.append(f"  {name}: {name_of(plan, row)}, cost {row['cost']:g}")
+    return [*lines, *_others_drawn(plan, summary)]
+
+
+def _others_drawn(plan: DesignPlan, summary: Row) -> list[str]:
+    """How often other people of the same population would have given another answer."""
+    if not plan.drawn:
+        return []
+    chosen, found = summary["chosen"], summary["redrawn"]
+    lines = [
+        f"  {plan.people} other people, by {REDRAWS} redraws: the same answer in {100 * chosen['redrawn']:.0f} %,"
+        f" a dearer one in {100 * (1.0 - sum(row['redrawn'] for row in found)):.0f} %"
+    ]
+    other = next((row for row in found if row is not chosen), None)
+    if other:
+        lines.append(f"    {100 * other['redrawn']:.0f} %: {name_of(plan, other)}, cost {other['cost']:g}")
     return lines
 
 

@@ -1,20 +1,26 @@
 """A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost."""
 
+from collections.abc import Sequence
 from statistics import median
 from typing import Any
 
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.remedies_grid import grid_text
+from hknob_cli.report.remedies_over import over_axis, over_text
 
 Row = dict[str, Any]
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
-_HEAD = ("p2p mrad", "smaller", "Hz", "static K", "knock", "grid", "proven %")
+_HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
 _FELT = ("touch dB", "louder", "by ear")
 
 
-def describe_trial(grid: pa.Table, cases: pa.Table) -> dict[str, Any]:
-    """Summary as plain data: of every case and remedy the hands together, the remedy that does most first."""
+def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ()) -> dict[str, Any]:
+    """Summary as plain data: of every case and remedy the hands together, the remedy that does most first.
+
+    ``further``: axes of the grid beside sample rate and counts; how much each remedy helps over each of them.
+    """
     over = grid.to_pylist()
     rows = cases.to_pylist()
     everywhere = {name: _grid(over, name) for name in dict.fromkeys(row["remedy"] for row in over)}
@@ -23,10 +29,27 @@ def describe_trial(grid: pa.Table, cases: pa.Table) -> dict[str, Any]:
         here = [
             _together([row for row in rows if row["case"] == case and row["remedy"] == name]) for name in everywhere
         ]
-        found[case] = sorted(here, key=lambda row: row["p2p_rad"] if row["p2p_rad"] is not None else 1e9)
+        found[case] = sorted(here, key=_size)
+    outside = {
+        name: sum(row.get("in_domain") is False for row in (*over, *rows) if row["remedy"] == name)
+        for name in everywhere
+    }
     loose = sum((row.get("undecided_fraction") or 0.0) > 0.0 for row in (*over, *rows))
     hands = list(dict.fromkeys(row["hand"] for row in over))
-    return {"hands": hands, "grid": everywhere, "cases": found, "undecided": loose}
+    return {
+        "hands": hands,
+        "grid": everywhere,
+        "cases": found,
+        "over": {axis: over_axis(over, axis) for axis in further},
+        "outside_domain": {name: count for name, count in outside.items() if count},
+        "undecided": loose,
+    }
+
+
+def _size(row: Row) -> float:
+    """By the largest motion of any hand; what diverges is larger than all."""
+    diverges = row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0
+    return float("inf") if diverges else float(row["p2p_max_rad"])
 
 
 def _grid(rows: list[Row], name: str) -> Row:
@@ -45,12 +68,14 @@ def _grid(rows: list[Row], name: str) -> Row:
 
 def _together(rows: list[Row]) -> Row:
     """Hands together: the largest motion and its pitch, the least gain, and the means of what it costs."""
-    moving = [row for row in rows if row["p2p_rad"] is not None]
-    worst = max(moving, key=lambda row: row["p2p_rad"]) if moving else None
+    bounded = [row for row in rows if row["p2p_max_rad"] is not None]
+    worst = max(bounded, key=lambda row: row["p2p_max_rad"]) if bounded else None
     ratios = [row["p2p_ratio"] for row in rows if row["p2p_ratio"] is not None]
     return {
         "remedy": rows[0]["remedy"],
         "needs": rows[0]["needs"],
+        "p2p_max_rad": worst["p2p_max_rad"] if worst else None,
+        "frequency_at_max_hz": worst["frequency_at_max_hz"] if worst else None,
         "p2p_rad": worst["p2p_rad"] if worst else None,
         "frequency_hz": worst["frequency_hz"] if worst else None,
         "hand": worst["hand"] if worst else None,
@@ -86,12 +111,20 @@ def trial_text(summary: dict[str, Any]) -> str:
     for case, rows in summary["cases"].items():
         lines += ["", f"{case}: of the hand that buzzes most", f"{'':{wide}}  " + "".join(f"{h:>10}" for h in heads)]
         lines += [f"{row['remedy']:{wide}}  {_line(row, summary['grid'][row['remedy']])}" for row in rows]
-    lines += [
-        "",
-        "smaller: times, for the hand that gains least; 0 where the reference rests and the remedy does not.",
-        "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
-        "grid: median over cells and hands of how many times smaller.",
-    ]
+    if not summary["cases"]:
+        lines += ["", *grid_text(summary["grid"])]
+    for axis, values in summary["over"].items():
+        lines += ["", *over_text(axis, values)]
+    if summary["cases"]:
+        lines += [
+            "",
+            "max mrad, Hz: peak to peak and pitch of the largest cycle; mean mrad: mean of the trials that cycle.",
+            "smaller: times, by the largest cycles, for the hand that gains least; 0 where only the remedy buzzes.",
+            "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
+            "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
+        ]
+    for name, count in summary["outside_domain"].items():
+        lines.append(f"{name}: outside its domain in {count} rows, where it may make the buzz larger (in_domain).")
     if felt:
         lines += [
             "touch dB: above threshold. louder: dB that it is felt more than the reference, by ear: that it sounds",
@@ -103,12 +136,14 @@ def trial_text(summary: dict[str, Any]) -> str:
 
 
 def _line(row: Row, grid: Row) -> str:
-    if row["p2p_rad"] is None:
-        return f"{'diverges':>10}" + f"{'':40}{_times(grid['ratio_median']):>10}"
+    if row["p2p_max_rad"] is None:
+        return f"{'diverges':>10}" + f"{'':50}{_times(grid['ratio_median']):>10}"
+    rests = row["p2p_max_rad"] == 0.0
     cells = [
-        "rest" if row["p2p_rad"] == 0.0 else short(1e3 * row["p2p_rad"]),
-        "rest" if row["p2p_rad"] == 0.0 else _times(row["ratio_least"]),
-        "" if row["p2p_rad"] == 0.0 else short(row["frequency_hz"]),
+        "rest" if rests else short(1e3 * row["p2p_max_rad"]),
+        "" if rests else short(row["frequency_at_max_hz"]),
+        "rest" if rests else _times(row["ratio_least"]),
+        "" if rests else short(1e3 * row["p2p_rad"]),
         _times(row["stiffness_kept"]),
         _times(row["knock_ratio"]),
         _times(grid["ratio_median"]),

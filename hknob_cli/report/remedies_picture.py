@@ -41,7 +41,7 @@ def _ordered(rows: list[dict[str, Any]], names: list[str]) -> list[str]:
     """Remedies, the one with the least buzz of any hand last, so that it is on top."""
 
     def worst(name: str) -> float:
-        sizes = [row["p2p_rad"] for row in rows if row["remedy"] == name]
+        sizes = [row["p2p_max_rad"] for row in rows if row["remedy"] == name]
         return max(float("inf") if size is None else size for size in sizes)
 
     return sorted(names, key=worst, reverse=True)
@@ -52,7 +52,7 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
 
     size, pitch, cost, *louder = line
     hands = list(dict.fromkeys(row["hand"] for row in rows))
-    least = min((row["p2p_rad"] for row in rows if row["p2p_rad"]), default=1e-6)
+    least = min((row["p2p_max_rad"] for row in rows if row["p2p_max_rad"]), default=1e-6)
     for i, hand in enumerate(hands):
         mine = {row["remedy"]: row for row in rows if row["hand"] == hand}
         spread = (i - 0.5 * (len(hands) - 1)) * 0.5 / max(1, len(hands))
@@ -63,11 +63,13 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
             "color": f"C{i}",
             "markersize": 4.5,
         }
-        sizes = [mine[name]["p2p_rad"] for name in names]
+        sizes = [mine[name]["p2p_max_rad"] for name in names]
         floor = 0.5e3 * least  # where those at rest are drawn, at the left edge
         drawn = [float("nan") if one is None else (1e3 * one or floor) for one in sizes]
         size.plot(drawn, at, label=hand, **style)
-        pitch.plot([mine[name]["frequency_hz"] or float("nan") for name in names], at, **style)
+        means = [1e3 * (mine[name]["p2p_rad"] or float("nan")) for name in names]
+        size.plot(means, at, **{**style, "marker": "|", "markersize": 7.0})
+        pitch.plot([mine[name]["frequency_at_max_hz"] or float("nan") for name in names], at, **style)
         cost.plot([mine[name]["stiffness_kept"] or float("nan") for name in names], at, **style)
         cost.plot([mine[name]["knock_ratio"] or float("nan") for name in names], at, **{**style, "fillstyle": "none"})
         for axes in louder:
@@ -85,9 +87,9 @@ def _panels(line: "list[Axes]", rows: list[dict[str, Any]], names: list[str], ca
         axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _at: f"{value:g}"))
         axes.xaxis.set_minor_formatter(NullFormatter())
     size.axvline(0.7e3 * least, color="0.7", linewidth=0.8)
-    size.set_xlabel("peak to peak, mrad (left of the line: at rest)")
+    size.set_xlabel("peak to peak of the largest cycle, mrad (tick: mean; left of the line: at rest)")
     size.set_title(case, loc="left", fontsize="medium")
-    pitch.set_xlabel("frequency, Hz")
+    pitch.set_xlabel("its frequency, Hz")
     cost.set_xlabel("static stiffness (filled), knock depth (open)")
     for axes in louder:
         axes.axvline(0.0, color="0.3", linewidth=0.8)

@@ -104,7 +104,11 @@ class Result:
 
     def columns(self, file: str) -> list[str]:
         """Names of a table's columns. Raises `MissingError`."""
-        return list(self._schema(f"{file}.parquet").names)
+        return list(self.schema(file).names)
+
+    def schema(self, file: str) -> pa.Schema:
+        """A table's columns with their units and meanings. Raises `MissingError`."""
+        return self._schema(f"{file}.parquet")
 
     def _schema(self, file: str) -> pa.Schema:
         """Columns of a table, and what it says of itself. Raises `MissingError`."""

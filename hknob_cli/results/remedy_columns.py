@@ -5,17 +5,21 @@ import pyarrow as pa
 from hknob_cli.results.columns import Column
 from hknob_cli.results.perceived_columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED
 
-_REAL, _WHOLE, _TEXT = pa.float64(), pa.int64(), pa.string()
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
 KEYS = (
     Column("remedy", _TEXT, "", "name of the remedy"),
     Column("hand", _TEXT, "", "name of the hand that holds the knob"),
 )
-BUZZ = (
+AXES = (
     Column("sample_rate_hz", _REAL, "Hz", "sample rate of the controller, under the remedy"),
     Column("counts_per_rev", _WHOLE, "1/rev", "encoder counts per revolution"),
-    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, weighted by basin; 0 at rest"),
-    Column("frequency_hz", _REAL, "Hz", "cycles per second, weighted by basin; 0 at rest"),
+)
+BUZZ = (
+    Column("p2p_max_rad", _REAL, "rad", "p2p of the largest attractor; 0 where all rest, null where none is bounded"),
+    Column("frequency_at_max_hz", _REAL, "Hz", "cycles per second of the largest attractor; null where none cycles"),
+    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, mean of the trials that cycle; null where none does"),
+    Column("frequency_hz", _REAL, "Hz", "cycles per second, mean of the trials that cycle; null where none does"),
     Column("certified_fraction", _REAL, "1", "part of the trials whose end is proven"),
     Column("at_rest_fraction", _REAL, "1", "part of the trials that come to rest"),
     Column("diverged_fraction", _REAL, "1", "part of the trials that diverge"),
@@ -23,8 +27,13 @@ BUZZ = (
         "p2p_ratio",
         _REAL,
         "1",
-        "p2p of the reference over that of the remedy, same cell and hand; null at rest, or where it has no such cell",
+        "reference's p2p_max_rad over that of the remedy, same cell and hand; 0 where only it buzzes or diverges,"
+        " null where the remedy rests, or the reference diverges or has no such cell",
     ),
+    Column("p2p_mean_ratio", _REAL, "1", "p2p_rad of the reference over the remedy's; null where either rests"),
+)
+DOMAIN = Column(
+    "in_domain", _FLAG, "", "whether the controller stays within the domain that docs/controllers.md states; null: none"
 )
 CASES = (
     Column("case", _TEXT, "", "name of the case"),
@@ -49,4 +58,7 @@ def felt_columns(*, gained: bool) -> tuple[Column, ...]:
     )
 
 
-NEEDS = (Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),)
+NEEDS = (
+    Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),
+    Column("source", _TEXT, "", "where the remedy is from"),
+)

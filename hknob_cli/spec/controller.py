@@ -82,7 +82,9 @@ class ControllerSpec(Part):
     degrees: Annotated[_Degrees, Field(description="phase after a crossing over which the wave acts")] = _UNLESS.degrees
     crossings: Annotated[Literal["in", "both"], Field(description="crossings that set the phase")] = "in"
     estimate: Annotated[Literal["last", "kalman"], Field(description="how the time of a cycle is estimated")] = "last"
-    reset: Annotated[bool, Field(strict=True, description="energy begins anew outside the wall")] = _UNLESS.reset
+    reset: Annotated[
+        bool, Field(strict=True, description="energy begins anew at a sample outside the wall with no count moved")
+    ] = _UNLESS.reset
     surface: Annotated[_Share, Field(description="part of the stiffness at the surface")] = _UNLESS.surface
     depth: Annotated[PositiveAngle, Field(description="where the wall has all of its stiffness")] = _UNLESS.depth
     keep: Annotated[_Share, Field(description="part of a count's torque step that acts at once")] = _UNLESS.keep

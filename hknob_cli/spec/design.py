@@ -108,4 +108,10 @@ class DesignSpec(Part):
     constraints: ConstraintsSpec
     objective: Annotated[Literal["cost"], Field(description="the least cost; of equal cost the least felt")] = "cost"
     press: Annotated[DesignPressSpec, Field(default_factory=DesignPressSpec)]
+    uncertainty_db: Annotated[
+        float,
+        Field(
+            strict=True, ge=0, le=60, allow_inf_nan=False, description="how well levels of touch and sound are known"
+        ),
+    ] = 2.0
     exhaustive: Annotated[bool, Field(strict=True, description="evaluate every design, the dearer ones too")] = False

@@ -13,7 +13,7 @@ from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import AxisError, axis_values
 from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
-from hknob_cli.spec.remedies import beyond, misfit
+from hknob_cli.spec.remedies import beyond, misfit, sets
 from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
 
@@ -64,6 +64,7 @@ def validate_design(source: Source) -> DesignPlan:
         torques=spec.press.torques,
         exhaustive=spec.exhaustive,
         values=source.value,
+        uncertainty_db=spec.uncertainty_db,
     )
     if plan.size > MOST_DESIGNS:
         raise SpecError([source.fault(("choices",), f"must span at most {MOST_DESIGNS} designs, got {plan.size}")])
@@ -138,7 +139,7 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
     if wrong:
         raise SpecError([source.fault(here, text, at_key=True) for text in wrong])
     places: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",), ("people",): ("population",)}
-    fixed = tuple(one for one in spec.choices if _is_set(remedy.change, one))
+    fixed = tuple(one for one in spec.choices if sets(remedy.change, one))
     grid: dict[str, Any] = {}
     for choice, options in spec.choices.items():
         if choice not in fixed:
@@ -187,19 +188,6 @@ def _named(plan: SweepPlan) -> SweepPlan:
     """The sweep with its person the last of its axes."""
     axes = {name: values for name, values in plan.axes.items() if name != PERSON}
     return plan._replace(axes={**axes, PERSON: plan.axes[PERSON]})
-
-
-def _is_set(change: dict[str, Any], choice: str) -> bool:
-    """Whether a change itself gives a value that could be chosen."""
-    grid = change.get("grid")
-    if isinstance(grid, dict) and choice in grid:
-        return True
-    part: Any = change.get("scene")
-    for step in choice.split("."):
-        if not isinstance(part, dict) or step not in part:
-            return False
-        part = part[step]
-    return True
 
 
 def _present(source: Source, spec: DesignSpec, choices: tuple[Choice, ...]) -> tuple[dict[str, Value], list[Fault]]:

@@ -49,7 +49,8 @@ class DesignPlan(NamedTuple):
     """A search: ``choices``, ``candidates`` (the ``reference`` among them, by name), ``present`` design by choice.
 
     ``stiffness``: least that the wall renders (N·m/rad); ``torque_step_db``: most; None where there is no limit.
-    ``torques``: two pushes (N·m) about which a controller's stiffness is felt out.
+    ``torques``: two pushes (N·m) about which a controller's stiffness is felt out. ``uncertainty_db``: how well levels
+    are known.
     """
 
     name: str
@@ -65,6 +66,7 @@ class DesignPlan(NamedTuple):
     torques: tuple[float, float]
     exhaustive: bool
     values: dict[str, Any]
+    uncertainty_db: float = 2.0
 
     @property
     def size(self) -> int:
@@ -73,6 +75,11 @@ class DesignPlan(NamedTuple):
             prod(len(one.options) for one in self.choices if one.name not in candidate.fixed)
             for candidate in self.candidates
         )
+
+    @property
+    def drawn(self) -> bool:
+        """Whether the people are drawn from a population, not listed."""
+        return not isinstance(self.values["people"], list)
 
     @property
     def perceive(self) -> Perceive:

@@ -36,12 +36,31 @@ class FigurePlan(NamedTuple):
     listen: tuple[Listen, ...] = ()
 
 
+class TablePlan(NamedTuple):
+    """A table of a page: the rows of a ``file`` of a result.
+
+    Of a long one those are shown where one of the columns ``first`` is true, which ``first_are`` says in words, or
+    those with the largest ``key``. ``made``: what the rows are, where the result has no such file.
+    """
+
+    id: str
+    of: str
+    file: str
+    title: str
+    caption: str = ""
+    key: str = ""
+    first: tuple[str, ...] = ()
+    first_are: str = ""
+    made: str = ""
+
+
 class ChapterPlan(NamedTuple):
     """A part of a page."""
 
     title: str
     text: str
     figures: tuple[FigurePlan, ...]
+    tables: tuple[TablePlan, ...] = ()
 
 
 class ReportPlan(NamedTuple):

@@ -6,7 +6,8 @@ from typing import NamedTuple
 class Perceive(NamedTuple):
     """Radius of the knob (m), thresholds of touch and how harmonics combine, sound gain (Pa per rad/s) or None.
 
-    ``edition``: of ISO 226; ``extrapolate``: whether to go on outside the ranges that are published.
+    ``edition``: of ISO 226; ``extrapolate``: whether to go on outside the ranges that are published. ``others``: sets
+    of thresholds of touch by which each cycle is judged as well.
     """
 
     knob_radius: float
@@ -15,3 +16,4 @@ class Perceive(NamedTuple):
     sound_gain: float | None
     edition: int
     extrapolate: bool
+    others: tuple[str, ...] = ()

@@ -1,6 +1,7 @@
 """The spec of a trial of remedies: one scene, the changes tried on it, and the hands and cases they are tried for.
 
 A change is a JSON merge patch (RFC 7396) of the base: mappings are merged, null removes a key, anything else replaces.
+The grid may vary any number of the scene beside sample rate and counts: every remedy is tried at every value.
 """
 
 from math import prod
@@ -33,6 +34,7 @@ class RemedySpec(Part):
 
     change: Annotated[dict[str, Any], Field(description="merge patch of the base; null removes a key")] = {}  # noqa: RUF012
     needs: Annotated[str, Field(max_length=200, description="sensors, parts and computing that it asks for")] = ""
+    source: Annotated[str, Field(max_length=200, description="where it is from: a publication, a section, own")] = ""
 
 
 class CaseSpec(Part):
@@ -57,7 +59,12 @@ class RemediesSpec(Part):
 
     kind: Literal["remedies"]
     name: Annotated[Name, Field(description="names the results folder")]
-    base: Annotated[dict[str, Any], Field(description="scene without a hand, grid and starts, as in a sweep")]
+    base: Annotated[
+        dict[str, Any],
+        Field(
+            description="scene without a hand, grid (any number of the scene may be an axis) and starts, as in a sweep"
+        ),
+    ]
     hands: Annotated[dict[Label, HandSpec], Field(min_length=1, max_length=1000, description="hands by name")]
     cases: Annotated[
         dict[Label, CaseSpec], Field(max_length=100, description="cells of special interest, by name")
@@ -77,14 +84,15 @@ def validate_remedies(source: Source) -> RemediesPlan:
     faults = _contradictions(source, spec)
     felt = {"perceive": source.value["perceive"]} if spec.perceive else {}
     base = {"kind": "sweep", "name": spec.name, **source.value["base"], **felt}
+    axes: set[str] = set()
     if not faults:
-        derived_sweep(source, base, PLACES)  # faults of the base alone are said once
+        axes = set(derived_sweep(source, base, PLACES).axes)  # faults of the base alone are said once
     remedies = []
     hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
     for name, remedy in spec.remedies.items():
         here: Path_ = ("remedies", name, "change")
         places = {**PLACES, here: ()}
-        wrong = beyond(remedy.change)
+        wrong = beyond(remedy.change) + _overruled(remedy.change, axes)
         if wrong:
             faults += [source.fault(here, text, at_key=True) for text in wrong]
             continue
@@ -97,10 +105,18 @@ def validate_remedies(source: Source) -> RemediesPlan:
         except SpecError as error:
             faults += error.faults
             continue
-        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases)]
+        faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, axes)]
         if faults:
             continue
-        remedies.append(Remedy(name, remedy.needs, _held(grid, hands), tuple(_held(case, hands) for case in cases)))
+        remedies.append(
+            Remedy(
+                name=name,
+                needs=remedy.needs,
+                source=remedy.source,
+                grid=_held(grid, hands),
+                cases=tuple(_held(case, hands) for case in cases),
+            )
+        )
     faults = faults or _too_much(source, spec, remedies)
     if faults:
         raise SpecError(faults)
@@ -179,11 +195,35 @@ def misfit(plan: SweepPlan) -> list[str]:
     return []
 
 
-def _misfit(grid: SweepPlan, cases: tuple[SweepPlan, ...]) -> list[str]:
-    """Why what a change makes of the base cannot be compared with it."""
+def sets(change: dict[str, Any], path: str) -> bool:
+    """Whether a change itself gives a value of the scene, or an axis of it, by its dotted ``path``."""
+    grid = change.get("grid")
+    return (isinstance(grid, dict) and path in grid) or _in_scene(change, path)
+
+
+def _in_scene(change: dict[str, Any], path: str) -> bool:
+    part: Any = change.get("scene")
+    for step in path.split("."):
+        if not isinstance(part, dict) or step not in part:
+            return False
+        part = part[step]
+    return True
+
+
+def _overruled(change: dict[str, Any], axes: set[str]) -> list[str]:
+    """Values that a change gives in vain, for an axis of the grid overrules them."""
+    return [
+        f"must not set scene.{axis}, which the grid of the base varies: give the change a grid of its own values"
+        for axis in sorted(axes - {RATE, COUNTS})
+        if _in_scene(change, axis)
+    ]
+
+
+def _misfit(grid: SweepPlan, cases: tuple[SweepPlan, ...], axes: set[str]) -> list[str]:
+    """Why what a change makes of the base, whose grid has these ``axes``, cannot be compared with it."""
     found = misfit(grid)
-    if not found and set(grid.axes) != {RATE, COUNTS}:
-        found.append("must leave sample_rate_hz and counts_per_rev as the only axes")
+    if not found and set(grid.axes) != axes:
+        found.append(f"must leave the axes of the base as they are, and no others: {', '.join(sorted(axes))}")
     if any(len(values) > 1 for case in cases for values in case.axes.values()):
         found.append("must leave one cell at each case")
     return found

@@ -10,11 +10,12 @@ KNOCKS = 4  # trials of a knock on the wall, their sample clocks spread over an 
 class Remedy(NamedTuple):
     """A remedy: what it ``needs``, its sweep over the ``grid``, and over each of the ``cases``; persons are the hands.
 
-    The sweeps are `SweepPlan`s.
+    The sweeps are `SweepPlan`s. ``source``: where the remedy is from.
     """
 
     name: str
     needs: str
+    source: str
     grid: Any
     cases: tuple[Any, ...]
 
@@ -34,6 +35,14 @@ class RemediesPlan(NamedTuple):
     speed: float
     duration: float
     values: dict[str, Any]
+
+    @property
+    def further(self) -> dict[str, str]:
+        """Axes of the grid beside sample rate, counts and hands, with their units."""
+        from hknob_cli.spec.plan import COUNTS, PERSON, RATE
+
+        grid = self.remedies[0].grid
+        return {name: grid.units[name] for name in grid.axes if name not in (RATE, COUNTS, PERSON)}
 
     @property
     def perceive(self) -> Perceive | None:

@@ -6,12 +6,15 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
+from hknob_cli.perception.doubt import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.design_columns import design_columns
 from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.stages.design_evaluate import Evaluator, Rows
 from hknob_cli.stages.design_people import Judged, judge
 from hknob_cli.stages.design_space import Design, designs, present, relaxed, surface
+from hknob_cli.stages.design_sure import answer_if, redrawn
+from hknob_cli.stages.lag_domain import has_domain
 
 BATCH = 12  # designs evaluated at once
 Progress = Callable[[int, int], None]
@@ -71,6 +74,9 @@ class DesignStage:
         cheaper = _next_cheaper(search, chosen)
         front = _front(search, chosen if not self.plan.exhaustive else None)
         notional = _notional({one: search.done[one].row for one in plain})
+        most = chosen.cost if chosen and not self.plan.exhaustive else inf  # what costs more was not looked for
+        found = {one.name: answer_if(search.done, search.order, one, most) for one in doubts(self.plan)}
+        again = redrawn(search.done, search.order, most) if self.plan.drawn else {}
         for design in sorted(search.done, key=search.order.__getitem__):
             rows.append(
                 {
@@ -84,10 +90,18 @@ class DesignStage:
                     "front": design in front,
                     "relaxes": ", ".join(name for name, one in steps if one == design),
                     "notional": notional.get(design, nan),
+                    "answer_if": "; ".join(name for name, one in found.items() if one == design),
+                    "redrawn": again.get(design, 0.0),
                 }
             )
         units = [(one.name, one.unit) for one in self.plan.choices]
-        return build_table(design_columns(units, gained=self.plan.perceive.sound_gain is not None), rows)
+        columns = design_columns(
+            units,
+            gained=self.plan.perceive.sound_gain is not None,
+            drawn=self.plan.drawn,
+            domain=any(has_domain(one.sweep.scene) for one in self.plan.candidates),
+        )
+        return build_table(columns, rows)
 
 
 def _good(search: _Search) -> list[Design]:
@@ -126,11 +140,12 @@ def _stiff(search: _Search) -> list[Design]:
 def _notional(rows: dict[Design, dict[str, Any]]) -> dict[Design, float]:
     """Hasser's surface (sec. 10.7, Fig. 70): the larger of log peak to peak and frequency, each scaled to 0...1.
 
+    Both are those of the largest cycle of anyone.
     A design at rest has no logarithm and no place on it; there is no surface where all are alike.
     """
-    moving = {one: row for one, row in rows.items() if row["p2p_rad"] > 0.0}
-    sizes = _scaled({one: log(row["p2p_rad"]) for one, row in moving.items()})
-    pitches = _scaled({one: row["frequency_hz"] for one, row in moving.items()})
+    moving = {one: row for one, row in rows.items() if row["p2p_max_rad"]}
+    sizes = _scaled({one: log(row["p2p_max_rad"]) for one, row in moving.items()})
+    pitches = _scaled({one: row["frequency_at_max_hz"] for one, row in moving.items()})
     return {one: max(sizes[one], pitches[one]) for one in moving if one in sizes and one in pitches}
 
 

@@ -1,13 +1,17 @@
 """Designs evaluated: limit cycles of all people, all designs of a remedy side by side, and the stiffness left."""
 
 from collections.abc import Callable, Sequence
-from math import nan, pi
+from math import inf, isfinite, nan, pi
 from typing import Any
 
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.perception.doubt import other_sets
 from hknob_cli.spec.design_plan import Candidate, DesignPlan
 from hknob_cli.spec.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
+from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.cell import CellResult
 from hknob_cli.stages.design_space import Design, cell_of
+from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table
 
@@ -20,7 +24,10 @@ class Evaluator:
 
     def __init__(self, plan: DesignPlan, *, jobs: int | None, notify: Callable[[str], None]) -> None:
         self.plan = plan
-        self._stages = [SweepStage(one.sweep, jobs=jobs, notify=notify) for one in plan.candidates]
+        self.others = other_sets(plan)
+        how = plan.perceive._replace(others=self.others)
+        sweeps = [one.sweep._replace(perceive=how) for one in plan.candidates]
+        self._stages = [SweepStage(sweep, jobs=jobs, notify=notify) for sweep in sweeps]
         self._presses = [SweepStage(_press(one), jobs=jobs, notify=notify) for one in plan.candidates]
 
     def evaluate(self, some: Sequence[Design]) -> list[tuple[Rows, float]]:
@@ -32,12 +39,40 @@ class Evaluator:
                 continue
             cells = [self._held(one, person) for one in mine for person in range(1, self.plan.people + 1)]
             stage = self._stages[i]
-            rows = cells_table(stage.plan, stage.find(cells)).to_pylist()
+            results = list(stage.find(cells))
+            found_rows = cells_table(stage.plan, results).to_pylist()
+            rows = [self._person(row, one, stage.plan.scene) for row, one in zip(found_rows, results, strict=True)]
             stiffness = self._stiffness(i, candidate, cells)
             for j, design in enumerate(mine):
                 part = slice(j * self.plan.people, (j + 1) * self.plan.people)
                 found[design] = rows[part], min(stiffness[part])
         return [found[one] for one in some]
+
+    def _person(self, row: dict[str, Any], result: CellResult, scene: Any) -> dict[str, Any]:
+        """A person's row with sizes of what cycles, levels by other thresholds, and the domain of the controller.
+
+        A sense has no level where one of several cycles has none: the others' would be too low.
+        """
+        cycles = [
+            one
+            for one, attractor in zip(result.perceived, result.attractors, strict=True)
+            if attractor.outcome is Outcome.CYCLE
+        ]
+        heard = "hearing_db" if self.plan.perceive.sound_gain is not None else "hearing_relative_db"
+        unknown = {
+            column: None
+            for column, field in (("touch_db", "touch_db"), (heard, "hearing_db"))
+            if not all(isfinite(getattr(one, field)) for one in cycles)
+        }
+        levels = [one.others_db or (nan,) * len(self.others) for one in cycles]
+        by_set = {name: _largest([level[i] for level in levels], row) for i, name in enumerate(self.others)}
+        return {
+            **row,
+            **unknown,
+            **sizes_of_result(result)._asdict(),
+            "by_set": by_set,
+            "in_domain": in_domain(scene_at(scene, result.cell)),
+        }
 
     def _held(self, design: Design, person: int) -> Cell:
         return {**cell_of(self.plan, design), PERSON: person}
@@ -64,6 +99,13 @@ class Evaluator:
             (b - a) / (shallow - deep) - hand if shallow > deep else nan
             for (a, b), hand, shallow, deep in zip(pairs, held, middles[::2], middles[1::2], strict=True)
         ]
+
+
+def _largest(levels: Sequence[float], row: dict[str, Any]) -> float:
+    """Level of the most noticeable cycle, dB: -inf at rest, inf where one is not known."""
+    if row["undecided_fraction"] + row["diverged_fraction"] > 0.0 or not all(map(isfinite, levels)):
+        return inf
+    return max(levels, default=-inf)
 
 
 def _press(candidate: Candidate) -> Any:

@@ -17,6 +17,8 @@ class Judged(NamedTuple):
     row: dict[str, Any]
     fails: dict[str, str]
     felt_db: float  # -inf at rest, inf where not known
+    asked: dict[str, tuple[Limit, list[float]]]  # by sense that is limited, of each person what the limit is about, dB
+    others: dict[str, list[float]]  # the same of touch, by other published thresholds
 
 
 def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judged:
@@ -26,6 +28,8 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
     if plan.stiffness is not None and not stiffness >= plan.stiffness * (1.0 - ROUNDING):
         fails["stiffness"] = f"{stiffness:.3g} N*m/rad" if isfinite(stiffness) else "not known"
     found: dict[str, Any] = {}
+    asked_of: dict[str, tuple[Limit, list[float]]] = {}
+    margin = inf
     for sense, column, limit in (("touch", "touch_db", plan.touch), ("hearing", heard, plan.hearing)):
         levels = [level(row, column) for row in rows]
         over = [above(mine, level(row, column)) for mine, row in zip(levels, present, strict=True)]
@@ -36,15 +40,24 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
         found[f"{sense}_db"] = exceeded_by(levels, asked.people)
         found[f"{sense}_above_present_db"] = exceeded_by(over, asked.people)
         found[f"{sense}_above"] = share if limit or sense == "touch" else nan
+        if limit:
+            asked_of[sense] = limit, judged
+            margin = min(margin, limit.most_db - most)
         if limit and most > limit.most_db:
             fails[sense] = f"{most - limit.most_db:+.1f} dB" if isfinite(most) else "not known"
     step = rows[0]["torque_step_db"]
     if plan.torque_step_db is not None and (step is None or step > plan.torque_step_db):
         fails["torque step"] = f"{step - plan.torque_step_db:+.1f} dB" if step is not None else "not known"
     certified = _mean(rows, "certified_fraction")
+    largest = max(rows, key=lambda one: -1.0 if one["p2p_max_rad"] is None else one["p2p_max_rad"])
+    domain = [one["in_domain"] for one in rows if one.get("in_domain") is not None]
     row = {
+        "p2p_max_rad": largest["p2p_max_rad"],
+        "frequency_at_max_hz": largest["frequency_at_max_hz"],
         "p2p_rad": _mean(rows, "p2p_rad"),
         "frequency_hz": _mean(rows, "frequency_hz"),
+        "in_domain": all(domain) if domain else None,
+        "margin_db": margin if isfinite(margin) else None,
         "stiffness_nm_per_rad": stiffness,
         **{name: value if isfinite(value) else None for name, value in found.items()},
         "torque_step_db": step,
@@ -55,7 +68,21 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
         "feasible": not fails,
         "fails": ", ".join(f"{name} {text}" for name, text in fails.items()),
     }
-    return Judged(row=row, fails=fails, felt_db=found["touch_db"])
+    return Judged(
+        row=row, fails=fails, felt_db=found["touch_db"], asked=asked_of, others=_by_other_sets(plan, rows, present)
+    )
+
+
+def _by_other_sets(plan: DesignPlan, rows: Rows, present: Rows) -> dict[str, list[float]]:
+    """What a limit of touch is about, of each person, by thresholds that others have published."""
+    names = rows[0].get("by_set", {}) if plan.touch else {}
+    found: dict[str, list[float]] = {}
+    for name in names:
+        levels = [row["by_set"][name] for row in rows]
+        there = [row["by_set"][name] for row in present]
+        over = [above(mine, other) for mine, other in zip(levels, there, strict=True)]
+        found[name] = over if plan.touch and plan.touch.above_present else levels
+    return found
 
 
 def level(row: dict[str, Any], column: str) -> float:

@@ -17,7 +17,7 @@ HIGHEST_HZ = 12500.0  # of harmonics: ISO 226 has none above
 class Perceived(NamedTuple):
     """Levels of one orbit; NaN where it is no cycle, or nothing is published.
 
-    ``hearing_db`` is relative without a sound gain.
+    ``hearing_db`` is relative without a sound gain; ``others_db``: of touch, by the other sets that are asked for.
     """
 
     touch_db: float = nan
@@ -25,6 +25,7 @@ class Perceived(NamedTuple):
     hearing_db: float = nan
     hearing_hz: float = nan
     hearing_phon: float = nan
+    others_db: tuple[float, ...] = ()
 
 
 def perceive(lines: Harmonics, how: Perceive) -> Perceived:
@@ -33,7 +34,11 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
         return Perceived()
     skin = touch.skin_displacement(np.abs(lines.angle_rad), knob_radius_m=how.knob_radius)
     felt = touch.judge(lines.frequency_hz, skin, name=how.thresholds, how=how.combine, extrapolate=how.extrapolate)
-    one = Perceived(touch_db=float(felt.level_db), touch_hz=float(felt.frequency_hz))
+    others = tuple(
+        float(touch.judge(lines.frequency_hz, skin, name=name, how=how.combine, extrapolate=how.extrapolate).level_db)
+        for name in how.others
+    )
+    one = Perceived(touch_db=float(felt.level_db), touch_hz=float(felt.frequency_hz), others_db=others)
     if not lines.reach(HIGHEST_HZ):
         return one
     speed = lines.speed_rad_s
@@ -72,7 +77,8 @@ def step_db(how: Perceive, *, stiffness: float, counts: int) -> float:
 
 def orbit_row(one: Perceived, how: Perceive, step: float) -> dict[str, Any]:
     """Row of an orbit."""
-    row = {name: value if isfinite(value) else None for name, value in one._asdict().items()}
+    numbers = one._replace(others_db=())._asdict()
+    row = {name: value if isfinite(value) else None for name, value in numbers.items() if name != "others_db"}
     if how.sound_gain is None:
         row["hearing_relative_db"] = row.pop("hearing_db")
     return {**row, "torque_step_db": step}

@@ -8,13 +8,15 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.remedy_columns import BUZZ, CASES, KEYS, NEEDS
+from hknob_cli.results.columns import Column, axis_column
+from hknob_cli.results.remedy_columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS
 from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.plan import COUNTS, RATE
-from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.spec.plan import PERSON
+from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
+from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.remedy_levels import level_columns, louder
-from hknob_cli.stages.remedy_trial import Rows, case_rows, grid_rows
+from hknob_cli.stages.remedy_trial import Row, Rows, case_rows, grid_rows
 
 FEW = 2000  # trials, which are over before another process has begun
 
@@ -82,31 +84,42 @@ class RemediesStage:
 
     def _grid(self, found: dict[Task, Rows]) -> pa.Table:
         remedies = self.plan.remedies
-        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
-        of = {_cell(row): row for row in found[at, None]}
+        at = self._reference()
         rows = []
         for i, one in enumerate(remedies):
+            cell = _cell_of(remedies[at], one)
+            of = {cell(row): row for row in found[at, None]}
             for row in found[i, None]:
-                other = of.get(_cell(row))
-                ratio = _ratio(other["p2p_rad"] if other else None, row["p2p_rad"])
-                rows.append({"remedy": one.name, **louder(self.plan, row, other), "p2p_ratio": ratio})
-        return build_table([*KEYS, *BUZZ, *level_columns(self.plan)], rows)
+                other = of.get(cell(row))
+                row = louder(self.plan, row, other)
+                rows.append({"remedy": one.name, **row, **_ratios(other, row)})
+        axes = [*AXES, *(axis_column(name, unit) for name, unit in self.plan.further.items())]
+        return build_table([*KEYS, *axes, *BUZZ, *self._domain(), *level_columns(self.plan)], rows)
 
     def _cases(self, found: dict[Task, Rows]) -> pa.Table:
         remedies = self.plan.remedies
-        at = next(i for i, one in enumerate(remedies) if one.name == self.plan.reference)
+        at = self._reference()
         rows = []
         for i, one in enumerate(remedies):
             for case in range(len(self.plan.cases)):
                 for row, other in zip(found[i, case], found[at, case], strict=True):
                     against = {
-                        "p2p_ratio": _ratio(other["p2p_rad"], row["p2p_rad"]),
-                        "stiffness_kept": _ratio(row["_static"], other["_static"]),
-                        "knock_ratio": _ratio(row["_knock"], other["_knock"]),
+                        **_ratios(other, row),
+                        "stiffness_kept": _over(row["_static"], other["_static"]),
+                        "knock_ratio": _over(row["_knock"], other["_knock"]),
                     }
                     row = louder(self.plan, row, other)
-                    rows.append({"remedy": one.name, "needs": one.needs, **row, **against})
-        return build_table([*KEYS, *CASES[:1], *BUZZ, *CASES[1:], *level_columns(self.plan), *NEEDS], rows)
+                    rows.append({"remedy": one.name, "needs": one.needs, "source": one.source, **row, **against})
+        columns = [*KEYS, *CASES[:1], *AXES, *BUZZ, *CASES[1:], *self._domain(), *level_columns(self.plan), *NEEDS]
+        return build_table(columns, rows)
+
+    def _reference(self) -> int:
+        return next(i for i, one in enumerate(self.plan.remedies) if one.name == self.plan.reference)
+
+    def _domain(self) -> tuple[Column, ...]:
+        """A column for the domain of controllers, where one has a domain."""
+        stated = any(has_domain(one.grid.scene) for one in self.plan.remedies)
+        return (DOMAIN,) if stated else ()
 
 
 def _rows(plan: RemediesPlan, task: Task) -> Rows:
@@ -115,10 +128,30 @@ def _rows(plan: RemediesPlan, task: Task) -> Rows:
     return grid_rows(plan, remedy) if case is None else case_rows(plan, remedy, case)
 
 
-def _cell(row: dict[str, Any]) -> tuple[Any, ...]:
-    return row["hand"], row[RATE], row[COUNTS]
+def _cell_of(reference: Remedy, remedy: Remedy) -> Callable[[Row], tuple[Any, ...]]:
+    """What tells cells apart in which two remedies are compared: the hand, and every axis that either varies."""
+    names = [
+        name
+        for name in remedy.grid.axes
+        if name != PERSON and (len(remedy.grid.axes[name]) > 1 or len(reference.grid.axes[name]) > 1)
+    ]
+    return lambda row: (row["hand"], *(row[name] for name in names))
 
 
-def _ratio(one: float | None, other: float | None) -> float:
+def _ratios(reference: Row | None, row: Row) -> Row:
+    """How many times smaller a remedy makes the largest cycle, and the mean of what cycles."""
+    if reference is None or reference["p2p_max_rad"] is None or reference["diverged_fraction"] > 0.0:
+        worst = nan
+    elif row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0:
+        worst = 0.0
+    else:
+        worst = _over(reference["p2p_max_rad"], row["p2p_max_rad"])
+    return {
+        "p2p_ratio": worst,
+        "p2p_mean_ratio": _over(reference["p2p_rad"] if reference else None, row["p2p_rad"]),
+    }
+
+
+def _over(one: float | None, other: float | None) -> float:
     """A ratio; NaN without the one, or over nothing."""
     return one / other if one is not None and other else nan

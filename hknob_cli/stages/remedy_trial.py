@@ -3,15 +3,18 @@
 from math import nan
 from typing import Any
 
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Bias, Record, Starts, SweepPlan
+from hknob_cli.spec.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
+from hknob_cli.stages.attractor_sizes import sizes_of_rows
+from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.remedy_levels import level_columns
 from hknob_cli.stages.sweep import SweepStage
 
-SHARES = ("p2p_rad", "frequency_hz", "certified_fraction", "at_rest_fraction", "diverged_fraction")
+SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction")
 
-Rows = list[dict[str, Any]]
+Row = dict[str, Any]
+Rows = list[Row]
 
 
 def grid_rows(plan: RemediesPlan, remedy: Remedy) -> Rows:
@@ -35,9 +38,24 @@ def case_rows(plan: RemediesPlan, remedy: Remedy, case: int) -> Rows:
 
 
 def _swept(plan: RemediesPlan, sweep: SweepPlan) -> Rows:
-    rows = SweepStage(sweep, jobs=1).run().cells.to_pylist()
-    names = [RATE, COUNTS, *SHARES, *(one.name for one in level_columns(plan) if one.name in rows[0])]
-    return [{"hand": plan.hands[row[PERSON] - 1], **{name: row[name] for name in names}} for row in rows]
+    tables = SweepStage(sweep, jobs=1).run()
+    axes = list(sweep.axes)
+    orbits: dict[tuple[Any, ...], Rows] = {}
+    for row in tables.orbits.to_pylist():
+        orbits.setdefault(tuple(row[name] for name in axes), []).append(row)
+    rows = tables.cells.to_pylist()
+    scenes = [scene_at(sweep.scene, {name: row[name] for name in axes}) for row in rows]
+    kept = [name for name in axes if name != PERSON]
+    names = [*kept, *SHARES, *(one.name for one in level_columns(plan) if rows and one.name in rows[0])]
+    return [
+        {
+            "hand": plan.hands[row[PERSON] - 1],
+            **{name: row[name] for name in names},
+            **sizes_of_rows(orbits[tuple(row[name] for name in axes)])._asdict(),
+            "in_domain": in_domain(scene),
+        }
+        for row, scene in zip(rows, scenes, strict=True)
+    ]
 
 
 def _depths(plan: RemediesPlan, sweep: SweepPlan, torque: float) -> list[float]:

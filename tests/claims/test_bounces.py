@@ -157,7 +157,7 @@ def test_levels_are_subtracted(made: Made) -> None:
 
 def test_remedies_count_if_they_help_every_hand(made: Made) -> None:
     def of(remedy: str, hand: str, p2p: float | None, ratio: float | None) -> dict[str, Any]:
-        return {"case": "c", "remedy": remedy, "hand": hand, "p2p_rad": p2p, "p2p_ratio": ratio}
+        return {"case": "c", "remedy": remedy, "hand": hand, "p2p_max_rad": p2p, "p2p_ratio": ratio}
 
     rows = [of("plain wall", hand, 1e-3, 1.0) for hand in ("soft", "firm")]
     rows += [of("both", "soft", 1e-4, 10.0), of("both", "firm", 2e-4, 5.0)]

@@ -6,7 +6,8 @@ from typing import Any
 
 from hknob_cli.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED
 from hknob_cli.page import ink
-from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source
+from hknob_cli.page.book import Chapter, Clip, Drawn, Head, Page, Source, Table
+from hknob_cli.page.tables import UPRIGHT
 from hknob_cli.perception import sound
 
 MARK = "<!-- hknob page sample -->"
@@ -122,6 +123,32 @@ def _drawn(name: str, title: str, svg: str, *results: str) -> Drawn:
     return Drawn(name, title, caption, svg, f"{title}: five lines that fall from left to right.", results)
 
 
+def _cells() -> Table:
+    """A table that is wider and longer than its box."""
+    names = ("sample rate", "encoder", "peak to peak, largest cycle", "its frequency", "peak to peak", "frequency")
+    units = ("Hz", "counts per revolution", "mrad", "Hz", "mrad", "Hz")
+    heads = [Head(name, unit, f"what is meant by {name}", False) for name, unit in zip(names, units, strict=True)]
+    heads += [Head("proven", "", "", True), Head("reason", "", "why it is not certified", True)]
+    why = "the motion neither repeats nor comes to rest within the samples that it was followed for"
+    rows = tuple(
+        (f"{100 * (i + 1)}", "1024", f"{8.123 / (i + 1):.4g}", "83.33", "3.107", "80", "no" if i % 5 else "yes", why)
+        for i in range(40)
+    )
+    notes = ("The same in every row: at rest 0 %; diverged 0 %.", "cells.parquet has further columns: p2p_counts.")
+    title = "main-grid: cells"
+    return Table("table-cells", title, "40 of 1,234 rows of cells.parquet.", tuple(heads), rows, notes, ("main-grid",))
+
+
+def _one_cell() -> Table:
+    """A table of one row."""
+    rows = (
+        ("sample rate", "1000 Hz", "sample rate of the controller"),
+        ("peak to peak", "2.305 mrad", "mean peak minus mean trough, mean of the trials that cycle"),
+        ("reason", "no damping: nothing makes the motion settle", "why it is not certified; empty where it is"),
+    )
+    return Table("table-one", "predict: the one cell", "The one row of cells.parquet.", UPRIGHT, rows, (), ("predict",))
+
+
 def page(count: int = 100) -> Page:
     """The whole sample."""
     text = (
@@ -166,7 +193,7 @@ def page(count: int = 100) -> Page:
         claims=claims(count),
         claims_of="C. J. Hasser's dissertation",
         chapters=(
-            Chapter("size", "Size and resolution", text, (sizes, grid)),
+            Chapter("size", "Size and resolution", text, (sizes, grid), (_cells(), _one_cell())),
             Chapter("pitch", "Pitch and push", text[1:], (bias, error)),
             Chapter("rig", "The rig", (), (hardware,)),
         ),

@@ -158,9 +158,30 @@ def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
             summary.evaluate("one => one.parentNode.open = true")
         assert tab.evaluate("document.documentElement.scrollWidth") <= 360
         inside = "all => all.filter(one => one.getBoundingClientRect().right > 361).map(one => one.outerHTML)"
-        assert tab.eval_on_selector_all("main p, th, td, dd, li, label, button, figcaption", inside) == []
+        assert tab.eval_on_selector_all("main p, caption, dd, li, label, button, figcaption", inside) == []
+        assert tab.eval_on_selector_all(":is(th, td):not(.rows *)", inside) == []
         first = tab.locator(".ink").first
         assert first.get_attribute("tabindex") == "0"  # a picture too wide is scrolled, by keys too
+
+
+def test_a_wide_table_is_scrolled_within_its_box_by_keys_too(browser: Any, address: str) -> None:
+    with Opened(browser, address, viewport=PHONE) as opened:
+        box = opened.tab.locator("#table-cells .box")
+        wide, shown, tall, height = box.evaluate(
+            "one => [one.scrollWidth, one.clientWidth, one.scrollHeight, one.clientHeight]"
+        )
+        assert wide > shown
+        assert shown <= 360
+        assert tall > height
+        box.focus()
+        opened.tab.keyboard.press("ArrowRight")
+        opened.tab.wait_for_timeout(300)
+        assert box.evaluate("one => one.scrollLeft") > 0
+        caption = opened.tab.locator("#table-cells caption").evaluate("one => one.getBoundingClientRect().left")
+        assert caption >= 0  # it stays while the rows move
+        one = opened.tab.locator("#table-one .box")
+        assert one.evaluate("one => one.scrollWidth <= one.clientWidth")
+        assert one.locator("td").last.evaluate("one => one.getBoundingClientRect().right") <= 361
 
 
 @pytest.mark.parametrize("width", [640, 880, 900, 1024, 1300])

@@ -41,7 +41,9 @@ def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
         "2 cells: peak to peak of the largest cycle from 1 to 2 mrad, 80 to 90 Hz"
         in sentences_of(evidence(tmp_path))[0]
     )
-    assert [figure.draw for figure in chapters_of(evidence(tmp_path))[0].figures] == ["staircase"]
+    (chapter,) = chapters_of(evidence(tmp_path))
+    assert [figure.draw for figure in chapter.figures] == ["axis_lines"]  # there are no orbits for a staircase
+    assert [(table.file, table.key) for table in chapter.tables] == [("cells", "p2p_max_rad")]
 
 
 @pytest.mark.parametrize(
@@ -57,13 +59,13 @@ def test_tables_without_their_axis_are_not_shown(tmp_path: Path) -> None:
         chapters_of(evidence(tmp_path, sample_rate_hz=None))
 
 
-def test_a_design_over_several_axes_shows_what_matters(tmp_path: Path) -> None:
+def test_a_design_over_several_axes_of_too_few_points_to_tell_shows_every_cell(tmp_path: Path) -> None:
     grid = {"design": {"sobol": 2}, "sample_rate_hz": {"log": [500, 1000]}, "bias.torque": {"lin": [0.0, 0.001]}}
     stamp = describe(stage="sweep", values={"name": "x", "grid": grid}, overrides=())
     write({tmp_path / "cells.parquet": pa.table({**CELLS, "bias.torque": [0.0, 0.001]})}, stamp)
     found = Evidence({"tried": tmp_path})
     assert found["tried"].scales == {"sample_rate_hz": "log", "bias.torque": "lin"}
-    assert [figure.draw for figure in chapters_of(found)[0].figures] == ["what_matters"]
+    assert [figure.draw for figure in chapters_of(found)[0].figures] == ["cell_dots"]
 
 
 def design(folder: Path, *, parts: int) -> Evidence:

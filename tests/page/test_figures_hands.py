@@ -127,9 +127,9 @@ def test_only_identifications_have_their_plan(evidence: Evidence) -> None:
 def test_a_page_without_chapters_shows_what_was_identified(evidence: Evidence) -> None:
     chapters = {chapter.title: chapter.figures for chapter in chapters_of(evidence)}
     shown = {title: [figure.draw for figure in figures] for title, figures in chapters.items()}
-    assert shown["hands (sysid)"] == ["all_persons"]
+    assert shown["hands (sysid)"] == ["all_persons", "identified_values"]
     assert shown["motor (sysid)"] == ["motor_calibration"]
-    assert shown["study (sysid)"] == ["hidden_inertia"]
+    assert shown["study (sysid)"] == ["bias_curves", "bias_curves", "hidden_inertia"]  # a figure each grip
     for figures in chapters.values():
         for figure in figures:
             assert draw(figure.draw, evidence, figure.of[0], figure.options)

@@ -20,15 +20,15 @@ def said(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> str
 
 
 def tried(remedy: str, p2p: float | None, frequency: float | None, knock: float | None = 1.0) -> dict[str, Any]:
-    row = {"case": "a case", "remedy": remedy, "hand": "a hand", "p2p_rad": p2p, "frequency_hz": frequency}
-    return {**row, "stiffness_kept": 1.0, "knock_ratio": knock}
+    row = {"case": "a case", "remedy": remedy, "hand": "a hand", "p2p_max_rad": p2p, "frequency_at_max_hz": frequency}
+    return {**row, "p2p_rad": p2p or None, "stiffness_kept": 1.0, "knock_ratio": knock}
 
 
 def test_remedies_stand_in_order_with_what_diverges_last(made: Made) -> None:
     rows = [
         tried("plain wall", 1e-3, 83.0),
         tried("away", None, None, None),
-        tried("still", 0.0, 0.0),
+        tried("still", 0.0, None),
         tried("small", 2e-4, 83.0),
     ]
     svg = said("remedy_dots", made("a", {"cases": rows}), "a", {"case": "a case"})

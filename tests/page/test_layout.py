@@ -78,7 +78,7 @@ def test_a_page_is_sound(laid: str) -> None:
     tree = Tree(laid)
     sound(tree)
     assert laid.startswith(f"<!doctype html>\n{MARK}\n<html lang=")
-    assert tree.count("tbody") == 100 + 1 + 4  # one a claim, the sources, and one a figure that claims name
+    assert tree.count("tbody") == 100 + 1 + 4 + 2  # one a claim, the sources, one a figure that claims name, two tables
     assert tree.count("figure") == 5
     assert tree.count("audio") == 2
     assert {"claim-7.1-size", "chapter-size", "sizes", "source-bias-staircase"} <= set(tree.having("id"))
@@ -90,7 +90,10 @@ def test_it_is_the_same_every_time(laid: str) -> None:
 
 def test_style_and_script_are_small_and_ask_for_nothing(laid: str) -> None:
     style, script = (re.findall(rf"<{tag}>(.*?)</{tag}>", laid, re.DOTALL)[0] for tag in ("style", "script"))
-    assert len(style) < 13 * 1024
+    assert len(style) < 15 * 1024
+    bare = [chapter._replace(tables=()) for chapter in page().chapters]
+    without = re.findall(r"<style>(.*?)</style>", lay_out(page()._replace(chapters=tuple(bare))), re.DOTALL)[0]
+    assert len(without) < 13 * 1024  # a page without tables has no style of them
     assert len(script) < 6 * 1024
     assert not re.search(r"url\(|@import|https?:", style + script)
 

@@ -115,7 +115,7 @@ TRIALS = {
     "not of a change": ("{scene: {con", "{starts: {phases: 1}, scene: {con", "must not have starts: a remedy"),
     "a hand of its own": ("{scene: {con", "{scene: {hand: {inertia: 1}, con", "must not have scene.hand: hands are"),
     "another axis": (
-        "{scene: {con", "{grid: {wall.stiffness: [1, 2]}, scene: {con", "must leave sample_rate_hz and coun",
+        "{scene: {con", "{grid: {wall.stiffness: [1, 2]}, scene: {con", "must leave the axes of the base as",
     ),
     "two cells at a case": ("{scene: {con", "{grid: {sample_rate_hz: [1, 2]}, scene: {con", "one cell at each case"),
     "no clock": (

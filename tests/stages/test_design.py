@@ -171,11 +171,11 @@ def test_the_notional_surface_is_that_of_figure_70(everything: Any) -> None:
     plan = planned()
     rows = {(row[RATE], row[COUNTS]): row for row in searched(plan, everything) if row["notional"] is not None}
     assert len(rows) == len(surface(plan)) == 6
-    sizes = [log(row["p2p_rad"]) for row in rows.values()]
-    pitches = [row["frequency_hz"] for row in rows.values()]
+    sizes = [log(row["p2p_max_rad"]) for row in rows.values()]
+    pitches = [row["frequency_at_max_hz"] for row in rows.values()]
     for row in rows.values():
-        size = (log(row["p2p_rad"]) - min(sizes)) / (max(sizes) - min(sizes))
-        pitch = (row["frequency_hz"] - min(pitches)) / (max(pitches) - min(pitches))
+        size = (log(row["p2p_max_rad"]) - min(sizes)) / (max(sizes) - min(sizes))
+        pitch = (row["frequency_at_max_hz"] - min(pitches)) / (max(pitches) - min(pitches))
         assert row["notional"] == pytest.approx(max(size, pitch), rel=1e-12)
         assert row["remedy"] == "plain wall"
         assert row["knob.damping"] == 0.0
@@ -206,6 +206,7 @@ def test_pushes_are_between_the_torques_of_two_counts() -> None:
 def row(**values: Any) -> dict[str, Any]:
     """A person's row."""
     known = {"touch_db": 10.0, "hearing_relative_db": -20.0, "torque_step_db": 20.0, "p2p_rad": 1e-3}
+    known |= {"p2p_max_rad": 2e-3, "frequency_at_max_hz": 70.0, "by_set": {"thenar": -15.0}}
     shares = {"at_rest_fraction": 0.0, "undecided_fraction": 0.0, "diverged_fraction": 0.0, "certified_fraction": 1.0}
     return {**known, **shares, "frequency_hz": 80.0, **values}
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.page.figures.grid import Row, axes_of, axis_label
+from hknob_cli.page.figures.grid import Row, axes_of, axis_label, tick_labels
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.results.evidence import Evidence, MissingError, Rows
 from hknob_cli.spec.plan import COUNTS, RATE
@@ -20,6 +20,7 @@ _PANELS = {
     "p2p_rad": (1e3, "peak to peak, mrad"),
     "period_samples": (1.0, "samples per cycle"),
 }
+_FEW = 8  # values of the axis that have a tick each
 _RATIOS = (*range(2, 17), 18, *range(20, 60, 5), *range(60, 200, 20), 500, 1000)
 
 
@@ -65,6 +66,9 @@ def staircase(
     values = sorted({row[over] for row in rows})
     if values[0] > 0 and is_geometric(values):
         places[-1].set_xscale("log")
+    if len(values) <= _FEW and not steps:
+        places[-1].set_xticks(values, tick_labels(values))
+        places[-1].set_xticks([], minor=True)
     handles, texts = places[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3, title="share of the trials that reach the orbit")
     return figure

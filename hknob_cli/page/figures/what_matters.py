@@ -50,6 +50,14 @@ def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most:
     return figure
 
 
+def can_tell(result: Result, where: Row | None = None) -> bool:
+    """Whether enough cells have a size to tell what matters."""
+    from hknob_cli.report.what_matters import what_matters as found_in
+
+    axes, columns, share = _cells(result, where)
+    return bool(found_in(columns, axes, share=share))
+
+
 def _cells(result: Result, where: Row | None) -> tuple[list[str], "Columns", str]:
     """Axes that may matter, columns of the cells, or of some of very many, and which of them is a share."""
     from hknob_cli.report.large import matters_at_large

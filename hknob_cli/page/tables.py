@@ -1,0 +1,194 @@
+"""Tables of a page: the rows of a result's file, those of a long one that say most, with names and units."""
+
+from math import isnan
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.page.book import Head, Table
+from hknob_cli.page.columns import Shown, shown_as
+from hknob_cli.page.numeral import numeral
+from hknob_cli.report.means import WORST, differs
+from hknob_cli.report.what_matters import columns_of
+from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.parted import Parted
+from hknob_cli.spec.page_plan import TablePlan
+from hknob_cli.spec.plan import COUNTS, PERSON, RATE
+
+Row = dict[str, Any]
+WHOLE = 100  # rows up to which a table is shown whole
+CUT = 40  # rows of a longer one
+NOTHING = "\N{EN DASH}"
+# What identifies a row, or is what everybody looks for: a column even where all rows have the same, or none a value.
+_ALWAYS = ("p2p_rad", "p2p_max_rad", "frequency_hz")
+# Columns of a table of several rows that stay in the file.
+_LEFT_OUT = {
+    "cells": ("p2p_counts",),
+    "orbits": (
+        "min_rad", "max_rad", "margin_counts", "closure_rad", "wall_work_j", "damping_loss_j", "friction_loss_j",
+        "late_entry_j", "late_exit_j", "staircase_j", "hand_inertia_kg_m2", "hand_damping_nm_s_per_rad",
+        "hand_stiffness_nm_per_rad",
+    ),
+    "dfa": ("amplitude_rad", "amplitude_difference", "samples_inside"),
+    "predict": ("amplitude_rad", "amplitude_difference", "rms_sine_rad"),
+    "remedies": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
+    "cases": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
+    "trials": ("steady_first", "steady_last", "torque_hz", "grip_zero_n", "native_counts", "device"),
+    "bench": ("samples", "error_counts", "reference_swing_rad", "p2p_relative_error"),
+}  # fmt: skip
+# What a search for a design is for, which stands before the sizes.
+_ANSWER = ("chosen", "present", "feasible", "fails", "touch_db")
+_DIGITS = 4
+_AXIS_DIGITS = 6
+
+
+UPRIGHT = (Head("quantity", "", "", True), Head("value", "", "", False), Head("meaning", "", "", True))
+
+
+class _Cut(NamedTuple):
+    """Rows that are shown, how many there are, and in words which they are; no words where all are shown."""
+
+    rows: list[Row]
+    of: int
+    which: str
+
+
+def table_of(plan: TablePlan, evidence: Evidence) -> Table:
+    """The table of a plan. Raises `MissingError` where its file has no rows."""
+    result = evidence[plan.of]
+    fields, cut = _rows(result, plan)
+    fields = _ordered(fields)
+    if not cut.rows:
+        raise MissingError(f"{plan.file}.parquet of '{plan.of}' has no rows")
+    axes = [name for name in fields if name in result.axes or name in (RATE, COUNTS, PERSON) or "." in name]
+    shown = {name: shown_as(field, is_axis=name in axes) for name, field in fields.items()}
+    file = f"{plan.file}.parquet"
+    count = f"{cut.of:,} row{'s' if cut.of != 1 else ''}"
+    caption = f"All {count} of {file}." if cut.of > 1 else f"The one row of {file}."
+    if cut.which:
+        caption = f"{len(cut.rows)} of {count} of {file}: {cut.which}."
+    if plan.made:
+        caption = caption.replace(file, plan.made)
+    if len(cut.rows) == 1:
+        heads, rows, notes = _upright(cut.rows[0], shown, axes)
+    else:
+        heads, rows, notes = _across(plan.file, cut.rows, shown, axes)
+    return Table(plan.id, plan.title, " ".join(filter(None, [caption, plan.caption])), heads, rows, notes, (plan.of,))
+
+
+def _ordered(fields: dict[str, pa.Field]) -> dict[str, pa.Field]:
+    """Columns, those of the largest attractor before those of the mean."""
+    first = [name for name in _ANSWER if name in fields] if "relaxes" in fields else []
+    names = [name for name in fields if name not in WORST and name not in first]
+    at = names.index("p2p_rad") if "p2p_rad" in names else len(names)
+    return {name: fields[name] for name in (*names[:at], *first, *(one for one in WORST if one in fields), *names[at:])}
+
+
+def _across(
+    file: str, rows: list[Row], shown: dict[str, Shown], axes: list[str]
+) -> tuple[tuple[Head, ...], tuple[tuple[str, ...], ...], tuple[str, ...]]:
+    """A column a quantity, without those that are the same in every row, or empty: a note says these."""
+    left_out = [name for name in _LEFT_OUT.get(file, ()) if name in shown]
+    single = all(name in shown for name in ("p2p_rad", *WORST)) and not differs(rows)
+    shown = {name: one for name, one in shown.items() if not (single and name in WORST)}
+    same, empty, kept = [], [], []
+    for name in shown:
+        values = {_key(row[name]) for row in rows}
+        if name in left_out:
+            continue
+        if len(values) > 1 or (name in _ALWAYS and values != {None}):
+            kept.append(name)
+        elif values == {None}:
+            empty.append(shown[name].head)
+        elif values == {""}:  # a remark that no row has
+            continue
+        else:
+            unit = f" {shown[name].unit}" if shown[name].unit else ""
+            same.append(f"{shown[name].head} {_text(rows[0][name], shown[name], name in axes)}{unit}")
+    heads = tuple(Head(one.head, one.unit, one.meaning, one.is_text) for one in (shown[name] for name in kept))
+    body = tuple(tuple(_text(row[name], shown[name], name in axes) for name in kept) for row in rows)
+    notes = [f"The same in every row: {'; '.join(same)}."] if same else []
+    notes += [f"Without a value in any row: {'; '.join(empty)}."] if empty else []
+    notes += ["In every row the mean is the size of the largest cycle, too."] if single and "p2p_rad" in kept else []
+    notes += [f"{file}.parquet has further columns: {', '.join(left_out)}."] if left_out else []
+    return heads, body, tuple(notes)
+
+
+def _upright(
+    row: Row, shown: dict[str, Shown], axes: list[str]
+) -> tuple[tuple[Head, ...], tuple[tuple[str, ...], ...], tuple[str, ...]]:
+    """A line a quantity, of a single row: its name, value with unit, and meaning."""
+    there = [name for name in shown if _key(row[name]) not in (None, "")]
+    empty = [shown[name].head for name in shown if _key(row[name]) is None]
+    body = tuple(
+        (
+            shown[name].head,
+            f"{_text(row[name], shown[name], name in axes)} {shown[name].unit}".strip(),
+            shown[name].meaning,
+        )
+        for name in there
+    )
+    return UPRIGHT, body, (f"Without a value: {'; '.join(empty)}.",) if empty else ()
+
+
+def _key(value: Any) -> Any:
+    """A value to compare with others: not a number is none."""
+    return None if isinstance(value, float) and isnan(value) else value
+
+
+def _text(value: Any, shown: Shown, precise: bool) -> str:
+    if _key(value) in (None, ""):
+        return NOTHING
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, int | float):
+        return numeral(shown.factor * value, _AXIS_DIGITS if precise else _DIGITS)
+    return str(value)
+
+
+def _rows(result: Result, plan: TablePlan) -> tuple[dict[str, pa.Field], _Cut]:
+    """Columns by name, and the rows that are shown.
+
+    These are all, or of a long table those where one of ``plan.first`` is true, else those with the largest values of
+    ``plan.key``, else the first.
+    """
+    if large := result.parted(plan.file):
+        fields = {field.name: field for field in result.schema(plan.file)}
+        return fields, _of_parts(large, fields, plan)
+    table = result.table(plan.file)
+    fields = {field.name: field for field in table.schema}
+    if table.num_rows <= WHOLE:
+        return fields, _Cut(table.to_pylist(), table.num_rows, "")
+    if plan.first:
+        rows = [row for row in table.to_pylist() if any(row[name] for name in plan.first)]
+        return fields, _Cut(rows[:WHOLE], table.num_rows, plan.first_are)
+    if plan.key not in fields:
+        return fields, _Cut(table.slice(0, CUT).to_pylist(), table.num_rows, "the first")
+    chosen = table.take([place for _, place in _largest(table, plan.key)])
+    return fields, _Cut(chosen.to_pylist(), table.num_rows, _which(fields[plan.key]))
+
+
+def _which(key: pa.Field) -> str:
+    name = shown_as(key, is_axis=False).head
+    return f"those with the largest values of \N{LEFT DOUBLE QUOTATION MARK}{name}\N{RIGHT DOUBLE QUOTATION MARK}"
+
+
+def _of_parts(large: Parted, fields: dict[str, pa.Field], plan: TablePlan) -> _Cut:
+    """Rows of a table that is never read as a whole."""
+    if plan.key not in fields:
+        return _Cut(large.part(0, list(fields)).slice(0, CUT).to_pylist(), large.num_rows, "the first")
+    best: list[tuple[float, int, int]] = []
+    for number, table in enumerate(large.tables([plan.key])):
+        found = [(-value, number, place) for value, place in _largest(table, plan.key)]
+        best = sorted([*best, *found])[:CUT]
+    rows = [large.part(number, list(fields)).slice(place, 1).to_pylist()[0] for _, number, place in best]
+    return _Cut(rows, large.num_rows, _which(fields[plan.key]))
+
+
+def _largest(table: pa.Table, key: str) -> list[tuple[float, int]]:
+    """The largest values of a column and their rows, the largest first, of equals the first; none count as least."""
+    import numpy as np
+
+    values = np.nan_to_num(columns_of(table, [key])[key], nan=-np.inf)
+    order = np.argsort(-values, kind="stable")[:CUT]
+    return [(float(values[place]), int(place)) for place in order]

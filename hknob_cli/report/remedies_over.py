@@ -1,0 +1,68 @@
+"""Remedies over a further axis of the grid: where each helps and where it harms, for the hand that gains least."""
+
+from math import inf
+from statistics import median
+from typing import Any
+
+Row = dict[str, Any]
+
+
+def over_axis(rows: list[Row], axis: str) -> dict[str, list[Row]]:
+    """Of every remedy, at each value of the axis, how many times smaller the largest cycle is: least and median.
+
+    Cells where reference and remedy both rest say nothing; where only the remedy rests it is infinitely smaller, which
+    is None in ``times_least`` with ``rests`` set. ``starts``: cells where the remedy buzzes and the reference rests.
+    """
+    found: dict[str, list[Row]] = {}
+    values = sorted({row[axis] for row in rows})
+    for name in dict.fromkeys(row["remedy"] for row in rows):
+        mine = [row for row in rows if row["remedy"] == name]
+        found[name] = [{axis: value, **_together([row for row in mine if row[axis] == value])} for value in values]
+    return found
+
+
+def _together(rows: list[Row]) -> Row:
+    ratios = sorted(inf if _rests(row) else row["p2p_ratio"] for row in rows if _rests(row) or _compared(row))
+    moves = [one for one in ratios if one < inf]
+    return {
+        "cells": len(rows),
+        "times_least": moves[0] if moves else None,
+        "times_median": median(ratios) if ratios and median(ratios) < inf else None,
+        "rests": bool(ratios) and not moves,
+        "starts": sum(row["p2p_ratio"] == 0.0 for row in rows),
+        "worse": sum(one < 1.0 for one in ratios),
+        "outside_domain": sum(row.get("in_domain") is False for row in rows),
+    }
+
+
+def _rests(row: Row) -> bool:
+    return bool(row["p2p_max_rad"] == 0.0 and row["diverged_fraction"] == 0.0)
+
+
+def _compared(row: Row) -> bool:
+    return row["p2p_ratio"] is not None
+
+
+def over_text(axis: str, found: dict[str, list[Row]]) -> list[str]:
+    """A table: a line a remedy, a column a value of the axis."""
+    wide = max(len(name) for name in found)
+    heads = [row[axis] for row in next(iter(found.values()))]
+    lines = [
+        f"over {axis}: times smaller, for the hand and cell that gain least (below 1: larger; *: outside its domain)",
+        f"{'':{wide}}" + "".join(f"{head:>9.3g}" for head in heads),
+    ]
+    lines += [f"{name:{wide}}" + "".join(f"{said(row):>9}" for row in rows) for name, rows in found.items()]
+    return [
+        *lines,
+        "rest: all come to rest; starts: the remedy buzzes where the reference rests; -: nothing to compare.",
+    ]
+
+
+def said(row: Row) -> str:
+    """How much a remedy helps at a value of the axis, in a word or a number."""
+    mark = "*" if row["outside_domain"] else ""
+    if row["starts"]:
+        return f"starts{mark}"
+    if row["rests"]:
+        return f"rest{mark}"
+    return "-" if row["times_least"] is None else f"{row['times_least']:.2g}{mark}"
