@@ -170,7 +170,7 @@ def _step(
         begin = time.perf_counter()
         said(stage.name, "")
         now = job._replace(plan=_plan(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
-        _, _, computed = make(now, work)
+        computed = make(now, work).computed
         said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
         return computed
 
