@@ -47,7 +47,8 @@ def _counted(count: int, what: str, many: str = "") -> str:
 def _checked(path: Path, sets: tuple[str, ...]) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
     from hknob_cli.cli.job import work_of
-    from hknob_cli.spec.load import PIPELINE, is_ledger, kind_of, load, load_pipeline
+    from hknob_cli.spec.kinds import PIPELINE
+    from hknob_cli.spec.load import is_ledger, kind_of, load, load_pipeline
 
     kind = kind_of(path)
     if kind == PIPELINE:

@@ -14,6 +14,7 @@ from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.results.place import refuse_link
 from hknob_cli.spec.load import load
+from hknob_cli.spec.messages import unknown
 from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.page_plan import ReportPlan
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
@@ -29,7 +30,7 @@ def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
     Raises `UsageError` for a stage that is not in the pipeline.
     """
     if until is not None and until not in plan.stages:
-        raise UsageError(f"--until: must be a stage of '{plan.name}': {', '.join(plan.stages)}; got '{until}'")
+        raise UsageError(f"--until: {unknown('stage', until, list(plan.stages))}")
     order: dict[str, StagePlan] = {}
 
     def add(name: str) -> None:

@@ -102,9 +102,13 @@ class SweepWork(Work):
             from hknob_cli.report.large import describe_large
 
             return describe_large(
-                cells, orbits, axes=job.plan.axes, ranges=job.plan.points.scales if job.plan.points else ()
+                cells,
+                orbits,
+                axes=job.plan.axes,
+                ranges=job.plan.points.scales if job.plan.points else (),
+                trials=_trials(job),
             )
-        return describe_sweep(cells, orbits, axes=list(job.plan.axes))
+        return describe_sweep(cells, orbits, axes=list(job.plan.axes), trials=_trials(job))
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
@@ -121,6 +125,11 @@ def _say_what_goes(job: Job, work: Work) -> None:
         note(
             job, f"{job.out}: what a run of another spec, --set or version had finished here goes when this one is done"
         )
+
+
+def _trials(job: Job) -> int:
+    """Trials of a cell: without a sample clock there are no phases of it."""
+    return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
 
 
 def _recorded(job: Job) -> Tables:

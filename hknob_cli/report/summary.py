@@ -7,20 +7,23 @@ import pyarrow as pa
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.perceived import perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.undecided import undecided_in, undecided_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.spec.plan import PERSON
 
 
-def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dict[str, Any]:
-    """Summary of a sweep as plain data, one entry per cell under ``cells``."""
+def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:
+    """Summary of a sweep as plain data, one entry per cell under ``cells``; ``trials``: of a cell."""
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
     people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
+    undecided = undecided_in(orbits, trials) if "undecided" in outcomes else []
     matters = describe_matters(matters_of(rows, axes))
     return {
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
+        **({"undecided": undecided} if undecided else {}),
         **people,
         **({"what_matters": matters} if matters else {}),
         "cells": rows,
@@ -36,7 +39,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     if "what_matters" in summary:
         lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
         if len(rows) > MAX_ROWS:
-            notes = [*_notes(rows), *perceived_text(rows)]
+            notes = [*_notes(summary), *perceived_text(rows)]
             return "\n".join([*lines, *(["", *notes] if notes else [])])
     if "population" in summary:
         return "\n".join([*lines, "", *people_text(summary, axes)])
@@ -57,7 +60,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     else:
         lines += ["", *_list(rows, wide)]
-    notes = [*_notes(rows), *perceived_text(rows)]
+    notes = [*_notes(summary), *perceived_text(rows)]
     lines += ["", *notes] if notes else []
     return "\n".join(lines)
 
@@ -86,13 +89,13 @@ def _mark(row: dict[str, Any]) -> str:
     return marks + ("?" if row["undecided_fraction"] > 0 else "")
 
 
-def _notes(rows: list[dict[str, Any]]) -> list[str]:
-    marks = "".join(_mark(row) for row in rows)
+def _notes(summary: dict[str, Any]) -> list[str]:
+    marks = "".join(_mark(row) for row in summary["cells"])
     words = {
         "*": "several orbits coexist; which one a trial reaches depends on when it is sampled, the value is their mean",
         "r": "trials come to rest",
         "!": "trials diverge",
-        "?": "trials undecided; orbits.parquet says why",
+        "?": undecided_text(summary.get("undecided", [])),
     }
     return [f"{mark} {text}" for mark, text in words.items() if mark in marks]
 
