@@ -16,6 +16,7 @@ from hknob_cli.results.folder import refuse_mixed
 from hknob_cli.results.marked import mark
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.spec.usual import unusual
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -104,6 +105,7 @@ class Work:
 def run_stage(job: Job, work: Work) -> None:
     """Run a stage and say what it found. Raises `RefusedError` or `ComputationError`."""
     if job.dry_run:
+        warn(job)
         _say_plan(job, work, _state(job, work))
         return
     tables, files, computed, changed = make(job, work)
@@ -151,6 +153,7 @@ def make(job: Job, work: Work) -> Made:
     name = job.plan.name
     if changed:
         note(job, f"{job.out}: these results are replaced; changed since: {in_a_line(changed)}")
+    warn(job)
     for text in hand_notes(job.plan):
         note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
@@ -259,9 +262,25 @@ def note(job: Job, text: str) -> None:
         say(text)
 
 
+def warn(job: Job) -> None:
+    """Say which quantities of a spec are far from usual, unless messages are unwanted."""
+    for text in unusual(job.plan):
+        note(job, f"{job.plan.name}: {text}")
+
+
 def compare_scenes(job: Job) -> None:
     """Say what a sweep that a job is compared with has different. Raises `UsageError`."""
     from hknob_cli.stages.compare import scene_differences
 
     if found := scene_differences(job.plan.against, job.plan.scene, job.plan.axes):
         note(job, f"{job.plan.name}: the sweep in {job.plan.against} is of another scene: {'; '.join(found)}")
+
+
+def overlap_of(job: Job) -> dict[str, Any]:
+    """How many cells of a job the sweep has that it is compared with, for its summary. Raises `UsageError`."""
+    if not job.plan.against:
+        return {}
+    from hknob_cli.spec.cells import cells_of
+    from hknob_cli.stages.compare import overlap
+
+    return {"overlap": overlap(job.plan.against, job.plan.axes, cells_of(job.plan))}

@@ -15,6 +15,10 @@ from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
+UNPUSHED = (
+    "no bias is given: nothing pushes the knob into the wall, and rest here does not say that a user would find it"
+)
+
 
 class SweepWork(Work):
     """Limit cycles over a grid."""
@@ -101,22 +105,26 @@ class SweepWork(Work):
         if isinstance(cells, Parted):
             from hknob_cli.report.large import describe_large
 
-            return describe_large(
+            found = describe_large(
                 cells,
                 orbits,
                 axes=job.plan.axes,
                 ranges=job.plan.points.scales if job.plan.points else (),
                 trials=_trials(job),
             )
-        return describe_sweep(cells, orbits, axes=list(job.plan.axes), trials=_trials(job))
+            return {**found, **_unpushed(job, found["at_rest_fraction"] > 0.0)}
+        found = describe_sweep(cells, orbits, axes=list(job.plan.axes), trials=_trials(job))
+        return {**found, **_unpushed(job, any(row["at_rest_fraction"] for row in found["cells"]))}
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
         if "cell_count" in summary:
             from hknob_cli.report.large import large_text
 
-            return large_text(summary)
-        return table_text(summary, list(job.plan.axes))
+            text = large_text(summary)
+        else:
+            text = table_text(summary, list(job.plan.axes))
+        return "\n".join([text, *summary.get("notes", [])])
 
 
 def _say_what_goes(job: Job, work: Work) -> None:
@@ -130,6 +138,14 @@ def _say_what_goes(job: Job, work: Work) -> None:
 def _trials(job: Job) -> int:
     """Trials of a cell: without a sample clock there are no phases of it."""
     return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
+
+
+def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
+    """A note where trials rest and nothing pushes the knob into the wall, as part of the summary."""
+    scene, axes = job.plan.scene, job.plan.axes
+    pushed = bool(scene.bias and (scene.bias.half_quantum or scene.bias.torque)) or any(axes.get("bias.torque", []))
+    walled = bool(scene.wall.stiffness) or any(axes.get("wall.stiffness", []))
+    return {"notes": [UNPUSHED]} if rests and walled and scene.sampled and not pushed else {}
 
 
 def _recorded(job: Job) -> Tables:

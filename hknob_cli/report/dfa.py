@@ -5,6 +5,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.overlap import overlap_text
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
@@ -28,7 +29,7 @@ def dfa_text(summary: dict[str, Any]) -> str:
     for method in summary["methods"]:
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
-    lines += ["", *_notes(rows)]
+    lines += ["", *_notes(rows), *overlap_text(summary)]
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]
     return "\n".join(lines)

@@ -4,6 +4,7 @@ from collections import Counter
 from typing import Any
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.overlap import overlap_text
 
 LIMITS = {
     "colgate_schenkel": "Colgate & Schenkel",
@@ -48,7 +49,7 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
     else:
         lines += ["", *_list(summary, wide)]
     lines += ["", *_reasons(summary)]
-    lines += _statistics(summary)
+    lines += [*overlap_text(summary), *_statistics(summary)]
     return "\n".join([*lines, _limits(summary, cells)])
 
 

@@ -66,7 +66,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
 
 
 def _headline(summary: dict[str, Any]) -> str:
-    counts = summary["orbits"]
+    counts = {**summary["orbits"], "undecided": sum(one["trials"] for one in summary.get("undecided", []))}
     found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
     share = summary["certified_fraction"]
     proven = "all proven" if share == 1.0 else f"{100 * share:.4g} % of trials proven"
@@ -76,7 +76,11 @@ def _headline(summary: dict[str, Any]) -> str:
 
 
 def _plural(kind: str, number: int) -> str:
-    names = {"cycle": ("limit cycle", "limit cycles"), "rest": ("rest point", "rest points")}
+    names = {
+        "cycle": ("limit cycle", "limit cycles"),
+        "rest": ("rest point", "rest points"),
+        "undecided": ("undecided trial", "undecided trials"),
+    }
     one, many = names.get(kind, (f"{kind} end", f"{kind} ends"))
     return one if number == 1 else many
 

@@ -48,7 +48,7 @@ def undecided_text(reasons: list[Reason]) -> str:
 def _why(reasons: list[Reason]) -> Iterator[str]:
     for one in reasons:
         where = f"{one['cells']} cell{'s' if one['cells'] != 1 else ''}"
-        yield f"{one['reason'] or 'no reason given'} ({_trials(one['trials'])} in {where})"
+        yield f"{one['reason'] or 'no reason given'} ({one['trials']} in {where})"
 
 
 def _trials(count: int) -> str:
