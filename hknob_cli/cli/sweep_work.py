@@ -15,9 +15,7 @@ from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.stages.sweep import SweepStage
 
-UNPUSHED = (
-    "no bias is given: nothing pushes the knob into the wall, and rest here does not say that a user would find it"
-)
+UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
 
 class SweepWork(Work):
