@@ -10,6 +10,7 @@ from hknob_cli.cli.console import say, tell
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.errors import MISSHAPEN, ComputationError
+from hknob_cli.report.table import folded
 from hknob_cli.results import provenance, store
 from hknob_cli.results.changes import Change, as_data, changes, in_a_line, record_at
 from hknob_cli.results.folder import refuse_mixed
@@ -122,7 +123,7 @@ def run_stage(job: Job, work: Work) -> None:
     if job.as_json:
         print(text)
         return
-    tell(text)
+    tell(folded(text))
     tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
 
 

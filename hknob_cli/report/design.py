@@ -5,6 +5,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import matrix, short
+from hknob_cli.report.table import table
 from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -141,9 +142,9 @@ def _level(row: Row) -> str:
 def _table(plan: DesignPlan, summary: Row) -> list[str]:
     also = [row for row in (summary["chosen"], summary["present"]) if row and not row["front"]]
     rows = sorted([*summary["front"][-MOST_FRONT:], *also], key=lambda row: row["cost"])
-    heads = ("cost", "touch dB", "ear dB", "step dB", "K", "proven %", "fails")
+    heads = ["cost", "touch dB", "ear dB", "step dB", "K", "proven %", "design"]
     lines = ["Cost against touch, nothing stiff enough as cheap is felt less (ear: sound over the present design's):"]
-    lines.append("".join(f"{head:>9}" for head in heads[:-1]) + "  design")
+    body = []
     for row in rows:
         cells = [
             f"{row['cost']:g}",
@@ -155,8 +156,8 @@ def _table(plan: DesignPlan, summary: Row) -> list[str]:
         ]
         mark = " <- present" if row["present"] else ""
         mark += " <- chosen" if row["chosen"] else f" (fails {row['fails']})" if row["fails"] else ""
-        lines.append("".join(f"{cell:>9}" for cell in cells) + f"  {name_of(plan, row)}{mark}")
-    return lines
+        body.append([*cells, f"{name_of(plan, row)}{mark}"])
+    return [*lines, *table(heads, body, left={6}, flow=6)]
 
 
 def _surface(rows: list[Row]) -> list[str]:

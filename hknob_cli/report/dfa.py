@@ -1,11 +1,13 @@
 """A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep."""
 
+from collections import Counter
 from typing import Any
 
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.overlap import overlap_text
+from hknob_cli.report.table import table
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
@@ -29,7 +31,8 @@ def dfa_text(summary: dict[str, Any]) -> str:
     for method in summary["methods"]:
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
-    lines += ["", *_notes(rows), *overlap_text(summary)]
+    notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary)]
+    lines += ["", *notes] if notes else []
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]
     return "\n".join(lines)
@@ -48,11 +51,12 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
             *matrix(last, wide, "p2p_rad", scale=1e3, title=size, mark=_mark),
             *matrix(last, wide, "frequency_hz", scale=1.0, title=f"{method}: frequency, Hz", mark=_mark),
         ]
-    lines = [f"{method}: {'  '.join([*wide, 'p2p mrad', 'frequency Hz'])}"]
+    heads = [*wide, "p2p mrad", "frequency Hz", ""]
+    body = []
     for row in last[:MAX_ROWS]:
         p2p = None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]
-        values = [*(short(row[axis], 6) for axis in wide), short(p2p), short(row["frequency_hz"])]
-        lines.append("  " + "  ".join(f"{value:>12}" for value in values) + f" {_mark(row)}")
+        body.append([*(short(row[axis], 6) for axis in wide), short(p2p), short(row["frequency_hz"]), _mark(row)])
+    lines = [f"{method}:", *table(heads, body, left={len(heads) - 1}, keys=len(wide) or 1)]
     return [*lines, f"  ... and {len(last) - MAX_ROWS} more cells in dfa.parquet"] if len(last) > MAX_ROWS else lines
 
 
@@ -69,11 +73,18 @@ def _mark(row: dict[str, Any]) -> str:
     return ("*" if row["several"] else "") + ("" if row["in_domain"] else "~")
 
 
-def _notes(rows: list[dict[str, Any]]) -> list[str]:
-    notes = ["* several limit cycles, the largest shown"]
-    reasons = {part.split(" is ")[0] for row in rows for part in row["reason"].split("; ") if part}
-    if reasons:
-        notes.append("~ out of the method's domain; the column `reason` says why")
+def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
+    counts = Counter(
+        (row["method"], part.split(" is ")[0]) for row in rows for part in row["reason"].split("; ") if part
+    )
+    cells: dict[tuple[Any, ...], int] = {}
+    for row in rows:
+        key = (row["method"], *(row[axis] for axis in axes))
+        cells[key] = cells.get(key, 0) + 1
+    notes = ["* several limit cycles, the largest shown"] if max(cells.values()) > 1 else []
+    for method in dict.fromkeys(method for method, _ in counts):
+        why = "; ".join(f"{reason} ({count})" for (of, reason), count in counts.items() if of == method)
+        notes.append(f"~ outside the domain of {method}: {why}")
     return notes
 
 
@@ -85,13 +96,11 @@ def statistics_lines(name: str, groups: dict[str, Any]) -> list[str]:
         "frequency_difference": "frequency",
     }
     nearest = " (of several cycles the nearest)" if name == "sampled" else ""
-    lines = [f"{name} against the sweep, %{nearest}"]
+    body = []
     for key, found in groups.items():
-        if found is None:
-            continue
-        title = titles[key.removesuffix("_in_domain")] + (", in domain" if key.endswith("_in_domain") else "")
-        low, high, mean, std = (100 * found[part] for part in ("least", "largest", "mean", "std"))
-        lines.append(
-            f"  {title:42} {found['cells']:4} cells: mean {mean:7.1f}, std {std:6.1f}, from {low:7.1f} to {high:7.1f}"
-        )
-    return lines
+        if found is not None:
+            title = titles[key.removesuffix("_in_domain")] + (", in domain" if key.endswith("_in_domain") else "")
+            shares = [f"{100 * found[part]:.1f}" for part in ("mean", "std", "least", "largest")]
+            body.append([title, str(found["cells"]), *shares])
+    heads = ["of", "cells", "mean", "std", "least", "largest"]
+    return [f"{name} against the sweep, %{nearest}", *table(heads, body, left={0})]

@@ -7,6 +7,7 @@ import pyarrow as pa
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.perceived import perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.table import table
 from hknob_cli.report.undecided import undecided_in, undecided_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.spec.plan import PERSON
@@ -118,10 +119,7 @@ def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
         ]
         for row in rows[:MAX_ROWS]
     ]
-    widths = [max(len(line[i]) for line in [heads, *body]) for i in range(len(heads))]
-    lines = [
-        "  ".join(f"{text:>{w}}" for text, w in zip(line, widths, strict=True)).rstrip() for line in [heads, *body]
-    ]
+    lines = table(heads, body, keys=len(axes) or 1)
     if len(rows) > MAX_ROWS:
         lines.append(f"... and {len(rows) - MAX_ROWS} more cells in cells.parquet")
     return lines

@@ -1,7 +1,7 @@
 """Usual ranges of what a scene has: values far outside are most often of another unit, and are warned of.
 
-Nothing is refused here: the models say what is possible. A quantity of 0 is absent. A range without a source is reasoned,
-and wide: it is to find a wrong unit, not a rare knob.
+Nothing is refused here: the models say what is possible. A quantity of 0 is absent. A range without a source is
+reasoned, and wide: it is to find a wrong unit, not a rare knob.
 """
 
 from collections.abc import Iterator
