@@ -12,7 +12,7 @@ from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.spec.plan import COUNTS, PERSON
 from hknob_cli.stages.sweep import SweepStage
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
@@ -163,6 +163,9 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
 
         names, columns = matters_at_large(cells, axes)
         return _draw_matters(job, columns, names, path, total=cells.num_rows)
+    if cells.num_rows == 1 and PERSON not in axes and job.plan.growth_s is None:
+        _draw_one(job, cells, orbits, path)
+        return True
     if PERSON in axes:
         from hknob_cli.report.population_picture import draw_population
 
@@ -177,6 +180,20 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
 
     names = axes_that_matter(axes, cells.column_names)
     return _draw_matters(job, columns_of(cells, [*names, "p2p_rad", "frequency_hz", "at_rest_fraction"]), names, path)
+
+
+def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
+    """The motion of the one cell on its orbits."""
+    from math import pi
+
+    from hknob_cli.report.one_cell_picture import draw_one_cell
+    from hknob_cli.stages.record import record_one
+
+    rows = orbits.to_pylist()
+    counts = cells.to_pylist()[0].get(COUNTS)
+    draw_one_cell(
+        record_one(job.plan, rows), rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path
+    )
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:

@@ -1,5 +1,6 @@
 """A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep."""
 
+import re
 from collections import Counter
 from typing import Any
 
@@ -8,6 +9,8 @@ import pyarrow as pa
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.overlap import overlap_text
 from hknob_cli.report.table import table
+
+_NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
@@ -74,9 +77,8 @@ def _mark(row: dict[str, Any]) -> str:
 
 
 def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
-    counts = Counter(
-        (row["method"], part.split(" is ")[0]) for row in rows for part in row["reason"].split("; ") if part
-    )
+    said = ((row["method"], reason) for row in rows for reason in row["reason"].split("; ") if reason)
+    counts = Counter((method, _NUMBER.sub("…", reason, count=1)) for method, reason in said)
     cells: dict[tuple[Any, ...], int] = {}
     for row in rows:
         key = (row["method"], *(row[axis] for axis in axes))

@@ -108,7 +108,7 @@ def _statistics(summary: dict[str, Any]) -> list[str]:
                     shares[1] = shares[1].lstrip("+")
                     body.append([law, what, str(numbers["cells"]), which, *shares])
     title = f"difference to {summary['against']}, % of the sweep"
-    return [title, *table(heads, body, left={0, 1, 3}, keys=2), ""]
+    return [title, *table(heads, body, left={0, 1, 3}, keys=4), ""]
 
 
 def _limits(summary: dict[str, Any], cells: int) -> str:

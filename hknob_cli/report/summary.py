@@ -5,7 +5,8 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
-from hknob_cli.report.perceived import perceived_levels, perceived_text
+from hknob_cli.report.one_cell import describe_one, one_cell_text
+from hknob_cli.report.perceived import Level, perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.table import table
 from hknob_cli.report.undecided import undecided_in, undecided_text
@@ -25,6 +26,7 @@ def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
         **({"undecided": undecided} if undecided else {}),
+        **({"ends": describe_one(orbits.to_pylist())} if len(rows) == 1 and "growth_j_per_s2" not in rows[0] else {}),
         **people,
         **({"what_matters": matters} if matters else {}),
         "cells": rows,
@@ -59,8 +61,12 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
         lines += ["", *matrix(rows, wide, "frequency_hz", scale=1.0, title="frequency, Hz", mark=_mark)]
         for level in perceived_levels(rows):
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
+    elif "ends" in summary:
+        lines += ["", *one_cell_text(summary["ends"])]
+        if levels := perceived_levels(rows):
+            lines += ["", *_list(rows, wide, levels)]
     else:
-        lines += ["", *_list(rows, wide)]
+        lines += ["", *_list(rows, wide, perceived_levels(rows))]
     notes = [*_notes(summary), *perceived_text(rows)]
     lines += ["", *notes] if notes else []
     return "\n".join(lines)
@@ -102,11 +108,11 @@ def _notes(summary: dict[str, Any]) -> list[str]:
         "!": "trials diverge",
         "?": undecided_text(summary.get("undecided", [])),
     }
-    return [f"{mark} {text}" for mark, text in words.items() if mark in marks]
+    told = {"*", "r", "!"} if "ends" in summary else set()  # of one cell, by its sentence
+    return [f"{mark} {text}" for mark, text in words.items() if mark in marks and mark not in told]
 
 
-def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
-    levels = perceived_levels(rows)
+def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> list[str]:
     heads = [*axes, "p2p mrad", "frequency Hz", "orbits", *(level.head for level in levels), ""]
     body = [
         [

@@ -16,6 +16,8 @@ _GAP = 2  # between columns
 _LEAST_FLOW = 24  # of a column of text
 _LEAST_CELL = 8  # of a grid, where there is room
 
+_TIED = "\u00a0±\u00a0"
+
 Rows = Sequence[Sequence[str]]
 
 
@@ -47,14 +49,9 @@ def _folded(line: str, room: int) -> list[str]:
     if len(line) <= room:
         return [line]
     indent = line[: len(line) - len(line.lstrip())]
-    return wrap(
-        line,
-        room,
-        subsequent_indent=f"{indent}  ",
-        break_long_words=False,
-        break_on_hyphens=False,
-        drop_whitespace=True,
-    )
+    whole = line.replace(" ± ", _TIED)  # a value stays with its deviation
+    parts = wrap(whole, room, subsequent_indent=f"{indent}  ", break_long_words=False, break_on_hyphens=False)
+    return [part.replace(_TIED, " ± ") for part in parts]
 
 
 def table(
