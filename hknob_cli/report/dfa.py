@@ -30,8 +30,13 @@ def dfa_text(summary: dict[str, Any]) -> str:
     wide = [axis for axis, values in summary["axes"].items() if len(values) > 1]
     fixed = [f"{axis} = {short(values[0])}" for axis, values in summary["axes"].items() if axis not in wide]
     cells = len({tuple(row[axis] for axis in summary["axes"]) for row in rows})
-    lines = [f"{summary['name']}: {cells} cells by {', '.join(summary['methods'])}" + "".join(f"; {f}" for f in fixed)]
-    for method in summary["methods"]:
+    lines = [
+        f"{summary['name']}: {cells} cell{'s' if cells != 1 else ''} by {', '.join(summary['methods'])}"
+        + "".join(f"; {f}" for f in fixed)
+    ]
+    if not wide:
+        lines += ["", *_one_cell(rows)]
+    for method in summary["methods"] if wide else ():
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
     notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary)]
@@ -63,6 +68,20 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
     return [*lines, f"  ... and {len(last) - MAX_ROWS} more cells in dfa.parquet"] if len(last) > MAX_ROWS else lines
 
 
+def _one_cell(rows: list[dict[str, Any]]) -> list[str]:
+    """Every cycle of every method."""
+    body = [
+        [
+            row["method"],
+            short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
+            short(row["frequency_hz"]),
+            "" if row["in_domain"] else "~",
+        ]
+        for row in rows
+    ]
+    return table(["method", "p2p mrad", "frequency Hz", ""], body, left={0, 3})
+
+
 def _largest(rows: list[dict[str, Any]], wide: list[str]) -> list[dict[str, Any]]:
     best: dict[tuple[Any, ...], dict[str, Any]] = {}
     for row in rows:
@@ -83,7 +102,8 @@ def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
     for row in rows:
         key = (row["method"], *(row[axis] for axis in axes))
         cells[key] = cells.get(key, 0) + 1
-    notes = ["* several limit cycles, the largest shown"] if max(cells.values()) > 1 else []
+    several = max(cells.values()) > 1 and len({key[1:] for key in cells}) > 1
+    notes = ["* several limit cycles, the largest shown"] if several else []
     for method in dict.fromkeys(method for method, _ in counts):
         why = "; ".join(f"{reason} ({count})" for (of, reason), count in counts.items() if of == method)
         notes.append(f"~ outside the domain of {method}: {why}")

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 
-from hknob_cli.report.literal import literal
 from hknob_cli.report.matrix import short
 from hknob_cli.report.picture import save
 
@@ -39,7 +38,7 @@ def draw_one_cell(
     from matplotlib.figure import Figure
 
     motions = _motions(recorded, orbits)
-    figure = Figure(figsize=(13.0, 5.6), layout="constrained")
+    figure = Figure(figsize=(13.0, 6.0), layout="constrained")
     over_time, plane = figure.subplots(1, 2)
     for i, one in enumerate(motions):
         style: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.3}
@@ -50,8 +49,8 @@ def draw_one_cell(
     plane.set_xlabel("angle, mrad (the wall is left of 0)")
     plane.set_ylabel("velocity, rad/s")
     _edges(over_time, plane, quantum)
-    over_time.legend(fontsize=8, loc="upper right")
-    figure.suptitle(f"{literal(title)}: motion against a virtual wall")
+    figure.legend(*over_time.get_legend_handles_labels(), fontsize=9, loc="outside lower center", ncols=2)
+    figure.suptitle(f"{title}: motion against a virtual wall")
     save(figure, path, stage="sweep", name=title)
 
 
@@ -68,12 +67,12 @@ def _motions(recorded: pa.Table, orbits: list[dict[str, Any]]) -> list[Motion]:
         late = time >= (time[-1] - window if window else 0.0)
         name = _name(angle[late], cycles)
         found.setdefault(name, Motion(time[late], angle[late], velocity[late], name))
-    return list(found.values())
+    return sorted(found.values(), key=lambda one: -float(np.ptp(one.angle)))
 
 
 def period_of(cycle: dict[str, Any]) -> float:
     """Seconds after which a cycle of orbits.parquet repeats itself."""
-    return float(cycle["cycles_per_period"] / cycle["frequency_hz"])
+    return float(cycle["cycles_per_period"]) / float(cycle["frequency_hz"])
 
 
 def _name(angle: "NDArray[np.float64]", cycles: list[dict[str, Any]]) -> str:
@@ -81,11 +80,11 @@ def _name(angle: "NDArray[np.float64]", cycles: list[dict[str, Any]]) -> str:
     low, high = float(angle.min()), float(angle.max())
 
     def apart(cycle: dict[str, Any]) -> float:
-        return max(abs(low - cycle["min_rad"]), abs(high - cycle["max_rad"]))
+        return max(abs(low - float(cycle["min_rad"])), abs(high - float(cycle["max_rad"])))
 
     nearest = min(cycles, key=apart, default=None)
     if nearest is None or apart(nearest) > SETTLED * nearest["p2p_rad"]:
-        return "on its way" if cycles else "from the start"
+        return "on its way" if cycles else "no cycle"
     size, pitch = short(1e3 * nearest["p2p_rad"]), short(nearest["frequency_hz"])
     proven = "proven" if nearest["certified"] else "not proven"
     return f"{size} mrad, {pitch} Hz, {short(100.0 * nearest['basin_fraction'])} % of the starts, {proven}"

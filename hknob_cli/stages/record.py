@@ -74,7 +74,7 @@ def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
 
 
 def _slowest(scene: Scene) -> float:
-    """The longest time constant of knob and hand (s), roughly; a tenth of a second where nothing damps or holds them."""
+    """The longest time constant of knob and hand (s), roughly; a tenth of a second where nothing damps them."""
     hand = scene.hand or Hand()
     inertia, damping = scene.knob.inertia + hand.inertia, scene.knob.damping + hand.damping
     found = [2.0 * inertia / damping] if damping > 0.0 else []
