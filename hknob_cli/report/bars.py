@@ -18,12 +18,14 @@ def draw_bars(axes: "Axes", rows: Sequence[Row], by: str, column: str, scale: fl
     bars = axes.barh(places, values, color="#0072B2")
     for bar, row in zip(bars, shown, strict=True):
         bar.set_alpha(1.0 if row["in_domain"] else 0.35)
-    axes.bar_label(bars, [f"{value:.4g}" for value in values], padding=3, fontsize=9)
+    for place, value in zip(places, values, strict=True):
+        axes.text(
+            0.0, place, f"  {value:.4g}", va="center", fontsize=9, bbox={"facecolor": "white", "pad": 1.5, "lw": 0}
+        )
     axes.set_yticks(places, names)
     axes.invert_yaxis()
-    axes.margins(x=0.12)
     axes.set_xlabel(f"{label}    (faint: out of domain)")
     swept = next((scale * row[f"sweep_{column}"] for row in shown if row.get(f"sweep_{column}")), None)
     if swept is not None:
-        axes.axvline(swept, color="black", linestyle="--", linewidth=1.2, label=f"sweep: {swept:.4g}")
-        axes.legend(fontsize=8, loc="lower right")
+        axes.axvline(swept, color="black", linestyle="--", linewidth=1.2)
+        axes.set_title(f"dashed: the sweep's mean, {swept:.4g}", fontsize=9)

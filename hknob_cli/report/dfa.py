@@ -96,17 +96,23 @@ def _mark(row: dict[str, Any]) -> str:
 
 
 def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
-    said = ((row["method"], reason) for row in rows for reason in row["reason"].split("; ") if reason)
-    counts = Counter((method, _NUMBER.sub("…", reason, count=1)) for method, reason in said)
+    said: dict[tuple[str, str], Counter[str]] = {}  # by method, and by reason without its number
+    for row in rows:
+        for reason in filter(None, row["reason"].split("; ")):
+            said.setdefault((row["method"], _NUMBER.sub("…", reason, count=1)), Counter())[reason] += 1
     cells: dict[tuple[Any, ...], int] = {}
     for row in rows:
         key = (row["method"], *(row[axis] for axis in axes))
         cells[key] = cells.get(key, 0) + 1
     several = max(cells.values()) > 1 and len({key[1:] for key in cells}) > 1
     notes = ["* several limit cycles, the largest shown"] if several else []
-    for method in dict.fromkeys(method for method, _ in counts):
-        why = "; ".join(f"{reason} ({count})" for (of, reason), count in counts.items() if of == method)
-        notes.append(f"~ outside the domain of {method}: {why}")
+    for method in dict.fromkeys(method for method, _ in said):
+        why = [
+            f"{reason if len(found) > 1 else next(iter(found))} ({found.total()})"
+            for (of, reason), found in said.items()
+            if of == method
+        ]
+        notes.append(f"~ outside the domain of {method}: {'; '.join(why)}")
     return notes
 
 
