@@ -93,7 +93,7 @@ def design_text(plan: DesignPlan, summary: Row) -> str:
             f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
             f" where touch is {_level(best)}."
         )
-    return "\n".join([*lines, "", *SAID])
+    return "\n".join([*lines, "", " ".join(SAID)])
 
 
 def _answer(plan: DesignPlan, summary: Row) -> list[str]:

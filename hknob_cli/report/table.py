@@ -72,10 +72,8 @@ def table(
     lines = [list(heads), *(list(row) for row in rows)]
     if _total(lines) <= room:
         return _aligned(lines, left)
-    if flow is not None:
-        others = _total([[*line[:flow], *line[flow + 1 :]] for line in lines]) + _GAP
-        if room - others >= _LEAST_FLOW:
-            return _aligned([part for line in lines for part in _flowing(line, flow, room - others)], left)
+    if flow is not None and room - _total(_without(lines, flow)) - _GAP >= _LEAST_FLOW:
+        return _flowed(lines, flow, room, left)
     turned = [list(column) for column in zip(*lines, strict=True)]
     if len(rows) <= len(heads) and _total(turned) <= room:
         return _aligned(turned, {0})
@@ -86,6 +84,8 @@ def table(
         found += [""] if found else []
         if _total(block) <= room:
             found += _aligned(block, {chosen.index(i) for i in left if i in chosen})
+        elif flow in chosen and room - _total(_without(block, chosen.index(flow))) - _GAP >= _LEAST_FLOW:
+            found += _flowed(block, chosen.index(flow), room, {chosen.index(i) for i in left if i in chosen})
         else:
             found += _listed(block, room)
     return found
@@ -153,6 +153,16 @@ def _aligned(lines: Rows, left: Collection[int]) -> list[str]:
         ).rstrip()
         for line in lines
     ]
+
+
+def _without(lines: Rows, column: int) -> list[list[str]]:
+    return [[*line[:column], *line[column + 1 :]] for line in lines]
+
+
+def _flowed(lines: Rows, flow: int, room: int, left: Collection[int]) -> list[str]:
+    """Lines of a table whose text in one column is broken between words, so that all fit."""
+    wide = room - _total(_without(lines, flow)) - _GAP
+    return _aligned([part for line in lines for part in _flowing(line, flow, wide)], left)
 
 
 def _flowing(line: Sequence[str], flow: int, room: int) -> Iterator[list[str]]:
