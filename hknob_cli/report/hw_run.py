@@ -86,7 +86,7 @@ def grip_table(cells: list[Row]) -> list[str]:
     columns = [list(column) for column in zip(*down, strict=True)]
     every = [value for values in down for value in values]
     lines = [shown([*values, over(fmean, values), over(_std, values)]) for values in down]
-    lines.append(shown([*(over(fmean, column) for column in columns), over(fmean, every)]) + [""])
+    lines.append([*shown([*(over(fmean, column) for column in columns), over(fmean, every)]), ""])
     lines.append(shown([*(over(_std, column) for column in columns), None, over(_std, every)]))
     names, heads = [*labels(list(counts)), "mean", "std dev"], [*labels(list(rates)), "mean", "std dev"]
     return grid("grip force, N", COUNTS, RATE, names, heads, lines)
