@@ -8,7 +8,7 @@ import typer
 
 from hknob_cli.cli.console import reporting, say, tell
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.options import Sets
+from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
@@ -44,18 +44,20 @@ def _counted(count: int, what: str, many: str = "") -> str:
     return f"{count} {what if count == 1 else many or what + 's'}"
 
 
-def _checked(path: Path, sets: tuple[str, ...]) -> str:
+def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
     from hknob_cli.cli.job import work_of
-    from hknob_cli.spec.load import PIPELINE, is_ledger, kind_of, load, load_pipeline
+    from hknob_cli.spec.kinds import PIPELINE
+    from hknob_cli.spec.load import is_ledger, kind_of, load, load_pipeline
 
     kind = kind_of(path)
     if kind == PIPELINE:
         from hknob_cli.cli.pipeline_steps import chosen, jobs_of
 
         pipeline = load_pipeline(path, sets)
-        for job in jobs_of(chosen(pipeline, None), Path("results") / pipeline.name).values():
+        for job in jobs_of(chosen(pipeline, None), Path("results") / pipeline.name, quiet=quiet).values():
             work_of(job.kind).verify(job)
+            _warn(path, job)
         return f"pipeline '{pipeline.name}', {_counted(len(pipeline.stages), 'stage')}"
     if kind is None and is_ledger(path):
         from hknob_cli.claims.ledger import load_ledger
@@ -63,21 +65,30 @@ def _checked(path: Path, sets: tuple[str, ...]) -> str:
         return f"ledger, {_counted(len(load_ledger(path).claims), 'claim')}"
     plan = load(path, sets)
     kind = str(plan.values["kind"])  # as set on the command line, where it is
-    job = Job(kind=kind, plan=plan, out=Path("results") / plan.name)
+    job = Job(kind=kind, plan=plan, out=Path("results") / plan.name, quiet=quiet)
     work_of(kind).verify(job)
+    _warn(path, job)
     return f"{kind} '{plan.name}', {_size(plan)}"
+
+
+def _warn(path: Path, job: Job) -> None:
+    from hknob_cli.spec.usual import unusual
+
+    for text in unusual(job.plan) if not job.quiet else ():
+        say(f"{path}: {text}")
 
 
 def check(
     specs: Annotated[list[Path], typer.Argument(metavar="SPEC.yaml...", help="Specs to validate.", show_default=False)],
     sets: Sets = None,
+    quiet: Quiet = False,
 ) -> None:
     """Validate specs only: one line per fault, FILE:LINE:COL first."""
     failed = False
     with reporting():
         for path in specs:
             try:
-                found = _checked(path, tuple(sets or ()))
+                found = _checked(path, tuple(sets or ()), quiet=quiet)
             except UsageError as error:
                 say(str(error))
                 failed = True

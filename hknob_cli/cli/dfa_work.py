@@ -6,7 +6,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import compare
@@ -70,7 +70,7 @@ class DfaWork(Work):
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every row, and statistics by method where there is a sweep to compare with."""
         statistics = compare.grouped(tables[1], "method") if job.plan.against else None
-        return describe_dfa(tables[0], axes=list(job.plan.axes), statistics=statistics)
+        return {**describe_dfa(tables[0], axes=list(job.plan.axes), statistics=statistics), **overlap_of(job)}
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """Matrices by method."""

@@ -14,10 +14,11 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import BinaryIO, Protocol
 
+from hknob_cli.spec.kinds import STAGES
+
 # What the work of a subcommand needs, to be loaded ahead.
 AHEAD = {
-    kind: (f"hknob_cli.cli.{kind.replace('-', '_')}_work", "hknob_cli.cli.stage_run", "filelock")
-    for kind in ("sweep", "dfa", "predict", "bench", "report", "sysid", "remedies", "design", "hw-run")
+    kind: (f"hknob_cli.cli.{kind.replace('-', '_')}_work", "hknob_cli.cli.stage_run", "filelock") for kind in STAGES
 }
 
 _pipe: BinaryIO | None = None

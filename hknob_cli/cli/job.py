@@ -4,18 +4,10 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from hknob_cli.spec.kinds import STAGES
+
 # Where the work of each kind is; loaded ahead, while the command line is parsed.
-WORK = {
-    "sweep": "hknob_cli.cli.sweep_work",
-    "dfa": "hknob_cli.cli.dfa_work",
-    "predict": "hknob_cli.cli.predict_work",
-    "bench": "hknob_cli.cli.bench_work",
-    "report": "hknob_cli.cli.report_work",
-    "sysid": "hknob_cli.cli.sysid_work",
-    "remedies": "hknob_cli.cli.remedies_work",
-    "design": "hknob_cli.cli.design_work",
-    "hw-run": "hknob_cli.cli.hw_run_work",
-}
+WORK = {kind: f"hknob_cli.cli.{kind.replace('-', '_')}_work" for kind in STAGES}
 
 
 def work_of(kind: str) -> Any:

@@ -14,6 +14,7 @@ from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.results.place import refuse_link
 from hknob_cli.spec.load import load
+from hknob_cli.spec.messages import unknown
 from hknob_cli.spec.named_file import open_named
 from hknob_cli.spec.page_plan import ReportPlan
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
@@ -29,7 +30,7 @@ def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
     Raises `UsageError` for a stage that is not in the pipeline.
     """
     if until is not None and until not in plan.stages:
-        raise UsageError(f"--until: must be a stage of '{plan.name}': {', '.join(plan.stages)}; got '{until}'")
+        raise UsageError(f"--until: {unknown('stage', until, list(plan.stages))}")
     order: dict[str, StagePlan] = {}
 
     def add(name: str) -> None:
@@ -170,7 +171,7 @@ def _step(
         begin = time.perf_counter()
         said(stage.name, "")
         now = job._replace(plan=_plan(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
-        _, _, computed = make(now, work)
+        computed = make(now, work).computed
         said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
         return computed
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note
+from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.stages import compare
@@ -71,6 +71,7 @@ class PredictWork(Work):
         return {
             **describe_predictions(laws, passivity, axes=list(job.plan.axes)),
             **({"against": job.plan.against} if job.plan.against else {}),
+            **overlap_of(job),
             **({"statistics": compare.grouped(tables[2], "law")} if job.plan.against else {}),
         }
 

@@ -24,7 +24,9 @@ from hknob_cli.cli.options import (
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
 
 if TYPE_CHECKING:
+    from hknob_cli.cli.job import Job
     from hknob_cli.pipeline.build import Outcome
+    from hknob_cli.results.changes import Change
 
 Stage = dict[str, Any]
 
@@ -79,7 +81,8 @@ def run(
         steps = steps_of(stages, work, root, said)
         if dry_run or explain:
             outcomes = build(steps, root, force=force, dry=True)
-            _say_plan(plan.name, outcomes, explain=explain, as_json=as_json)
+            changed = _changed(outcomes, work)
+            _say_plan(plan.name, outcomes, changed, explain=explain, as_json=as_json)
             return
         with store.hold(root, []):
             outcomes = build(steps, root, force=force)
@@ -134,14 +137,36 @@ def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> Non
                 tell(f"page: {file}")
 
 
-def _say_plan(name: str, outcomes: "list[Outcome]", *, explain: bool, as_json: bool) -> None:
+def _changed(outcomes: "list[Outcome]", work: "dict[str, Job]") -> "dict[str, list[Change]]":
+    """By stage that would run, what in its spec and of the program has changed since its results were made."""
+    from hknob_cli.cli.job import work_of
+    from hknob_cli.cli.stage_run import changes_in_spec
+    from hknob_cli.pipeline.build import Fate
+
+    jobs = {one.name: work[one.name] for one in outcomes if one.fate is Fate.WOULD_RUN}
+    return {name: changes_in_spec(job, work_of(job.kind)) for name, job in jobs.items()}
+
+
+def _say_plan(
+    name: str, outcomes: "list[Outcome]", changed: "dict[str, list[Change]]", *, explain: bool, as_json: bool
+) -> None:
     if as_json:
-        stages = [{"name": one.name, "status": one.fate.value, "why": list(one.why)} for one in outcomes]
+        stages = [
+            {
+                "name": one.name,
+                "status": one.fate.value,
+                "why": list(one.why),
+                **({"changed": [change._asdict() for change in changed[one.name]]} if changed.get(one.name) else {}),
+            }
+            for one in outcomes
+        ]
         print(json.dumps({"kind": "pipeline", "name": name, "stages": stages}))
         return
     for one in outcomes:
         if explain and one.why:
-            tell(f"{one.name}: {one.fate.value}, because\n" + "\n".join(f"  {reason}" for reason in one.why))
+            values = [f"    {change}" for change in changed.get(one.name, ())]
+            reasons = [f"  {reason}" for reason in one.why]
+            tell("\n".join([f"{one.name}: {one.fate.value}, because", *reasons, *values]))
         else:
             more = f" (and {len(one.why) - 1} more reasons; --explain)" if len(one.why) > 1 else ""
             tell(f"{one.name}: {one.fate.value}" + (f", because {one.why[0]}{more}" if one.why else ""))

@@ -6,19 +6,25 @@ from typing import Annotated
 import typer
 
 from hknob_cli.cli.console import reporting
+from hknob_cli.spec.kinds import CLAIMS, SCHEMAS
 
 
 def schema(
     kind: Annotated[
         str,
-        typer.Argument(help="sysid, sweep, dfa, predict, hw-run, bench, report, pipeline, claims", show_default=False),
+        typer.Argument(
+            help=", ".join(SCHEMAS),
+            show_default=False,
+            metavar="KIND",
+            autocompletion=lambda incomplete: [kind for kind in SCHEMAS if kind.startswith(incomplete)],
+        ),
     ],
 ) -> None:
     """Print the JSON Schema of a kind of spec."""
     with reporting():
         from hknob_cli.spec.schema import json_schema, titled
 
-        if kind == "claims":
+        if kind == CLAIMS:
             from hknob_cli.claims.ledger import Ledger
 
             found = titled(Ledger.model_json_schema(), "hknob ledger of claims")

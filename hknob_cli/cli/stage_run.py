@@ -4,16 +4,20 @@ import contextlib
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hknob_cli.cli.console import say, tell
 from hknob_cli.cli.hand_origin import hand_inputs, hand_notes
 from hknob_cli.cli.job import Job
 from hknob_cli.errors import MISSHAPEN, ComputationError
+from hknob_cli.report.table import folded
 from hknob_cli.results import provenance, store
+from hknob_cli.results.changes import Change, as_data, changes, in_a_line, record_at
+from hknob_cli.results.folder import refuse_mixed
 from hknob_cli.results.marked import mark
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.spec.usual import unusual
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -102,14 +106,16 @@ class Work:
 def run_stage(job: Job, work: Work) -> None:
     """Run a stage and say what it found. Raises `RefusedError` or `ComputationError`."""
     if job.dry_run:
-        _say_plan(job, work, *_state(job, work)[1:])
+        warn(job)
+        _say_plan(job, work, _state(job, work))
         return
-    tables, files, computed = make(job, work)
+    tables, files, computed, changed = make(job, work)
     with _as_written(job, computed=computed):
         summary = {
             "kind": job.kind,
             "name": job.plan.name,
             "status": "computed" if computed else "up to date",
+            **({"changed": as_data(changed)} if computed and changed else {}),
             **work.describe(job, tables),
             "files": [str(path) for path in files],
         }
@@ -117,7 +123,7 @@ def run_stage(job: Job, work: Work) -> None:
     if job.as_json:
         print(text)
         return
-    tell(text)
+    tell(folded(text))
     tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
 
 
@@ -133,22 +139,32 @@ def _as_written(job: Job, *, computed: bool) -> Iterator[None]:
         raise ComputationError(text) from error
 
 
-def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
-    """Results of a stage, computed or as they are: tables, files, and whether they were computed.
+class Made(NamedTuple):
+    """Results of a stage: tables, files, whether they were computed, and what had changed since those they replace."""
 
-    Raises `RefusedError` or `ComputationError`.
-    """
-    stamp, paths, current = _state(job, work)
+    tables: Tables
+    files: list[Path]
+    computed: bool
+    changed: list[Change]
+
+
+def make(job: Job, work: Work) -> Made:
+    """Results of a stage, computed or as they are. Raises `RefusedError` or `ComputationError`."""
+    stamp, paths, current, changed = _state(job, work)
     name = job.plan.name
+    if changed:
+        note(job, f"{job.out}: these results are replaced; changed since: {in_a_line(changed)}")
+    warn(job)
     for text in hand_notes(job.plan):
         note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
     ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
     if current is not None and not job.plot and not store.leftovers(ours) and not work.scaffold(job):
-        return current, paths, False
+        return Made(current, paths, computed=False, changed=changed)
     with store.hold(job.out, ours):
         # Once more: another run may have been here since.
         store.refuse_foreign(ours, stage=job.kind, name=name)
+        refuse_mixed(job.out, stage=job.kind, name=name)
         tables = work.compute(job) if current is None else current
         if current is None:
             composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
@@ -161,7 +177,7 @@ def make(job: Job, work: Work) -> tuple[Tables, list[Path], bool]:
             work.finish(job)
         with _as_written(job, computed=current is None):
             drawn = work.draw(job, tables, pictures) if job.plot else []
-    return tables, [*paths, *drawn], current is None
+    return Made(tables, [*paths, *drawn], computed=current is None, changed=changed)
 
 
 def stamp_of(job: Job, work: Work) -> bytes:
@@ -175,10 +191,19 @@ def stamp_of(job: Job, work: Work) -> bytes:
     )
 
 
-def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
-    """Provenance of a stage's results, their files, and the tables where all is as it would be made now.
+class _State(NamedTuple):
+    """Provenance of a stage's results, their files, the tables if they are current, else what has changed."""
 
-    Raises `RefusedError` where a file in the way is not ours.
+    stamp: bytes
+    paths: list[Path]
+    current: Tables | None
+    changed: list[Change]
+
+
+def _state(job: Job, work: Work) -> _State:
+    """What is there of a stage's results.
+
+    Raises `RefusedError` where a file in the way is not ours, or the folder has results of another kind or name.
     """
     work.verify(job)
     stamp = stamp_of(job, work)
@@ -186,22 +211,42 @@ def _state(job: Job, work: Work) -> tuple[bytes, list[Path], Tables | None]:
     texts = [job.out / file for file in work.texts(job)]
     for_others = [job.out / file for file in (*work.pictures(job), *work.others(job))]
     store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
+    refuse_mixed(job.out, stage=job.kind, name=job.plan.name)
     work.refuse(job)
     current = None if job.force else store.read_current(tables, stamp)
     ours = mark(job.kind, job.plan.name, stamp)
     if current is not None and not (store.are_current(texts, ours) and work.is_whole(job, ours)):
         current = None
-    return stamp, [*tables, *texts], current
+    changed = _changes(tables, stamp) if current is None else []
+    return _State(stamp, [*tables, *texts], current, changed)
 
 
-def _say_plan(job: Job, work: Work, paths: list[Path], tables: Tables | None) -> None:
-    current = tables is not None
+def changes_in_spec(job: Job, work: Work) -> list[Change]:
+    """What in a job's spec and of the program has changed since its results were made; none where there are none."""
+    there = _record([job.out / file for file in work.files(job)])
+    return changes(there, job.plan.values, work.versions(job)) if there else []
+
+
+def _changes(tables: list[Path], stamp: bytes) -> list[Change]:
+    """What has changed since the results that are there."""
+    there = _record(tables)
+    new = json.loads(stamp)
+    return changes(there, new["spec"], new["versions"], new["inputs"]) if there else []
+
+
+def _record(tables: list[Path]) -> dict[str, Any] | None:
+    return next(filter(None, map(record_at, tables)), None)
+
+
+def _say_plan(job: Job, work: Work, state: _State) -> None:
+    paths, current = state.paths, state.current is not None
     missing = [path.name for path in paths if not path.exists()]
-    changed = "the spec or the program has changed since"
+    changed = f"the spec or the program has changed since: {in_a_line(state.changed)}".removesuffix(": ")
     why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
     there = work.finished(job) if not current and work.scaffold(job) else ""
     if job.as_json:
-        reasons = {"why": why, **({"finished": there} if there else {})}
+        reasons: dict[str, Any] = {"why": why, **({"finished": there} if there else {})}
+        reasons |= {"changed": as_data(state.changed)} if state.changed else {}
         plan = {"kind": job.kind, "name": job.plan.name, "status": "up to date" if current else "would run"}
         print(json.dumps({**plan, **({} if current else reasons), "files": [str(path) for path in paths]}))
         return
@@ -218,9 +263,25 @@ def note(job: Job, text: str) -> None:
         say(text)
 
 
+def warn(job: Job) -> None:
+    """Say which quantities of a spec are far from usual, unless messages are unwanted."""
+    for text in unusual(job.plan):
+        note(job, f"{job.plan.name}: {text}")
+
+
 def compare_scenes(job: Job) -> None:
     """Say what a sweep that a job is compared with has different. Raises `UsageError`."""
     from hknob_cli.stages.compare import scene_differences
 
     if found := scene_differences(job.plan.against, job.plan.scene, job.plan.axes):
         note(job, f"{job.plan.name}: the sweep in {job.plan.against} is of another scene: {'; '.join(found)}")
+
+
+def overlap_of(job: Job) -> dict[str, Any]:
+    """How many cells of a job the sweep has that it is compared with, for its summary. Raises `UsageError`."""
+    if not job.plan.against:
+        return {}
+    from hknob_cli.spec.cells import cells_of
+    from hknob_cli.stages.compare import overlap
+
+    return {"overlap": overlap(job.plan.against, job.plan.axes, cells_of(job.plan))}

@@ -12,8 +12,10 @@ from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.spec.plan import COUNTS, PERSON
 from hknob_cli.stages.sweep import SweepStage
+
+UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
 
 class SweepWork(Work):
@@ -101,18 +103,26 @@ class SweepWork(Work):
         if isinstance(cells, Parted):
             from hknob_cli.report.large import describe_large
 
-            return describe_large(
-                cells, orbits, axes=job.plan.axes, ranges=job.plan.points.scales if job.plan.points else ()
+            found = describe_large(
+                cells,
+                orbits,
+                axes=job.plan.axes,
+                ranges=job.plan.points.scales if job.plan.points else (),
+                trials=_trials(job),
             )
-        return describe_sweep(cells, orbits, axes=list(job.plan.axes))
+            return {**found, **_unpushed(job, found["at_rest_fraction"] > 0.0)}
+        found = describe_sweep(cells, orbits, axes=list(job.plan.axes), trials=_trials(job))
+        return {**found, **_unpushed(job, any(row["at_rest_fraction"] for row in found["cells"]))}
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
         if "cell_count" in summary:
             from hknob_cli.report.large import large_text
 
-            return large_text(summary)
-        return table_text(summary, list(job.plan.axes))
+            text = large_text(summary)
+        else:
+            text = table_text(summary, list(job.plan.axes))
+        return "\n".join([text, *summary.get("notes", [])])
 
 
 def _say_what_goes(job: Job, work: Work) -> None:
@@ -121,6 +131,19 @@ def _say_what_goes(job: Job, work: Work) -> None:
         note(
             job, f"{job.out}: what a run of another spec, --set or version had finished here goes when this one is done"
         )
+
+
+def _trials(job: Job) -> int:
+    """Trials of a cell: without a sample clock there are no phases of it."""
+    return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
+
+
+def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
+    """A note where trials rest and nothing pushes the knob into the wall, as part of the summary."""
+    scene, axes = job.plan.scene, job.plan.axes
+    pushed = bool(scene.bias and (scene.bias.half_quantum or scene.bias.torque)) or any(axes.get("bias.torque", []))
+    walled = bool(scene.wall.stiffness) or any(axes.get("wall.stiffness", []))
+    return {"notes": [UNPUSHED]} if rests and walled and scene.sampled and not pushed else {}
 
 
 def _recorded(job: Job) -> Tables:
@@ -140,6 +163,9 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
 
         names, columns = matters_at_large(cells, axes)
         return _draw_matters(job, columns, names, path, total=cells.num_rows)
+    if cells.num_rows == 1 and PERSON not in axes and job.plan.growth_s is None:
+        _draw_one(job, cells, orbits, path)
+        return True
     if PERSON in axes:
         from hknob_cli.report.population_picture import draw_population
 
@@ -155,6 +181,20 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
 
     names = axes_that_matter(axes, cells.column_names)
     return _draw_matters(job, columns_of(cells, [*names, *WORST, "at_rest_fraction"]), names, path)
+
+
+def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
+    """The motion of the one cell on its orbits."""
+    from math import pi
+
+    from hknob_cli.report.one_cell_picture import draw_one_cell
+    from hknob_cli.stages.record import record_one
+
+    rows = orbits.to_pylist()
+    counts = cells.to_pylist()[0].get(COUNTS)
+    draw_one_cell(
+        record_one(job.plan, rows), rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path
+    )
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from hknob_cli.report.table import table
+
 VERDICTS = {
     "accurate": "A",
     "inaccurate": "i",
@@ -61,11 +63,11 @@ def bench_text(summary: dict[str, Any]) -> str:
     used = {row["verdict"] for row in rows} | {*list(VERDICTS)[:-1]}
     key = ", ".join(f"{letter} {verdict}" for verdict, letter in VERDICTS.items() if verdict in used)
     lines = [heading, "", f"verdicts, a letter for each setting, the coarsest first: {key}", ""]
-    lines += _aligned([["scene", *summary["methods"]], *_letters(summary)])
+    methods = len(summary["methods"])
+    lines += table(["scene", *summary["methods"]], _letters(summary), left=range(methods + 1))
     lines += ["", "time of the fastest accurate run (processor time), and of the fastest accurate rival", ""]
-    lines += _aligned(
-        [["scene", "exact error", "exact s", "rival s", "ratio", "rival"], *map(_equal, summary["equal_error"])]
-    )
+    heads = ["scene", "exact error", "exact s", "rival s", "ratio", "rival"]
+    lines += table(heads, list(map(_equal, summary["equal_error"])), left=range(6), flow=5)
     if any(one["reference"] == "exact" and not one["no_reference"] for one in summary["equal_error"]):
         lines += ["", "* the exact engine is its own reference here; reference: digits60 checks it"]
     without = [one for one in summary["equal_error"] if one["no_reference"]]
@@ -104,8 +106,3 @@ def _equal(one: dict[str, Any]) -> list[str]:
 
 def _seconds(value: float | None) -> str:
     return "-" if value is None else f"{value:.1e}"
-
-
-def _aligned(lines: list[list[str]]) -> list[str]:
-    widths = [max(len(cell) for cell in column) for column in zip(*lines, strict=True)]
-    return ["  ".join(f"{cell:<{width}}" for cell, width in zip(line, widths, strict=True)).rstrip() for line in lines]

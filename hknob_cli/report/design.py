@@ -6,6 +6,7 @@ import pyarrow as pa
 
 from hknob_cli.perception.doubt import REDRAWS, doubts
 from hknob_cli.report.matrix import matrix, short
+from hknob_cli.report.table import table
 from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -108,7 +109,7 @@ def design_text(plan: DesignPlan, summary: Row) -> str:
             f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
             f" where touch is {_level(best)}."
         )
-    return "\n".join([*lines, "", *SAID])
+    return "\n".join([*lines, "", " ".join(SAID)])
 
 
 def _answer(plan: DesignPlan, summary: Row) -> list[str]:
@@ -199,9 +200,9 @@ def _level(row: Row) -> str:
 def _table(plan: DesignPlan, summary: Row) -> list[str]:
     also = [row for row in (summary["chosen"], summary["present"]) if row and not row["front"]]
     rows = sorted([*summary["front"][-MOST_FRONT:], *also], key=lambda row: row["cost"])
-    heads = ("cost", "touch dB", "ear dB", "step dB", "K", "proven %", "fails")
+    heads = ["cost", "touch dB", "ear dB", "step dB", "K", "proven %", "design"]
     lines = ["Cost against touch, nothing stiff enough as cheap is felt less (ear: sound over the present design's):"]
-    lines.append("".join(f"{head:>9}" for head in heads[:-1]) + "  design")
+    body = []
     for row in rows:
         cells = [
             f"{row['cost']:g}",
@@ -213,8 +214,8 @@ def _table(plan: DesignPlan, summary: Row) -> list[str]:
         ]
         mark = " <- present" if row["present"] else ""
         mark += " <- chosen" if row["chosen"] else f" (fails {row['fails']})" if row["fails"] else ""
-        lines.append("".join(f"{cell:>9}" for cell in cells) + f"  {name_of(plan, row)}{mark}")
-    return lines
+        body.append([*cells, f"{name_of(plan, row)}{mark}"])
+    return [*lines, *table(heads, body, left={6}, flow=6)]
 
 
 def _surface(rows: list[Row]) -> list[str]:

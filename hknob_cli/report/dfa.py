@@ -1,11 +1,17 @@
 """A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep."""
 
+import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
 import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.overlap import overlap_text
+from hknob_cli.report.table import table
+
+_NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:
@@ -25,11 +31,17 @@ def dfa_text(summary: dict[str, Any]) -> str:
     wide = [axis for axis, values in summary["axes"].items() if len(values) > 1]
     fixed = [f"{axis} = {short(values[0])}" for axis, values in summary["axes"].items() if axis not in wide]
     cells = len({tuple(row[axis] for axis in summary["axes"]) for row in rows})
-    lines = [f"{summary['name']}: {cells} cells by {', '.join(summary['methods'])}" + "".join(f"; {f}" for f in fixed)]
-    for method in summary["methods"]:
+    lines = [
+        f"{summary['name']}: {cells} cell{'s' if cells != 1 else ''} by {', '.join(summary['methods'])}"
+        + "".join(f"; {f}" for f in fixed)
+    ]
+    if not wide:
+        lines += ["", *_one_cell(rows)]
+    for method in summary["methods"] if wide else ():
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
-    lines += ["", *_notes(rows)]
+    notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary)]
+    lines += ["", *notes] if notes else []
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]
     return "\n".join(lines)
@@ -48,12 +60,27 @@ def _method(method: str, rows: list[dict[str, Any]], wide: list[str]) -> list[st
             *matrix(last, wide, "p2p_rad", scale=1e3, title=size, mark=_mark),
             *matrix(last, wide, "frequency_hz", scale=1.0, title=f"{method}: frequency, Hz", mark=_mark),
         ]
-    lines = [f"{method}: {'  '.join([*wide, 'p2p mrad', 'frequency Hz'])}"]
+    heads = [*wide, "p2p mrad", "frequency Hz", ""]
+    body = []
     for row in last[:MAX_ROWS]:
         p2p = None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]
-        values = [*(short(row[axis], 6) for axis in wide), short(p2p), short(row["frequency_hz"])]
-        lines.append("  " + "  ".join(f"{value:>12}" for value in values) + f" {_mark(row)}")
+        body.append([*(short(row[axis], 6) for axis in wide), short(p2p), short(row["frequency_hz"]), _mark(row)])
+    lines = [f"{method}:", *table(heads, body, left={len(heads) - 1}, keys=len(wide) or 1)]
     return [*lines, f"  ... and {len(last) - MAX_ROWS} more cells in dfa.parquet"] if len(last) > MAX_ROWS else lines
+
+
+def _one_cell(rows: list[dict[str, Any]]) -> list[str]:
+    """Every cycle of every method."""
+    body = [
+        [
+            row["method"],
+            short(None if row["p2p_rad"] is None else 1e3 * row["p2p_rad"]),
+            short(row["frequency_hz"]),
+            "" if row["in_domain"] else "~",
+        ]
+        for row in rows
+    ]
+    return table(["method", "p2p mrad", "frequency Hz", ""], body, left={0, 3})
 
 
 def largest_cycles(rows: list[dict[str, Any]], axes: Sequence[str]) -> list[dict[str, Any]]:
@@ -82,11 +109,24 @@ def _mark(row: dict[str, Any]) -> str:
     return ("*" if row["several"] else "") + ("" if row["in_domain"] else "~")
 
 
-def _notes(rows: list[dict[str, Any]]) -> list[str]:
-    notes = ["* several limit cycles, the largest shown"]
-    reasons = {part.split(" is ")[0] for row in rows for part in row["reason"].split("; ") if part}
-    if reasons:
-        notes.append("~ out of the method's domain; the column `reason` says why")
+def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
+    said: dict[tuple[str, str], Counter[str]] = {}  # by method, and by reason without its number
+    for row in rows:
+        for reason in filter(None, row["reason"].split("; ")):
+            said.setdefault((row["method"], _NUMBER.sub("…", reason, count=1)), Counter())[reason] += 1
+    cells: dict[tuple[Any, ...], int] = {}
+    for row in rows:
+        key = (row["method"], *(row[axis] for axis in axes))
+        cells[key] = cells.get(key, 0) + 1
+    several = max(cells.values()) > 1 and len({key[1:] for key in cells}) > 1
+    notes = ["* several limit cycles, the largest shown"] if several else []
+    for method in dict.fromkeys(method for method, _ in said):
+        why = [
+            f"{reason if len(found) > 1 else next(iter(found))} ({found.total()})"
+            for (of, reason), found in said.items()
+            if of == method
+        ]
+        notes.append(f"~ outside the domain of {method}: {'; '.join(why)}")
     return notes
 
 
@@ -99,13 +139,11 @@ def statistics_lines(name: str, groups: dict[str, Any]) -> list[str]:
         "frequency_difference": "frequency",
     }
     nearest = " (of several cycles the nearest)" if name == "sampled" else ""
-    lines = [f"{name} against the sweep, %{nearest}"]
+    body = []
     for key, found in groups.items():
-        if found is None:
-            continue
-        title = titles[key.removesuffix("_in_domain")] + (", in domain" if key.endswith("_in_domain") else "")
-        low, high, mean, std = (100 * found[part] for part in ("least", "largest", "mean", "std"))
-        lines.append(
-            f"  {title:42} {found['cells']:4} cells: mean {mean:7.1f}, std {std:6.1f}, from {low:7.1f} to {high:7.1f}"
-        )
-    return lines
+        if found is not None:
+            title = titles[key.removesuffix("_in_domain")] + (", in domain" if key.endswith("_in_domain") else "")
+            shares = [f"{100 * found[part]:.1f}" for part in ("mean", "std", "least", "largest")]
+            body.append([title, str(found["cells"]), *shares])
+    heads = ["of", "cells", "mean", "std", "least", "largest"]
+    return [f"{name} against the sweep, %{nearest}", *table(heads, body, left={0})]

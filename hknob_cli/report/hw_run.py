@@ -8,6 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
 from hknob_cli.report.means import differs
+from hknob_cli.report.table import grid
 from hknob_cli.results.campaign_cells import cell_rows
 from hknob_cli.spec.plan import COUNTS, RATE
 
@@ -74,27 +75,21 @@ def grip_table(cells: list[Row]) -> list[str]:
     counts = sorted({cell[COUNTS] for cell in cells})
     force = {(cell[COUNTS], cell[RATE]): cell["grip_mean_n"] for cell in cells}
     down = [[force[count, rate] for rate in rates] for count in counts]
-    names = labels(list(counts))
-    width = max(9, *(len(name) + 2 for name in labels(list(rates))))
-    left = max(len(COUNTS), *(len(name) for name in names))
 
-    def line(head: str, values: list[float | None], *more: float | None) -> str:
-        cells = [f"{'-' if value is None else f'{value:.2f}':>{width}}" for value in (*values, *more)]
-        return f"{head:>{left}}" + "".join(cells)
+    def shown(values: list[float | None]) -> list[str]:
+        return ["-" if value is None else f"{value:.2f}" for value in values]
 
     def over(statistic: Callable[[list[float]], float | None], line: list[float | None]) -> float | None:
         found = [value for value in line if value is not None]
         return statistic(found) if found else None
 
-    heads = "".join(f"{text:>{width}}" for text in (*labels(list(rates)), "mean", "std dev"))
-    lines = ["grip force, N", f"{COUNTS:<{left}}  {RATE}", " " * left + heads]
-    for name, values in zip(names, down, strict=True):
-        lines.append(line(name, values, over(fmean, values), over(_std, values)))
     columns = [list(column) for column in zip(*down, strict=True)]
     every = [value for values in down for value in values]
-    lines.append(line("mean", [over(fmean, column) for column in columns], over(fmean, every)))
-    lines.append(line("std dev", [over(_std, column) for column in columns], None, over(_std, every)))
-    return lines
+    lines = [shown([*values, over(fmean, values), over(_std, values)]) for values in down]
+    lines.append([*shown([*(over(fmean, column) for column in columns), over(fmean, every)]), ""])
+    lines.append(shown([*(over(_std, column) for column in columns), None, over(_std, every)]))
+    names, heads = [*labels(list(counts)), "mean", "std dev"], [*labels(list(rates)), "mean", "std dev"]
+    return grid("grip force, N", COUNTS, RATE, names, heads, lines)
 
 
 def _std(values: list[float]) -> float | None:

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import MEANS, WORST
+from hknob_cli.report.undecided import Reason, Undecided, undecided_text
 from hknob_cli.report.what_matters import (
     Columns,
     axes_that_matter,
@@ -29,11 +31,16 @@ MOST_LOOKED_AT = 256
 
 
 def describe_large(
-    cells: Parted, orbits: Parted, *, axes: dict[str, list[float | int]], ranges: Collection[str] = ()
+    cells: Parted,
+    orbits: Parted,
+    *,
+    axes: dict[str, list[float | int]],
+    ranges: Collection[str] = (),
+    trials: int = 1,
 ) -> dict[str, Any]:
     """Summary as plain data: cells, orbits by outcome, mean shares of the trials, and the extremes with their cells.
 
-    ``ranges``: axes of a design of which ``axes`` has the ends alone.
+    ``ranges``: axes of a design of which ``axes`` has the ends alone; ``trials``: of a cell.
     """
     names = axes_that_matter(list(axes), cells.column_names)
     thinning, some = Thinning(cells), []
@@ -54,6 +61,7 @@ def describe_large(
     for table in orbits.tables(["outcome"], coded=["outcome"]):
         for outcome, number in tally(table["outcome"]).items():
             found[outcome] += number
+    undecided = _undecided(orbits, trials) if found["undecided"] else []
     return {
         "axes": {
             name: {
@@ -66,10 +74,20 @@ def describe_large(
         "cell_count": count,
         "orbits": found,
         **{name: total / count for name, total in sums.items()},
+        **({"undecided": undecided} if undecided else {}),
         "cells_at_rest": still,
         "what_matters": describe_matters(what_matters(_joined(some), names)),
         "extremes": extremes,
     }
+
+
+def _undecided(orbits: Parted, trials: int) -> list[Reason]:
+    """Why trials are undecided."""
+    counted = Undecided(trials)
+    for table in orbits.tables(["outcome", "reason", "basin_fraction"]):
+        some = table.filter(pc.equal(table["outcome"], "undecided"))
+        counted.take(*(some[name].to_pylist() for name in some.column_names))
+    return counted.reasons()
 
 
 class Thinning:
@@ -141,6 +159,7 @@ def large_text(summary: dict[str, Any]) -> str:
         f"attractors: {counts}; " + ("all proven" if proven == 1.0 else f"{100 * proven:.6g} % of trials proven"),
     ]
     lines += [f"trials: {', '.join(found)}"] if found else []
+    lines += [undecided_text(summary["undecided"])] if "undecided" in summary else []
     if summary["cells_at_rest"]:
         lines.append(f"cells where every trial comes to rest: {summary['cells_at_rest']:,}")
     names = {"p2p_max_rad": ("peak to peak", 1e3, "mrad"), "frequency_at_max_hz": ("frequency", 1.0, "Hz")}

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from math import prod
 from typing import Any
 
+from hknob_cli.report.table import grid
+
 MAX_ROWS = 60  # of a table on the terminal
 
 Mark = Callable[[dict[str, Any]], str]
@@ -29,16 +31,8 @@ def matrix(
     for row in rows:
         value = row[column]
         table.setdefault(row[down], {})[row[across]] = short(None if value is None else scale * value) + mark(row)
-    names, titles = labels(list(table)), labels(heads)
-    left = max(len(down), *(len(name) for name in names))
-    width = max(
-        8, *(len(title) + 1 for title in titles), *(len(cell) + 1 for line in table.values() for cell in line.values())
-    )
-    lines = [title, f"{down:<{left}}  {across}"]
-    lines.append(" " * left + "".join(f"{title:>{width}}" for title in titles))
-    for name, line in zip(names, table.values(), strict=True):
-        lines.append(f"{name:>{left}}" + "".join(f"{line[head]:>{width}}" for head in heads))
-    return lines
+    cells = [[line[head] for head in heads] for line in table.values()]
+    return grid(title, down, across, labels(list(table)), labels(heads), cells)
 
 
 def labels(values: list[float | int]) -> list[str]:

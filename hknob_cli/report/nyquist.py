@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hknob_cli.report.bars import draw_bars
 from hknob_cli.report.dfa import nearest_cycles
 from hknob_cli.report.picture import save
 from hknob_cli.scene.sampled_knob import sample_knob
@@ -31,7 +32,10 @@ def draw_dfa(plan: DfaPlan, rows: list[dict[str, Any]], *, path: Path) -> bool:
     figure = Figure(figsize=(14, 10.5 if differs else 5.6), layout="constrained")
     panels = figure.subplots(2 if differs else 1, 2, squeeze=False, width_ratios=[1, 1.15])
     _draw_nyquist(panels[0][0], plan)
-    _draw_sizes(panels[0][1], rows, plan.methods, wide or [RATE])
+    if wide:
+        _draw_sizes(panels[0][1], rows, plan.methods, wide)
+    else:
+        draw_bars(panels[0][1], rows, "method", "p2p_rad", 1e3, "peak to peak, mrad")
     if differs:
         method = plan.methods[0]
         of = nearest_cycles([row for row in rows if row["method"] == method], list(plan.axes))

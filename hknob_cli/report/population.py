@@ -8,6 +8,7 @@ Quantiles interpolate linearly between people.
 from typing import Any
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.table import table
 from hknob_cli.spec.plan import PERSON
 
 Row = dict[str, Any]
@@ -99,6 +100,5 @@ def _list(rows: list[Row], axes: list[str]) -> list[str]:
         ]
         for row in rows[:MAX_ROWS]
     ]
-    widths = [max(len(line[i]) for line in [heads, *body]) for i in range(len(heads))]
-    lines = ["  ".join(f"{text:>{w}}" for text, w in zip(line, widths, strict=True)) for line in [heads, *body]]
+    lines = table(heads, body, keys=len(axes) or 1)
     return [*lines, *([f"... and {len(rows) - MAX_ROWS} more cells"] if len(rows) > MAX_ROWS else [])]

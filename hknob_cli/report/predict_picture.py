@@ -1,6 +1,7 @@
 """The picture of predictions: every law over the grid, and its difference to a sweep where there is one.
 
-Over two axes: maps, one column a law. Over one: lines, whole inside a law's domain and faint outside it.
+Over two axes: maps, one column a law. Over one: lines, whole inside a law's domain and faint outside it. Of one cell:
+bars.
 """
 
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
+from hknob_cli.report.bars import draw_bars
 from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.picture import axis_name, colour_map, is_geometric, save
 
@@ -43,9 +45,13 @@ def draw_predictions(predictions: pa.Table, axes: list[str], *, title: str, path
         height = 0.4 * len({row[wide[0]] for row in rows}) + 0.9
         figure = Figure(figsize=(5.2 * len(laws) + 1.0, height * len(panels) + 1.0), layout="constrained")
         _draw_maps(figure, rows, wide, laws, panels)
-    else:
+    elif wide:
         figure = Figure(figsize=(9.5, 6.4), layout="constrained")
-        _draw_lines(figure, rows, (wide or axes[:1])[0], laws)
+        _draw_lines(figure, rows, wide[0], laws)
+    else:
+        figure = Figure(figsize=(9.5, 5.0), layout="constrained")
+        for panel, (column, scale, label, _) in zip(figure.subplots(2, 1), _PANELS, strict=False):
+            draw_bars(panel, rows, "law", column, scale, label)
     figure.suptitle(f"{title}: limit cycles by law" + (f"  ({fixed})" if fixed else ""))
     save(figure, path, stage="predict", name=title)
     return True

@@ -4,6 +4,8 @@ from collections import Counter
 from typing import Any
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.overlap import overlap_text
+from hknob_cli.report.table import table
 
 LIMITS = {
     "colgate_schenkel": "Colgate & Schenkel",
@@ -52,7 +54,7 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
     else:
         lines += ["", *_list(summary, wide)]
     lines += ["", *_reasons(summary)]
-    lines += _statistics(summary)
+    lines += [*overlap_text(summary), *_statistics(summary)]
     return "\n".join([*lines, _limits(summary, cells)])
 
 
@@ -83,20 +85,8 @@ def _list(summary: dict[str, Any], wide: list[str]) -> list[str]:
         ]
         for row in rows[:MAX_ROWS]
     ]
-    lines = _aligned([heads, *body], left={len(wide), len(wide) + 3})
+    lines = table(heads, body, left={len(wide), len(wide) + 3}, keys=len(wide) + 1, flow=len(wide) + 3)
     return [*lines, f"... and {len(rows) - MAX_ROWS} more in predict.parquet"] if len(rows) > MAX_ROWS else lines
-
-
-def _aligned(table: list[list[str]], *, left: set[int]) -> list[str]:
-    """Lines of a table, its columns flush right but those of ``left``."""
-    widths = [max(len(line[i]) for line in table) for i in range(len(table[0]))]
-    return [
-        "  ".join(
-            f"{text:<{width}}" if i in left else f"{text:>{width}}"
-            for i, (text, width) in enumerate(zip(line, widths, strict=True))
-        ).rstrip()
-        for line in table
-    ]
 
 
 def _reasons(summary: dict[str, Any]) -> list[str]:
@@ -111,7 +101,8 @@ def _statistics(summary: dict[str, Any]) -> list[str]:
     """Differences to the sweep over the grid, in percent of the sweep."""
     if "statistics" not in summary:
         return []
-    table = [["law", "of", "cells", "", "mean", "std", "least", "largest"]]
+    heads = ["law", "of", "cells", "", "mean", "std", "least", "largest"]
+    body = []
     for law, found in summary["statistics"].items():
         for column, what in _DIFFERENCES.items():
             for suffix, which in (("", "all"), ("_in_domain", "in domain")):
@@ -119,9 +110,9 @@ def _statistics(summary: dict[str, Any]) -> list[str]:
                 if numbers:
                     shares = [f"{100.0 * numbers[key]:+.1f}" for key in ("mean", "std", "least", "largest")]
                     shares[1] = shares[1].lstrip("+")
-                    table.append([law, what, str(numbers["cells"]), which, *shares])
+                    body.append([law, what, str(numbers["cells"]), which, *shares])
     title = f"difference to {summary['against']}, % of the sweep"
-    return [title, *_aligned(table, left={0, 1, 3}), ""]
+    return [title, *table(heads, body, left={0, 1, 3}, keys=4), ""]
 
 
 def _limits(summary: dict[str, Any], cells: int) -> str:

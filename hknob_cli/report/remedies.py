@@ -9,6 +9,7 @@ import pyarrow as pa
 from hknob_cli.report.matrix import short
 from hknob_cli.report.remedies_grid import grid_text
 from hknob_cli.report.remedies_over import over_axis, over_text
+from hknob_cli.report.table import table
 
 Row = dict[str, Any]
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
@@ -105,12 +106,11 @@ def trial_text(summary: dict[str, Any]) -> str:
     remedies, hands = len(summary["grid"]), len(summary["hands"])
     cells = next(iter(summary["grid"].values()))["cells"] // hands
     lines = [f"{summary['name']}: {remedies} remedies, {hands} hands, a grid of {cells} cells{stale}"]
-    wide = max(len(name) for name in summary["grid"])
     felt = any(LEVELS[0] in row for rows in summary["cases"].values() for row in rows)
     heads = (*_HEAD, *(_FELT if felt else ()))
     for case, rows in summary["cases"].items():
-        lines += ["", f"{case}: of the hand that buzzes most", f"{'':{wide}}  " + "".join(f"{h:>10}" for h in heads)]
-        lines += [f"{row['remedy']:{wide}}  {_line(row, summary['grid'][row['remedy']])}" for row in rows]
+        body = [[row["remedy"], *_line(row, summary["grid"][row["remedy"]], len(heads))] for row in rows]
+        lines += ["", f"{case}: of the hand that buzzes most", *table(["", *heads], body, left={0})]
     if not summary["cases"]:
         lines += ["", *grid_text(summary["grid"])]
     for axis, values in summary["over"].items():
@@ -135,11 +135,11 @@ def trial_text(summary: dict[str, Any]) -> str:
     return "\n".join(lines)
 
 
-def _line(row: Row, grid: Row) -> str:
+def _line(row: Row, grid: Row, count: int) -> list[str]:
     if row["p2p_max_rad"] is None:
-        return f"{'diverges':>10}" + f"{'':50}{_times(grid['ratio_median']):>10}"
+        return ["diverges", *[""] * 5, _times(grid["ratio_median"]), *[""] * (count - 7)]
     rests = row["p2p_max_rad"] == 0.0
-    cells = [
+    return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
         "" if rests else short(row["frequency_at_max_hz"]),
         "rest" if rests else _times(row["ratio_least"]),
@@ -150,7 +150,6 @@ def _line(row: Row, grid: Row) -> str:
         f"{100 * row['certified_fraction']:.0f}",
         *(decibel(row[name], signed=name != "touch_db") for name in LEVELS if name in row),
     ]
-    return "".join(f"{cell:>10}" for cell in cells)
 
 
 def _times(value: float | None) -> str:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.table import table
 
 Row = dict[str, Any]
 # What is varied, in words; and the scale and unit in which a level is shown.
@@ -34,21 +35,12 @@ def _biases(rows: list[Row], scale: float) -> list[str]:
     found = {(row["level"], row["estimator"], row["parameter"]): row for row in rows}
     estimators = list(dict.fromkeys(row["estimator"] for row in rows))
     parameters = [name for name in PARAMETERS if any(row["parameter"] == name for row in rows)]
-    lines = [
-        "  ".join(
-            f"{title:>{width}}" for title, width in zip(("level", "", *parameters), _widths(parameters), strict=True)
-        )
+    body = [
+        [short(scale * level, 3), estimator, *(_spread(found.get((level, estimator, name))) for name in parameters)]
+        for level in dict.fromkeys(row["level"] for row in rows)
+        for estimator in estimators
     ]
-    for level in dict.fromkeys(row["level"] for row in rows):
-        for estimator in estimators:
-            cells = [short(scale * level, 3), estimator]
-            cells += [_spread(found.get((level, estimator, name))) for name in parameters]
-            lines.append("  ".join(f"{cell:>{width}}" for cell, width in zip(cells, _widths(parameters), strict=True)))
-    return lines
-
-
-def _widths(parameters: list[str]) -> list[int]:
-    return [8, 22, *(17 for _ in parameters)]
+    return table(["level", "", *parameters], body, keys=2)
 
 
 def _spread(row: Row | None) -> str:
@@ -62,8 +54,8 @@ def _hidden(rows: list[Row]) -> list[str]:
     found = {(row["ratio"], row["estimator"]): row for row in rows}
     knob, finger = 1e7 * rows[0]["knob_inertia_kg_m2"], 1e7 * rows[0]["finger_inertia_kg_m2"]
     lines = [f"knob {short(knob)}, finger {short(finger)}; K1/K2 = B1/B2 is the ratio of finger to pad"]
-    lines.append("  ".join([f"{'ratio':>8}", *(f"{name:>14}" for name in estimators)]))
-    for ratio in dict.fromkeys(row["ratio"] for row in rows):
-        cells = [f"{short(1e7 * found[ratio, name]['inertia_kg_m2'] - knob, 3):>14}" for name in estimators]
-        lines.append("  ".join([f"{short(ratio, 3):>8}", *cells]))
-    return lines
+    body = [
+        [short(ratio, 3), *(short(1e7 * found[ratio, name]["inertia_kg_m2"] - knob, 3) for name in estimators)]
+        for ratio in dict.fromkeys(row["ratio"] for row in rows)
+    ]
+    return [*lines, *table(["ratio", *estimators], body)]

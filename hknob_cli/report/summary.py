@@ -6,22 +6,28 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.means import differs
-from hknob_cli.report.perceived import perceived_levels, perceived_text
+from hknob_cli.report.one_cell import describe_one, one_cell_text
+from hknob_cli.report.perceived import Level, perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.table import table
+from hknob_cli.report.undecided import undecided_in, undecided_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.spec.plan import PERSON
 
 
-def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str]) -> dict[str, Any]:
-    """Summary of a sweep as plain data, one entry per cell under ``cells``."""
+def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:
+    """Summary of a sweep as plain data, one entry per cell under ``cells``; ``trials``: of a cell."""
     rows = cells.to_pylist()
     outcomes = orbits["outcome"].to_pylist()
     people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
+    undecided = undecided_in(orbits, trials) if "undecided" in outcomes else []
     matters = describe_matters(matters_of(rows, axes))
     return {
         "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
         "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
+        **({"undecided": undecided} if undecided else {}),
+        **({"ends": describe_one(orbits.to_pylist())} if len(rows) == 1 and "growth_j_per_s2" not in rows[0] else {}),
         **people,
         **({"what_matters": matters} if matters else {}),
         "cells": rows,
@@ -37,7 +43,7 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     if "what_matters" in summary:
         lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
         if len(rows) > MAX_ROWS:
-            notes = [*_notes(rows), *perceived_text(rows)]
+            notes = [*_notes(summary), *perceived_text(rows)]
             return "\n".join([*lines, *(["", *notes] if notes else [])])
     if "population" in summary:
         return "\n".join([*lines, "", *people_text(summary, axes)])
@@ -51,9 +57,13 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
             lines += ["", *matrix(rows, wide, column, scale=scale, title=title, mark=_mark)]
         for level in perceived_levels(rows):
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
+    elif "ends" in summary:
+        lines += ["", *one_cell_text(summary["ends"])]
+        if levels := perceived_levels(rows):
+            lines += ["", *_list(rows, wide, levels)]
     else:
-        lines += ["", *_list(rows, wide)]
-    notes = [*_notes(rows), *perceived_text(rows)]
+        lines += ["", *_list(rows, wide, perceived_levels(rows))]
+    notes = [*_notes(summary), *perceived_text(rows)]
     lines += ["", *notes] if notes else []
     return "\n".join(lines)
 
@@ -73,7 +83,7 @@ def _measures(rows: list[dict[str, Any]]) -> list[tuple[str, float, str]]:
 
 
 def _headline(summary: dict[str, Any]) -> str:
-    counts = summary["orbits"]
+    counts = {**summary["orbits"], "undecided": sum(one["trials"] for one in summary.get("undecided", []))}
     found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
     share = summary["certified_fraction"]
     proven = "all proven" if share == 1.0 else f"{100 * share:.4g} % of trials proven"
@@ -83,7 +93,11 @@ def _headline(summary: dict[str, Any]) -> str:
 
 
 def _plural(kind: str, number: int) -> str:
-    names = {"cycle": ("limit cycle", "limit cycles"), "rest": ("rest point", "rest points")}
+    names = {
+        "cycle": ("limit cycle", "limit cycles"),
+        "rest": ("rest point", "rest points"),
+        "undecided": ("undecided trial", "undecided trials"),
+    }
     one, many = names.get(kind, (f"{kind} end", f"{kind} ends"))
     return one if number == 1 else many
 
@@ -96,19 +110,19 @@ def _mark(row: dict[str, Any]) -> str:
     return marks + ("?" if row["undecided_fraction"] > 0 else "")
 
 
-def _notes(rows: list[dict[str, Any]]) -> list[str]:
-    marks = "".join(_mark(row) for row in rows)
+def _notes(summary: dict[str, Any]) -> list[str]:
+    marks = "".join(_mark(row) for row in summary["cells"])
     words = {
         "*": "several orbits coexist; which one a trial reaches depends on when it is sampled",
         "r": "trials come to rest; they are in no mean",
         "!": "trials diverge",
-        "?": "trials undecided; orbits.parquet says why",
+        "?": undecided_text(summary.get("undecided", [])),
     }
-    return [f"{mark} {text}" for mark, text in words.items() if mark in marks]
+    told = {"*", "r", "!"} if "ends" in summary else set()  # of one cell, by its sentence
+    return [f"{mark} {text}" for mark, text in words.items() if mark in marks and mark not in told]
 
 
-def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
-    levels = perceived_levels(rows)
+def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> list[str]:
     sides = ("", "mean ") if differs(rows) else ("",)
     heads = [
         *axes,
@@ -133,10 +147,7 @@ def _list(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
         ]
         for row in rows[:MAX_ROWS]
     ]
-    widths = [max(len(line[i]) for line in [heads, *body]) for i in range(len(heads))]
-    lines = [
-        "  ".join(f"{text:>{w}}" for text, w in zip(line, widths, strict=True)).rstrip() for line in [heads, *body]
-    ]
+    lines = table(heads, body, keys=len(axes) or 1)
     if len(sides) > 1:
         lines += ["p2p and frequency are those of the largest cycle; means are of the trials that cycle"]
     if len(rows) > MAX_ROWS:

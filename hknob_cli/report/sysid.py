@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from hknob_cli.identify.quality import MISFIT, ODDS
 from hknob_cli.report.matrix import short
+from hknob_cli.report.table import table
 
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 _COLUMNS = (
@@ -71,12 +72,13 @@ def sysid_text(summary: dict[str, Any]) -> str:
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
         lines += ["", f"experiment {key[0]}, {key[1]}: mean ± {whose}"]
-        lines.append("  ".join(f"{title:>18}" for title in (first, *(one[0] for one in _COLUMNS), "VAF %")))
+        body = []
         for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
-            cells = [row["subject"] if named else short(row["grip_target_n"])]
+            cells = [str(row["subject"]) if named else short(row["grip_target_n"])]
             cells += [_spread(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
             cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
-            lines.append("  ".join(f"{cell:>18}" for cell in cells) + ("  *" if row["flags"] else ""))
+            body.append([*cells, "*" if row["flags"] else ""])
+        lines += table([first, *(one[0] for one in _COLUMNS), "VAF %", ""], body, left={6})
     if blend := summary["averages"]:
         least, largest, middle = (f"{100.0 * blend[name]:.2g}" for name in ("least", "largest", "median"))
         lines += [
@@ -93,10 +95,11 @@ def sysid_text(summary: dict[str, Any]) -> str:
 
 def _calibration_text(summary: dict[str, Any]) -> str:
     lines = [f"{summary['name']}: {len(summary['calibration'])} quantities"]
-    for row in summary["calibration"]:
-        value = _spread(row["value"], row["std"], 1.0)
-        flags = f"  ({row['flags']})" if row["flags"] else ""
-        lines.append(f"  {row['quantity']:26} {row['condition']:24} {value} {row['unit']}{flags}")
+    body = [
+        [row["quantity"], row["condition"], _spread(row["value"], row["std"], 1.0), row["unit"], row["flags"]]
+        for row in summary["calibration"]
+    ]
+    lines += table(["quantity", "condition", "value", "unit", ""], body, left={0, 1, 3, 4}, keys=2, flow=4)
     return "\n".join(lines)
 
 

@@ -14,6 +14,7 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import ONE, WORST
+from hknob_cli.report.table import table
 from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.spec.plan import PERSON
@@ -190,11 +191,9 @@ def matters_text(matters: Sequence[dict[str, Any]], cells: str) -> list[str]:
     """Lines of the terminal's table: what each axis explains, and what there is at its two ends; of how many cells."""
     heads = ["what matters most", "explains", "", "p2p mrad", "frequency Hz", "at rest %"]
     body = [[one["axis"], f"{100.0 * one['explained']:.0f} %", _way(one), *_ends(one["bins"])] for one in matters]
-    widths = [max(len(line[i]) for line in (heads, *body)) for i in range(len(heads))]
-    lines = ["  ".join(f"{text:<{wide}}" for text, wide in zip(line, widths, strict=True)) for line in (heads, *body)]
     left = 100.0 * max(0.0, 1.0 - sum(one["explained"] for one in matters))
     return [
-        *(line.rstrip() for line in lines),
+        *table(heads, body, left=range(len(heads))),
         f"of the order of {cells} cells by size, rest the least; {left:.0f} % is the interplay of axes, or within bins",
         "medians of cells that buzz, each by its largest cycle, from one end of an axis to the other",
     ]

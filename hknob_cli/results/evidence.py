@@ -171,8 +171,15 @@ class Evidence:
     def __getitem__(self, name: str) -> Result:
         """A result. Raises `MissingError` if none has that name, or its folder is empty."""
         if name not in self._results or not self._results[name].files:
-            raise MissingError(f"no result '{name}'")
+            raise MissingError(f"no result '{name}'{self._hint(name)}")
         return self._results[name]
+
+    def _hint(self, name: str) -> str:
+        """The nearest name of those there are, for one that nobody has given."""
+        from hknob_cli.spec.messages import closest
+
+        close = None if name in self._results else closest(name, list(self._results))
+        return f"; did you mean '{close}'?" if close else ""
 
     def __contains__(self, name: object) -> bool:
         """Whether a result is there."""

@@ -7,6 +7,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
+from hknob_cli.results.folder import of_another
 from hknob_cli.results.layout import write_table
 from hknob_cli.results.marked import is_marked, marked_origin
 from hknob_cli.results.parted import (
@@ -135,9 +136,7 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
         if found is None:
             raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
         if found != (stage, name):
-            raise RefusedError(
-                f"{path}: holds the {found[0]} '{found[1]}'; choose another --out for '{name}', or remove {path.parent}"
-            )
+            raise of_another(path, found, name)
 
 
 def _origin(path: Path) -> tuple[str, str] | None:

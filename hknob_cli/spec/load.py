@@ -1,5 +1,6 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +14,9 @@ from hknob_cli.spec.cells import cells_over
 from hknob_cli.spec.faults import faults_of
 from hknob_cli.spec.grid import MAX_CELLS, Grid
 from hknob_cli.spec.grid_axes import Limit, resolve_axes, too_many
-from hknob_cli.spec.messages import shown
+from hknob_cli.spec.kinds import PIPELINE, SCHEMAS, SPECS
+from hknob_cli.spec.kinds import STAGES as KINDS
+from hknob_cli.spec.messages import closest, shown, unknown
 from hknob_cli.spec.named_file import digest_of
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
@@ -28,8 +31,6 @@ if TYPE_CHECKING:
 
 Spec = SweepSpec | DfaSpec | PredictSpec
 GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
-KINDS = ("sysid", *GRIDS, "remedies", "design", "hw-run", "bench", "report")
-PIPELINE = "pipeline"
 
 
 def load(
@@ -76,8 +77,7 @@ def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
         return PipelinePlan(name, {str(kind): StagePlan(str(kind), path, overrides, {}, "--set ")}, source.value)
     _apply(source, overrides, "--set ")
     if kind != PIPELINE:
-        allowed = f"must be {PIPELINE} or a kind of stage ({', '.join(KINDS)})"
-        raise SpecError([source.fault(("kind",), f"{allowed}, got {shown(kind)}" if kind else f"missing; {allowed}")])
+        raise SpecError([source.fault(("kind",), _kind_fault(kind, SPECS))])
     from hknob_cli.spec.pipeline import validate_pipeline
 
     return validate_pipeline(source)
@@ -107,11 +107,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     """Validate the values of ``source``. Raises `SpecError`."""
     given = source.value.get("kind")
     if given is None:
-        raise SpecError([source.fault(("kind",), f"missing, and required; one of: {', '.join(KINDS)}")])
+        raise SpecError([source.fault(("kind",), _kind_fault(None, SPECS))])
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
-        allowed = [kind] if kind else list(KINDS)
-        raise SpecError([source.fault(("kind",), f"must be {' or '.join(allowed)}, got {shown(given)}")])
+        raise SpecError([source.fault(("kind",), _kind_fault(given, (kind,) if kind else SPECS))])
     if given == "bench":
         from hknob_cli.spec.bench import validate_bench
 
@@ -174,6 +173,16 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         constant, digest = _read_case(source, spec.constant.case)
         return plan._replace(constant=constant, case_sha256=digest, case_file=_case_file(source, spec.constant.case))
     return plan
+
+
+def _kind_fault(given: object, allowed: Sequence[str]) -> str:
+    """What is wrong with what a spec says of its kind."""
+    if given is None:
+        return f"missing, and required; {'one of: ' if len(allowed) > 1 else 'must be '}{', '.join(allowed)}"
+    close = closest(given, list(allowed)) if isinstance(given, str) and len(allowed) > 1 else None
+    hint = f"; did you mean '{close}'?" if close else ""
+    names = f"one of: {', '.join(allowed)};" if len(allowed) > 1 else f"{allowed[0]},"
+    return f"must be {names} got {shown(given)}{hint}"
 
 
 def _people(source: Source, spec: SweepSpec, population: PopulationSpec, axes: Axes) -> "tuple[Population, Axes]":
@@ -263,6 +272,8 @@ def _override(source: Source, text: str, label: str) -> Fault | None:
         path = (path[0], ".".join(path[1:]))
     if path[0] == "stages" and path[2:3] == ("set",) and len(path) > 4:
         path = (*path[:3], ".".join(path[3:]))
+    if wrong := _unknown(source, path_text.strip()):
+        return Fault(where, 0, 0, path_text.strip(), wrong)
     try:
         value = yaml.parse_value(value_text)
     except ValueError as error:
@@ -283,12 +294,23 @@ def _override(source: Source, text: str, label: str) -> Fault | None:
     return None
 
 
+def _unknown(source: Source, path: str) -> str | None:
+    """What is wrong with a path that an override names, if a spec of this kind has no such key."""
+    kind = source.value.get("kind")
+    if not isinstance(kind, str) or kind not in SPECS:
+        return None
+    from hknob_cli.spec.suggest import unknown_path
+
+    stages = source.value.get("stages")
+    return unknown_path(spec_model(kind), path, list(stages) if isinstance(stages, dict) else ())
+
+
 def spec_model(kind: str) -> type[BaseModel]:
     """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
     if kind in GRIDS:
         return GRIDS[kind]
-    if kind not in (*KINDS, PIPELINE):
-        raise UsageError(f"unknown kind '{kind}'; one of: {', '.join((*KINDS, PIPELINE))}")
+    if kind not in SPECS:
+        raise UsageError(unknown("kind", kind, SCHEMAS))
     module, name = kind.replace("-", "_"), "".join(part.capitalize() for part in kind.split("-"))
     model: type[BaseModel] = getattr(import_module(f"hknob_cli.spec.{module}"), f"{name}Spec")
     return model

@@ -1,6 +1,7 @@
 """Faults of a spec in the user's words: what is wrong, the value given, what is allowed."""
 
 import difflib
+from collections.abc import Sequence
 from typing import Any
 
 from pydantic import BaseModel
@@ -60,6 +61,13 @@ def closest(name: str, names: list[str]) -> str | None:
     """The one of ``names`` that is spelled most like ``name``; None if none is."""
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return close[0] if close else None
+
+
+def unknown(what: str, name: str, names: Sequence[str]) -> str:
+    """That nothing of this sort is called so: the nearest name, and all of them."""
+    close = closest(name, list(names))
+    hint = f"did you mean '{close}'? " if close else ""
+    return f"unknown {what} {shown(name)}; {hint}allowed: {', '.join(names)}"
 
 
 def message(error: Any, allowed: list[str] | tuple[str, ...]) -> str:

@@ -8,7 +8,7 @@ from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.messages import nearest
+from hknob_cli.spec.messages import unknown
 from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.source import Source
@@ -98,7 +98,7 @@ def _input_fault(value: dict[str, Any], name: str, stages: list[str]) -> str | N
         if one == name:
             return f"must be another stage, got '{one}'"
         if one not in stages:
-            return nearest(one, [stage for stage in stages if stage != name]).replace("unknown key", "unknown stage")
+            return unknown("stage", one, [stage for stage in stages if stage != name])
     return None
 
 

@@ -17,6 +17,7 @@ from hknob_cli.results.columns import Column
 from hknob_cli.results.digest import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
+from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
@@ -110,6 +111,10 @@ class Against:
         """Axis values to 12 digits: grids written in two ways meet."""
         return tuple(f"{cell[axis]:.12g}" for axis in self._axes)
 
+    def partners(self, cells: Iterable[Cell]) -> int:
+        """How many of these cells the sweep has, too."""
+        return sum(self._key(cell) in self._cells for cell in cells)
+
     def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
         """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
         row = self._cells.get(self._key(cell), {})
@@ -125,6 +130,11 @@ class Against:
             "amplitude_difference": _relative(None if p2p_rad is None else 0.5 * p2p_rad, p2p),
             "frequency_difference": _relative(frequency_hz, frequency),
         }
+
+
+def overlap(folder: str, axes: Axes, cells: Cells) -> dict[str, int]:
+    """How many ``cells`` there are, and how many of them the sweep in ``folder`` has, too. Raises `UsageError`."""
+    return {"cells": len(cells), "with_partner": Against(folder, list(axes), cells).partners(cells)}
 
 
 def _read(path: Path) -> pa.Table:

@@ -19,6 +19,12 @@ from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, scene_at
 
+# Of recordings that are drawn and not kept.
+_FEW = 16  # trials, at most
+_TIME_CONSTANTS = 14.0
+_PERIODS = 4.0  # beside
+_MOST_SAMPLES = 10_000
+
 
 class Instant(NamedTuple):
     """One row: time (s), what happens then, angles (rad), velocities (rad/s), torque of the actuator after it (N·m)."""
@@ -47,6 +53,33 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
     starts = START if plan.record.angles else ()
     return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ())], rows)
+
+
+def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
+    """Trajectories of a few trials of a sweep of one cell, whose ``orbits`` are known, until they should have settled.
+
+    Raises `ComputationError` if a scene's numbers overflow.
+    """
+    cell = next(iter(cells_of(plan)))
+    scene = scene_at(plan.scene, cell)
+    periods = [row["cycles_per_period"] / row["frequency_hz"] for row in orbits if row["outcome"] == "cycle"]
+    period = max(periods, default=0.0)
+    duration = _TIME_CONSTANTS * _slowest(scene) + _PERIODS * period
+    if RATE in cell:
+        duration = min(duration, _MOST_SAMPLES / cell[RATE])
+    interval = max(min(periods, default=duration / 5.0) / 200.0, duration / _MOST_SAMPLES)
+    few = min(plan.starts.phases, _FEW)
+    starts = plan.starts._replace(phases=few)
+    return record_sweep(plan._replace(record=Record(duration, interval, few), starts=starts))
+
+
+def _slowest(scene: Scene) -> float:
+    """The longest time constant of knob and hand (s), roughly; a tenth of a second where nothing damps them."""
+    hand = scene.hand or Hand()
+    inertia, damping = scene.knob.inertia + hand.inertia, scene.knob.damping + hand.damping
+    found = [2.0 * inertia / damping] if damping > 0.0 else []
+    found += [damping / hand.stiffness] if hand.stiffness > 0.0 and damping > 0.0 else []
+    return min(max(found, default=0.1), 10.0)
 
 
 def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: float) -> Iterator[Instant]:

@@ -164,7 +164,7 @@ BAD = {
     "folder with a name too long": (f"stages: {{a: {{folder: {'x' * 300}}}}}\n", "xxx: File name too long"),
     "unknown stage": (
         "stages: {a: {spec: s.yaml, set: {against: {from: grud}}}, grid: {spec: s.yaml}}\n",
-        "stages.a.set.against: unknown stage; did you mean 'grid'? allowed: grid",
+        "stages.a.set.against: unknown stage 'grud'; did you mean 'grid'? allowed: grid",
     ),
     "itself": ("stages: {a: {spec: s.yaml, set: {against: {from: a}}}}\n", "must be another stage, got 'a'"),
     "circle": (
