@@ -202,6 +202,6 @@ def _sentence(result: Result) -> str:
     still = int(resting.sum())
     rest = f"; at rest in {still}" if still else ""
     return (
-        f"{cells}: peak to peak of the largest cycle from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
-        f"{pitches.min():.3g} to {pitches.max():.3g} Hz{rest}; {surely}."
+        f"{cells}: peak to peak from {sizes.min():.3g} to {sizes.max():.3g} mrad, "
+        f"{pitches.min():.3g} to {pitches.max():.3g} Hz, by the largest cycle of a cell{rest}; {surely}."
     )
