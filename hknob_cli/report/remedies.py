@@ -116,12 +116,14 @@ def trial_text(summary: dict[str, Any]) -> str:
         lines += [
             "",
             "max mrad, Hz: peak to peak and pitch of the largest cycle; mean mrad: mean of the trials that cycle.",
-            "smaller: times, by the largest cycles, for the hand that gains least; 0 where only the remedy buzzes.",
+            "smaller: times, by the largest cycles, for the hand that gains least.",
+            "starts: for some hand it buzzes, or diverges, where the reference does not.",
             "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
             "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
         ]
     for name, count in summary["outside_domain"].items():
-        lines.append(f"{name}: outside its domain in {count} rows, where it may make the buzz larger (in_domain).")
+        rows = f"{count} row{'s' if count > 1 else ''}"
+        lines.append(f"{name}: outside its domain in {rows}, where it may make the buzz larger (in_domain).")
     if felt:
         lines += [
             "touch dB: above threshold. louder: dB that it is felt more than the reference, by ear: that it sounds",
@@ -139,7 +141,7 @@ def _line(row: Row, grid: Row) -> str:
     cells = [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
         "" if rests else short(row["frequency_at_max_hz"]),
-        "rest" if rests else _times(row["ratio_least"]),
+        "rest" if rests else "starts" if row["ratio_least"] == 0.0 else _times(row["ratio_least"]),
         "" if rests else short(1e3 * row["p2p_rad"]),
         _times(row["stiffness_kept"]),
         _times(row["knock_ratio"]),

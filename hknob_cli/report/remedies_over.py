@@ -48,13 +48,14 @@ def over_text(axis: str, found: dict[str, list[Row]]) -> list[str]:
     wide = max(len(name) for name in found)
     heads = [row[axis] for row in next(iter(found.values()))]
     lines = [
-        f"over {axis}: times smaller, for the hand and cell that gain least (below 1: larger; *: outside its domain)",
+        f"over {axis}: times smaller, for the hand and cell that gain least",
         f"{'':{wide}}" + "".join(f"{head:>9.3g}" for head in heads),
     ]
     lines += [f"{name:{wide}}" + "".join(f"{said(row):>9}" for row in rows) for name, rows in found.items()]
     return [
         *lines,
-        "rest: all come to rest; starts: the remedy buzzes where the reference rests; -: nothing to compare.",
+        "below 1: larger than with the reference. rest: all come to rest. -: nothing to compare.",
+        "starts: the remedy buzzes where the reference rests. *: outside its stated domain.",
     ]
 
 

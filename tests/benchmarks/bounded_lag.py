@@ -81,7 +81,8 @@ def main() -> None:
         times = [one for _, one in rows if one is not None]
         counts = ", ".join(f"{words.count(word)} {word}" for word in dict.fromkeys(words))
         least, middle = (min(times), median(times)) if times else (0.0, 0.0)
-        print(f"keep {name:5} {at:9} {len(rows):4} scenes: {counts}; times smaller: median {middle:.2f}, least {least:.2f}")
+        print(f"keep {name:5} {at:9} {len(rows):4} scenes: {counts}")
+        print(f"    times smaller: median {middle:.2f}, least {least:.2f}")
 
 
 if __name__ == "__main__":

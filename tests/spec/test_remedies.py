@@ -7,7 +7,7 @@ from hknob_cli.spec.controller import KEYS
 from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.load import validate
 from hknob_cli.spec.source import parse
-from tests.conftest import SPEC
+from tests.conftest import ROOT, SPEC
 
 TRIAL = """\
 kind: remedies
@@ -142,3 +142,17 @@ def test_a_trial_as_plain_values() -> None:
     assert lag.grid.scene.controller == Controller(kind="bounded_lag")
     assert lag.cases[0].axes == {"sample_rate_hz": [1000.0], "counts_per_rev": [2650], "person": [1]}
     assert plan.hands == ("light",)
+
+
+def test_the_documents_count_the_remedies_as_the_file_does() -> None:
+    plan = validate(parse((ROOT / "experiments" / "remedies.yaml").read_text(), "remedies.yaml"))
+    beside = [one for one in plan.remedies if one.name != plan.reference]
+    own = [one.name for one in beside if one.source == "own"]
+    assert own == ["bounded lag", "edge-triggered update"]
+    assert all(one.source for one in plan.remedies)
+    page = " ".join((ROOT / "docs" / "controllers.md").read_text().split())
+    assert f"{len(beside)} remedies beside the plain wall" in page
+    assert "Two of those are our own: the bounded lag, and the update at every edge" in page
+    head = (ROOT / "experiments" / "remedies.yaml").read_text().partition("kind:")[0]
+    assert f"{len(beside)} remedies against the buzz" in head
+    assert "two of our own" in head.replace("\n# ", " ")
