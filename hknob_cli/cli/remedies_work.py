@@ -36,7 +36,7 @@ class RemediesWork(Work):
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
         for one in job.plan.remedies:
-            for sweep in (one.grid, *one.cases[:1]):
+            for sweep in () if one.tuned else (one.grid, *one.cases[:1]):
                 if warning := domain_warning(sweep, one.name):
                     note(job, warning)
                     break

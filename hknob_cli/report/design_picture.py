@@ -103,7 +103,8 @@ def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
         axes.axhline(limit, color="C3", linewidth=0.9, linestyle="--")
     axes.set_xlabel("cost (open: fails a limit, filled: meets all; line: front)")
     axes.set_ylabel(
-        "touch, dB above threshold, of all but the allowed share of people\n(dashed: allowed; band: how well that is known)"
+        "touch, dB above threshold, of all but the allowed share of people\n"
+        "(dashed: allowed; band: how well that is known)"
     )
     axes.grid(alpha=0.3)
     axes.legend(loc="best", fontsize=8, frameon=True)

@@ -7,7 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
-from hknob_cli.report.remedies_over import over_axis, over_text
+from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 
 Row = dict[str, Any]
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
@@ -40,6 +40,7 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
         "grid": everywhere,
         "cases": found,
         "over": {axis: over_axis(over, axis) for axis in further},
+        "tuned": {name: said for name in everywhere if (said := tuned_values(rows, over, further, name))},
         "outside_domain": {name: count for name, count in outside.items() if count},
         "undecided": loose,
     }
@@ -121,6 +122,7 @@ def trial_text(summary: dict[str, Any]) -> str:
             "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
             "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
         ]
+    lines += [f"{name}: tuned to {text}" for name, text in summary["tuned"].items()]
     for name, count in summary["outside_domain"].items():
         rows = f"{count} row{'s' if count > 1 else ''}"
         lines.append(f"{name}: outside its domain in {rows}, where it may make the buzz larger (in_domain).")

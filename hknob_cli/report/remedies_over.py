@@ -1,5 +1,6 @@
 """Remedies over a further axis of the grid: where each helps and where it harms, for the hand that gains least."""
 
+from collections.abc import Sequence
 from math import inf
 from statistics import median
 from typing import Any
@@ -67,3 +68,25 @@ def said(row: Row) -> str:
     if row["rests"]:
         return f"rest{mark}"
     return "-" if row["times_least"] is None else f"{row['times_least']:.2g}{mark}"
+
+
+def tuned_values(cases: list[Row], grid: list[Row], further: Sequence[str], name: str) -> str:
+    """To what a remedy was tuned, at every case and over each further axis, in words; empty where it was not."""
+    mine = [row for row in grid if row["remedy"] == name]
+    if not mine or mine[0].get("tuned") is None:
+        return ""
+    said = [
+        f"{row['tuned']:g} at {case}"
+        for case, row in {row["case"]: row for row in cases if row["remedy"] == name}.items()
+    ]
+    for axis in further:
+        values: dict[Any, list[float]] = {}
+        for row in mine:
+            values.setdefault(row[axis], []).append(row["tuned"])
+        said.append(f"{', '.join(_span(some) for _, some in sorted(values.items()))} over {axis}")
+    return "; ".join(said) or _span([row["tuned"] for row in mine])
+
+
+def _span(values: list[float]) -> str:
+    low, high = min(values), max(values)
+    return f"{low:g}" if low == high else f"{low:g} to {high:g}"

@@ -124,6 +124,27 @@ TRIALS = {
     "pushes in the wrong order": (
         "remedies:", "press: {torques: [0.02, 0.01]}\nremedies:", "press.torques: must be two",
     ),
+    "tuned by what is not there": (
+        "    change: {scene: {con", "    tune: {controller.kep: [0.1]}\n    change: {scene: {con",
+        'remedies.lag.tune["controller.kep"]: unknown key; did you mean \'controller.keep\'?',
+    ),
+    "tuned by what its kind has not": (
+        "    change: {scene: {con", "    tune: {controller.surface: [0.1]}\n    change: {scene: {con",
+        "must be absent where kind is bounded_lag",
+    ),
+    "tuned beyond what is allowed": (
+        "    change: {scene: {con", "    tune: {controller.keep: [0.1, 2]}\n    change: {scene: {con",
+        'remedies.lag.tune["controller.keep"][1]: must be <= 1, got 2',
+    ),
+    "tuned by two": (
+        "    change: {scene: {con",
+        "    tune: {controller.keep: [0.1], controller.time_constant: [1]}\n    change: {scene: {con",
+        "remedies.lag.tune: must",
+    ),
+    "tuned to hands": (
+        "    change: {scene: {con", "    tune: {hand.damping: [0.1]}\n    change: {scene: {con",
+        "must be of the device: hands are listed under hands",
+    ),
     "case without counts": (", counts_per_rev: 2650}", "}", "12:3: cases.usual.counts_per_rev: missing"),
 }  # fmt: skip
 
