@@ -56,6 +56,12 @@ class RemediesPlan(NamedTuple):
         return {name: grid.units[name] for name in grid.axes if name not in (RATE, COUNTS, PERSON)}
 
     @property
+    def varied(self) -> dict[str, str]:
+        """Those of the `further` axes that have several values."""
+        grid = self.remedies[0].grid
+        return {name: unit for name, unit in self.further.items() if len(grid.axes[name]) > 1}
+
+    @property
     def perceive(self) -> Perceive | None:
         """How levels are judged, where they are asked for."""
         how: Perceive | None = self.remedies[0].grid.perceive

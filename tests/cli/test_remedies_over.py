@@ -83,3 +83,12 @@ def test_push_and_stiffness_are_axes_too(hknob, spec_file, axis: str) -> None:
     done = hknob("remedies", spec_file(OVER.replace("knob.inertia: [20 g*cm^2, 200 g*cm^2]", axis)), "-o", "out")
     assert done.returncode == 0, done.stderr
     assert f"over {axis.partition(':')[0]}: times smaller" in done.stdout
+
+
+def test_an_axis_of_one_value_has_neither_table_nor_picture(hknob, spec_file, tmp_path: Path) -> None:
+    text = OVER.replace("knob.inertia: [20 g*cm^2, 200 g*cm^2]", "knob.inertia: 20 g*cm^2")
+    done = hknob("remedies", spec_file(text), "-o", "out", "--plot")
+    assert done.returncode == 0, done.stderr
+    assert "over knob.inertia" not in done.stdout
+    assert "no picture: no cases are given, and no further axis" in done.stderr
+    assert not list((tmp_path / "out").glob("*.png"))
