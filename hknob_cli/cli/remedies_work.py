@@ -30,13 +30,13 @@ class RemediesWork(Work):
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The cases, and how much each remedy helps over each further axis of the grid."""
-        cases = ("remedies.png",) if job.plan.cases or not job.plan.further else ()
-        return (*cases, *(f"remedies_{axis.replace('.', '_')}.png" for axis in job.plan.further))
+        cases = ("remedies.png",) if job.plan.cases or not job.plan.varied else ()
+        return (*cases, *(f"remedies_{axis.replace('.', '_')}.png" for axis in job.plan.varied))
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""
         for one in job.plan.remedies:
-            for sweep in (one.grid, *one.cases[:1]):
+            for sweep in () if one.tuned else (one.grid, *one.cases[:1]):
                 if warning := domain_warning(sweep, one.name):
                     note(job, warning)
                     break
@@ -49,7 +49,7 @@ class RemediesWork(Work):
         from hknob_cli.report.remedies_over_picture import draw_over
         from hknob_cli.report.remedies_picture import draw_trial
 
-        further = list(job.plan.further.items())
+        further = list(job.plan.varied.items())
         drawn = []
         for path, (axis, unit) in zip(paths[len(paths) - len(further) :], further, strict=True):
             draw_over(tables[0].to_pylist(), axis, unit, title=job.plan.name, path=path)
@@ -62,7 +62,7 @@ class RemediesWork(Work):
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every remedy at every case, over the grid, and over its further axes."""
-        return describe_trial(tables[0], tables[1], list(job.plan.further))
+        return describe_trial(tables[0], tables[1], list(job.plan.varied))
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""

@@ -45,7 +45,7 @@ STAGES = {
     ),
     "remedies": (
         "Try remedies against the buzz: how much smaller, at what pitch, and what stiffness is left.",
-        "Draw every case into remedies.png beside the results.",
+        "Draw every case, and remedies over every further axis, into PNG files beside the results.",
     ),
     "design": (
         "Find the cheapest design whose limit cycles nobody minds, with proof, and say what binds it.",

@@ -98,9 +98,14 @@ def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
             0.99, unknown, "not known ", ha="right", va="bottom", transform=axes.get_yaxis_transform(), color="0.4"
         )
     if plan.touch:
-        axes.axhline(_touch_limit(plan, rows), color="C3", linewidth=0.9, linestyle="--")
+        limit, off = _touch_limit(plan, rows), plan.uncertainty_db
+        axes.axhspan(limit - off, limit + off, color="C3", alpha=0.1, linewidth=0.0, zorder=-1)
+        axes.axhline(limit, color="C3", linewidth=0.9, linestyle="--")
     axes.set_xlabel("cost (open: fails a limit, filled: meets all; line: front)")
-    axes.set_ylabel("touch, dB above threshold, of all but the allowed share of people (dashed: allowed)")
+    axes.set_ylabel(
+        "touch, dB above threshold, of all but the allowed share of people\n"
+        "(dashed: allowed; band: how well that is known)"
+    )
     axes.grid(alpha=0.3)
     axes.legend(loc="best", fontsize=8, frameon=True)
 

@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import short
 from hknob_cli.report.remedies_grid import grid_text
-from hknob_cli.report.remedies_over import over_axis, over_text
+from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 from hknob_cli.report.table import table
 
 Row = dict[str, Any]
@@ -42,6 +42,7 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
         "grid": everywhere,
         "cases": found,
         "over": {axis: over_axis(over, axis) for axis in further},
+        "tuned": {name: said for name in everywhere if (said := tuned_values(rows, over, further, name))},
         "outside_domain": {name: count for name, count in outside.items() if count},
         "undecided": loose,
     }
@@ -119,12 +120,15 @@ def trial_text(summary: dict[str, Any]) -> str:
         lines += [
             "",
             "max mrad, Hz: peak to peak and pitch of the largest cycle; mean mrad: mean of the trials that cycle.",
-            "smaller: times, by the largest cycles, for the hand that gains least; 0 where only the remedy buzzes.",
+            "smaller: times, by the largest cycles, for the hand that gains least.",
+            "starts: for some hand it buzzes, or diverges, where the reference does not.",
             "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
             "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
         ]
+    lines += [f"{name}: tuned to {text}" for name, text in summary["tuned"].items()]
     for name, count in summary["outside_domain"].items():
-        lines.append(f"{name}: outside its domain in {count} rows, where it may make the buzz larger (in_domain).")
+        rows = f"{count} row{'s' if count > 1 else ''}"
+        lines.append(f"{name}: outside its domain in {rows}, where it may make the buzz larger (in_domain).")
     if felt:
         lines += [
             "touch dB: above threshold. louder: dB that it is felt more than the reference, by ear: that it sounds",
@@ -142,7 +146,7 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
         "" if rests else short(row["frequency_at_max_hz"]),
-        "rest" if rests else _times(row["ratio_least"]),
+        "rest" if rests else "starts" if row["ratio_least"] == 0.0 else _times(row["ratio_least"]),
         "" if rests else short(1e3 * row["p2p_rad"]),
         _times(row["stiffness_kept"]),
         _times(row["knock_ratio"]),

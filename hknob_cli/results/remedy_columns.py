@@ -32,6 +32,9 @@ BUZZ = (
     ),
     Column("p2p_mean_ratio", _REAL, "1", "p2p_rad of the reference over the remedy's; null where either rests"),
 )
+TUNED = Column(
+    "tuned", _REAL, "", "value (SI) of the number that the remedy tunes, for all hands together; null where it does not"
+)
 DOMAIN = Column(
     "in_domain", _FLAG, "", "whether the controller stays within the domain that docs/controllers.md states; null: none"
 )

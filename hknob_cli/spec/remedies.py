@@ -4,7 +4,7 @@ A change is a JSON merge patch (RFC 7396) of the base: mappings are merged, null
 The grid may vary any number of the scene beside sample rate and counts: every remedy is tried at every value.
 """
 
-from math import prod
+from math import nan, prod
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
@@ -13,18 +13,22 @@ from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.bench import merged
 from hknob_cli.spec.derived import derived_sweep
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.grid import MAX_CELLS, Counts
+from hknob_cli.spec.grid import MAX_CELLS, AxisError, AxisSpec, Counts, axis_values
 from hknob_cli.spec.hand import HandSpec
+from hknob_cli.spec.messages import nearest
 from hknob_cli.spec.perceive import PerceiveSpec
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
 from hknob_cli.spec.quantity import PositiveSeconds, SampleRate, Torque, Velocity
-from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
+from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy, Tuned
 from hknob_cli.spec.scene import Part
+from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
 from hknob_cli.spec.sweep import MOST_ROWS, Name
 
 # Where what a derived sweep is made of stands in the spec.
 PLACES: dict[Path_, Path_] = {("base",): (), ("perceive",): ("perceive",)}
+
+MOST_VALUES = 100  # that a remedy is tuned over
 
 Label = Annotated[str, Field(min_length=1, max_length=80)]
 
@@ -35,6 +39,19 @@ class RemedySpec(Part):
     change: Annotated[dict[str, Any], Field(description="merge patch of the base; null removes a key")] = {}  # noqa: RUF012
     needs: Annotated[str, Field(max_length=200, description="sensors, parts and computing that it asks for")] = ""
     source: Annotated[str, Field(max_length=200, description="where it is from: a publication, a section, own")] = ""
+
+
+class TunedRemedySpec(RemedySpec):
+    """A remedy that may be tuned to each cell, for all hands together."""
+
+    tune: Annotated[
+        dict[str, AxisSpec],
+        Field(
+            max_length=1,
+            description="a number of the scene by its dotted path, and the values tried: of each cell the one whose"
+            " largest cycle of any hand is smallest",
+        ),
+    ] = {}  # noqa: RUF012
 
 
 class CaseSpec(Part):
@@ -71,7 +88,9 @@ class RemediesSpec(Part):
     ] = {}  # noqa: RUF012
     press: Annotated[PressSpec, Field(default_factory=PressSpec)]
     reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = "plain wall"
-    remedies: Annotated[dict[Label, RemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")]
+    remedies: Annotated[
+        dict[Label, TunedRemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")
+    ]
     perceive: PerceiveSpec | None = None
 
 
@@ -96,15 +115,24 @@ def validate_remedies(source: Source) -> RemediesPlan:
         if wrong:
             faults += [source.fault(here, text, at_key=True) for text in wrong]
             continue
+        ways, wrong_values = _ways(source, name, remedy, axes)
+        if wrong_values:
+            faults += wrong_values
+            continue
         try:
-            grid = derived_sweep(source, merged(base, remedy.change), places)
-            cases = tuple(
-                derived_sweep(source, merged({**base, "grid": dict(case)}, remedy.change), places)
-                for case in spec.cases.values()
-            )
+            found = []
+            for value, change in ways:
+                grid = derived_sweep(source, merged(base, change), places)
+                cases = tuple(
+                    derived_sweep(source, merged({**base, "grid": dict(case)}, change), places)
+                    for case in spec.cases.values()
+                )
+                held = tuple(_held(case, hands) for case in cases)
+                found.append((Tuned(value, _held(grid, hands), held), grid, cases))
         except SpecError as error:
             faults += error.faults
             continue
+        _, grid, cases = found[0]
         faults += [source.fault(here, text, at_key=True) for text in _misfit(grid, cases, axes)]
         if faults:
             continue
@@ -113,8 +141,10 @@ def validate_remedies(source: Source) -> RemediesPlan:
                 name=name,
                 needs=remedy.needs,
                 source=remedy.source,
-                grid=_held(grid, hands),
-                cases=tuple(_held(case, hands) for case in cases),
+                grid=found[0][0].grid,
+                cases=found[0][0].cases,
+                tunes=next(iter(remedy.tune), ""),
+                tuned=tuple(one for one, _, _ in found) if remedy.tune else (),
             )
         )
     faults = faults or _too_much(source, spec, remedies)
@@ -131,6 +161,37 @@ def validate_remedies(source: Source) -> RemediesPlan:
         duration=spec.press.duration,
         values=source.value,
     )
+
+
+def _ways(
+    source: Source, name: str, remedy: TunedRemedySpec, axes: set[str]
+) -> tuple[list[tuple[float, dict[str, Any]]], list[Fault]]:
+    """The change of a remedy at each value of what it tunes, or what is wrong with that."""
+    if not remedy.tune:
+        return [(nan, remedy.change)], []
+    (path, axis), *_ = remedy.tune.items()
+    here: Path_ = ("remedies", name, "tune", path)
+    if scalar_field(path) is None:
+        return [], [source.fault(here, nearest(path, scalar_paths()), at_key=True)]
+    if path in axes:
+        return [], [source.fault(here, "must not be an axis of the base, which gives its values", at_key=True)]
+    if path.startswith("hand."):
+        return [], [source.fault(here, "must be of the device: hands are listed under hands", at_key=True)]
+    try:
+        values = axis_values(path, axis)
+    except AxisError as error:
+        return [], [source.fault((*here, *error.steps), str(error))]
+    if len(values) > MOST_VALUES:
+        return [], [source.fault(here, f"must have at most {MOST_VALUES} values, got {len(values)}")]
+    return [(value, merged(remedy.change, {"scene": _nested(path, value)})) for value in values], []
+
+
+def _nested(path: str, value: float) -> dict[str, Any]:
+    *parents, last = path.split(".")
+    found: dict[str, Any] = {last: value}
+    for part in reversed(parents):
+        found = {part: found}
+    return found
 
 
 def _contradictions(source: Source, spec: RemediesSpec) -> list[Fault]:

@@ -7,10 +7,19 @@ from hknob_cli.spec.perception import Perceive
 KNOCKS = 4  # trials of a knock on the wall, their sample clocks spread over an interval
 
 
+class Tuned(NamedTuple):
+    """A remedy at one ``value`` (SI) of the number that it tunes; its sweeps as in `Remedy`."""
+
+    value: float
+    grid: Any
+    cases: tuple[Any, ...]
+
+
 class Remedy(NamedTuple):
     """A remedy: what it ``needs``, its sweep over the ``grid``, and over each of the ``cases``; persons are the hands.
 
-    The sweeps are `SweepPlan`s. ``source``: where the remedy is from.
+    The sweeps are `SweepPlan`s, of the first value where it tunes. ``source``: where the remedy is from; ``tunes``:
+    the number of the scene that it tunes, by its dotted path, and ``tuned`` its values; empty where it does not.
     """
 
     name: str
@@ -18,6 +27,8 @@ class Remedy(NamedTuple):
     source: str
     grid: Any
     cases: tuple[Any, ...]
+    tunes: str = ""
+    tuned: tuple[Tuned, ...] = ()
 
 
 class RemediesPlan(NamedTuple):
@@ -43,6 +54,12 @@ class RemediesPlan(NamedTuple):
 
         grid = self.remedies[0].grid
         return {name: grid.units[name] for name in grid.axes if name not in (RATE, COUNTS, PERSON)}
+
+    @property
+    def varied(self) -> dict[str, str]:
+        """Those of the `further` axes that have several values."""
+        grid = self.remedies[0].grid
+        return {name: unit for name, unit in self.further.items() if len(grid.axes[name]) > 1}
 
     @property
     def perceive(self) -> Perceive | None:

@@ -18,7 +18,10 @@ def meets(one: Judged, doubt: Doubt) -> bool:
         return False
     for sense, (limit, levels) in one.asked.items():
         judged = one.others[doubt.thresholds] if sense == "touch" and doubt.thresholds else levels
-        if exceeded_by([level + doubt.shift_db for level in judged], limit.people) > limit.most_db:
+        # A level that is exactly the present one's is of the same cycle, and differs from it by nothing.
+        same = limit.above_present
+        shifted = [level if same and level == 0.0 else level + doubt.shift_db for level in judged]
+        if exceeded_by(shifted, limit.people) > limit.most_db:
             return False
     return True
 

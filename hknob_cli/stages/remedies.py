@@ -9,7 +9,7 @@ import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
-from hknob_cli.results.remedy_columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS
+from hknob_cli.results.remedy_columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED
 from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import PERSON
 from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
@@ -17,6 +17,7 @@ from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.remedy_levels import level_columns, louder
 from hknob_cli.stages.remedy_trial import Row, Rows, case_rows, grid_rows
+from hknob_cli.stages.remedy_tuning import tuned_rows, ways
 
 FEW = 2000  # trials, which are over before another process has begun
 
@@ -24,7 +25,8 @@ if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
 
 Progress = Callable[[int, int], None]
-Task = tuple[int, int | None]  # number of the remedy, and of a case; without one, the grid
+Task = tuple[int, int | None, int]  # number of the remedy, of a case (without one, the grid), of the value it tunes
+Found = dict[tuple[int, int | None], Rows]
 
 
 class RemediesStage:
@@ -37,17 +39,21 @@ class RemediesStage:
         """
         self.plan = plan
         cases: list[int | None] = [None, *range(len(plan.cases))]
-        self.tasks: list[Task] = [(i, case) for case in cases for i in range(len(plan.remedies))]
-        trials = sum(len(Cells(one.grid.axes)) * one.grid.starts.phases for one in plan.remedies)
+        every = [ways(one) for one in plan.remedies]
+        self.tasks: list[Task] = [
+            (i, case, way) for case in cases for i in range(len(every)) for way in range(len(every[i]))
+        ]
+        trials = sum(len(Cells(one.grid.axes)) * one.grid.starts.phases for some in every for one in some)
         self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
         self._pool: ProcessPoolExecutor | None = None
 
     def run(self, progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
         """The grid's rows and the cases'. Raises `ComputationError`."""
-        found: dict[Task, Rows] = {}
-        for task, rows in zip(self.tasks, self._results(), strict=True):
-            found[task] = rows
-            progress(len(found), len(self.tasks))
+        each: dict[tuple[int, int | None], list[Rows]] = {}
+        for done, ((i, case, _), rows) in enumerate(zip(self.tasks, self._results(), strict=True)):
+            each.setdefault((i, case), []).append(rows)
+            progress(done + 1, len(self.tasks))
+        found = {key: tuned_rows(self.plan.remedies[key[0]], some) for key, some in each.items()}
         return self._grid(found), self._cases(found)
 
     def __enter__(self) -> "RemediesStage":
@@ -82,7 +88,7 @@ class RemediesStage:
         work = partial(_rows, self.plan)
         return self._pool.map(work, self.tasks) if self._pool else map(work, self.tasks)
 
-    def _grid(self, found: dict[Task, Rows]) -> pa.Table:
+    def _grid(self, found: Found) -> pa.Table:
         remedies = self.plan.remedies
         at = self._reference()
         rows = []
@@ -94,9 +100,9 @@ class RemediesStage:
                 row = louder(self.plan, row, other)
                 rows.append({"remedy": one.name, **row, **_ratios(other, row)})
         axes = [*AXES, *(axis_column(name, unit) for name, unit in self.plan.further.items())]
-        return build_table([*KEYS, *axes, *BUZZ, *self._domain(), *level_columns(self.plan)], rows)
+        return build_table([*KEYS, *axes, *BUZZ, *self._more(), *level_columns(self.plan)], rows)
 
-    def _cases(self, found: dict[Task, Rows]) -> pa.Table:
+    def _cases(self, found: Found) -> pa.Table:
         remedies = self.plan.remedies
         at = self._reference()
         rows = []
@@ -110,21 +116,22 @@ class RemediesStage:
                     }
                     row = louder(self.plan, row, other)
                     rows.append({"remedy": one.name, "needs": one.needs, "source": one.source, **row, **against})
-        columns = [*KEYS, *CASES[:1], *AXES, *BUZZ, *CASES[1:], *self._domain(), *level_columns(self.plan), *NEEDS]
+        columns = [*KEYS, *CASES[:1], *AXES, *BUZZ, *CASES[1:], *self._more(), *level_columns(self.plan), *NEEDS]
         return build_table(columns, rows)
 
     def _reference(self) -> int:
         return next(i for i, one in enumerate(self.plan.remedies) if one.name == self.plan.reference)
 
-    def _domain(self) -> tuple[Column, ...]:
-        """A column for the domain of controllers, where one has a domain."""
+    def _more(self) -> tuple[Column, ...]:
+        """Columns for the domain of controllers, where one has a domain, and for what is tuned."""
         stated = any(has_domain(one.grid.scene) for one in self.plan.remedies)
-        return (DOMAIN,) if stated else ()
+        tunes = any(one.tuned for one in self.plan.remedies)
+        return (*([TUNED] if tunes else []), *([DOMAIN] if stated else []))
 
 
 def _rows(plan: RemediesPlan, task: Task) -> Rows:
-    which, case = task
-    remedy = plan.remedies[which]
+    which, case, way = task
+    remedy = ways(plan.remedies[which])[way]
     return grid_rows(plan, remedy) if case is None else case_rows(plan, remedy, case)
 
 

@@ -38,5 +38,5 @@ def test_a_lag_outside_its_domain_is_warned_of(hknob, spec_file) -> None:
     done = hknob("design", spec_file(heavy), "-o", "out", "--json")
     rows = json.loads(done.stdout)
     assert "bounded lag: bounded_lag with keep 0.15 is outside its domain" in done.stderr
-    assert "no keep below 1 helps with this time_constant" in done.stderr
+    assert "J/(b tau) reaches 0.58; keep must be at least 0.58, best 0.74" in done.stderr
     assert rows["outside_domain"] > 0

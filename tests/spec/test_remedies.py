@@ -7,7 +7,7 @@ from hknob_cli.spec.controller import KEYS
 from hknob_cli.spec.controller_plan import Controller
 from hknob_cli.spec.load import validate
 from hknob_cli.spec.source import parse
-from tests.conftest import SPEC
+from tests.conftest import ROOT, SPEC
 
 TRIAL = """\
 kind: remedies
@@ -124,6 +124,27 @@ TRIALS = {
     "pushes in the wrong order": (
         "remedies:", "press: {torques: [0.02, 0.01]}\nremedies:", "press.torques: must be two",
     ),
+    "tuned by what is not there": (
+        "    change: {scene: {con", "    tune: {controller.kep: [0.1]}\n    change: {scene: {con",
+        'remedies.lag.tune["controller.kep"]: unknown key; did you mean \'controller.keep\'?',
+    ),
+    "tuned by what its kind has not": (
+        "    change: {scene: {con", "    tune: {controller.surface: [0.1]}\n    change: {scene: {con",
+        "must be absent where kind is bounded_lag",
+    ),
+    "tuned beyond what is allowed": (
+        "    change: {scene: {con", "    tune: {controller.keep: [0.1, 2]}\n    change: {scene: {con",
+        'remedies.lag.tune["controller.keep"][1]: must be <= 1, got 2',
+    ),
+    "tuned by two": (
+        "    change: {scene: {con",
+        "    tune: {controller.keep: [0.1], controller.time_constant: [1]}\n    change: {scene: {con",
+        "remedies.lag.tune: must",
+    ),
+    "tuned to hands": (
+        "    change: {scene: {con", "    tune: {hand.damping: [0.1]}\n    change: {scene: {con",
+        "must be of the device: hands are listed under hands",
+    ),
     "case without counts": (", counts_per_rev: 2650}", "}", "12:3: cases.usual.counts_per_rev: missing"),
 }  # fmt: skip
 
@@ -142,3 +163,17 @@ def test_a_trial_as_plain_values() -> None:
     assert lag.grid.scene.controller == Controller(kind="bounded_lag")
     assert lag.cases[0].axes == {"sample_rate_hz": [1000.0], "counts_per_rev": [2650], "person": [1]}
     assert plan.hands == ("light",)
+
+
+def test_the_documents_count_the_remedies_as_the_file_does() -> None:
+    plan = validate(parse((ROOT / "experiments" / "remedies.yaml").read_text(), "remedies.yaml"))
+    beside = [one for one in plan.remedies if one.name != plan.reference]
+    own = [one.name for one in beside if one.source == "own"]
+    assert own == ["bounded lag", "edge-triggered update"]
+    assert all(one.source for one in plan.remedies)
+    page = " ".join((ROOT / "docs" / "controllers.md").read_text().split())
+    assert f"{len(beside)} remedies beside the plain wall" in page
+    assert "Two of those are our own: the bounded lag, and the update at every edge" in page
+    head = (ROOT / "experiments" / "remedies.yaml").read_text().partition("kind:")[0]
+    assert f"{len(beside)} remedies against the buzz" in head
+    assert "two of our own" in head.replace("\n# ", " ")

@@ -48,6 +48,12 @@ def test_other_thresholds_judge_touch_and_leave_what_else_fails() -> None:
     assert not meets(judged([inf]), Doubt("lower", -50.0))
 
 
+def test_the_present_design_is_no_louder_than_itself_whatever_levels_are() -> None:
+    assert meets(judged([0.0, 0.0]), Doubt("higher", 2.0))
+    assert not meets(judged([0.0, -1.0]), Doubt("higher", 2.0))
+    assert not meets(judged([0.0], limit=Limit(1.0, 0.0, above_present=False)), Doubt("higher", 2.0))
+
+
 def test_one_person_of_twenty_who_is_over_may_or_may_not_be_drawn() -> None:
     """1 - (1 - 1/20)^20 = 64 % of redraws have the one who is over the limit."""
     cheap, dear = Design(0, (), 0.0), Design(0, (), 1.0)

@@ -102,3 +102,50 @@ def test_a_remedy_that_diverges_is_the_worst_and_one_that_buzzes_alone_too() -> 
     assert isnan(_ratios(partly, moves)["p2p_ratio"])
     assert isnan(_ratios(None, moves)["p2p_ratio"])
     assert _ratios(moves, moves) == {"p2p_ratio": 1.0, "p2p_mean_ratio": 1.0}
+
+
+TUNED = {
+    "change": {"scene": {"controller": {"kind": "bounded_lag", "time_constant": 0.2}}},
+    "tune": {"controller.keep": [0.05, 0.15, 0.4, 1.0]},
+}
+FIRM = {"inertia": 3.0e-7, "damping": 1.0e-3, "stiffness": 0.1}
+PINCH = {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04}
+
+
+def test_a_tuned_remedy_has_at_each_cell_the_value_whose_largest_cycle_of_any_hand_is_smallest() -> None:
+    """By brute force: each value as a remedy of its own."""
+    base = {
+        "scene": {"knob": {"inertia": 1.98e-6}, "wall": {"stiffness": 0.27}, "bias": {"torque": 0.001}},
+        "grid": {"sample_rate_hz": 1000.0, "counts_per_rev": 2650, "knob.inertia": [2e-6, 2e-5]},
+        "starts": {"phases": 2},
+    }
+    fixed = {
+        f"{keep:g}": {"change": {"scene": {"controller": {"kind": "bounded_lag", "keep": keep, "time_constant": 0.2}}}}
+        for keep in TUNED["tune"]["controller.keep"]
+    }
+    remedies = {"plain wall": {}, "tuned": TUNED, **fixed}
+    grid, cases = tried(
+        base=base,
+        hands={"pinch": PINCH, "firm": FIRM},
+        remedies=remedies,
+        cases={"fine": {"sample_rate_hz": 1000.0, "counts_per_rev": 2650}},
+    )
+    chosen = {}
+    for name, rows, inertias in (("knob.inertia", grid, (2e-6, 2e-5)), ("case", cases, ("fine",))):
+        for value in inertias:
+            here = [row for row in rows if row[name] == value]
+            worst = {
+                keep: max(row["p2p_max_rad"] for row in here if row["remedy"] == f"{keep:g}")
+                for keep in TUNED["tune"]["controller.keep"]
+            }
+            mine = [row for row in here if row["remedy"] == "tuned"]
+            best = min(worst, key=worst.__getitem__)
+            assert {row["tuned"] for row in mine} == {best}
+            assert max(row["p2p_max_rad"] for row in mine) == worst[best]
+            assert all(row["tuned"] is None for row in here if row["remedy"] != "tuned")
+            chosen[value] = best
+    assert chosen[2e-5] > chosen[2e-6]  # a heavier knob asks for more of the step at once
+
+
+def test_without_a_tuned_remedy_there_is_no_column_for_it() -> None:
+    assert "tuned" not in tried()[0][0]
