@@ -24,11 +24,13 @@ def dfa_text(summary: dict[str, Any]) -> str:
     wide = [axis for axis, values in summary["axes"].items() if len(values) > 1]
     fixed = [f"{axis} = {short(values[0])}" for axis, values in summary["axes"].items() if axis not in wide]
     cells = len({tuple(row[axis] for axis in summary["axes"]) for row in rows})
-    lines = [f"{summary['name']}: {cells} cells by {', '.join(summary['methods'])}" + "".join(f"; {f}" for f in fixed)]
+    count = "1 cell" if cells == 1 else f"{cells} cells"
+    lines = [f"{summary['name']}: {count} by {', '.join(summary['methods'])}" + "".join(f"; {f}" for f in fixed)]
     for method in summary["methods"]:
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
-    lines += ["", *_notes(rows)]
+    notes = _notes(rows, list(summary["axes"]))
+    lines += ["", *notes] if notes else []
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]
     return "\n".join(lines)
@@ -68,8 +70,9 @@ def _mark(row: dict[str, Any]) -> str:
     return ("*" if row["several"] else "") + ("" if row["in_domain"] else "~")
 
 
-def _notes(rows: list[dict[str, Any]]) -> list[str]:
-    notes = ["* several limit cycles, the largest shown"]
+def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
+    places = [(row["method"], *(row[axis] for axis in axes)) for row in rows]
+    notes = ["* several limit cycles, the largest shown"] if len(set(places)) < len(places) else []
     reasons = {part.split(" is ")[0] for row in rows for part in row["reason"].split("; ") if part}
     if reasons:
         notes.append("~ out of the method's domain; the column `reason` says why")
