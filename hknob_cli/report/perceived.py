@@ -2,6 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from hknob_cli.perception.published import published
+
 
 class Level(NamedTuple):
     """A column of levels in dB: title over a table or picture, head of a list."""
@@ -40,15 +42,30 @@ def perceived_text(rows: list[dict[str, Any]]) -> list[str]:
         some = [row[level] for row in known if row[fraction] > 0.0]
         text = f"{verb} in {len(some)} of {len(known)} cells with a level"
         if some:
-            text += f", by {min(some):.3g} to {max(some):.3g} dB above an average person's threshold"
+            text += f", by {_span(some)} dB above an average person's threshold"
         missing = sum(map(_cycles, rows)) - len(known)
         found.append(text + (f"; {missing} with cycles have none, outside what is published" if missing > 0 else ""))
+        if level == "touch_db" and known:
+            found.append(touch_uncertainty())
     steps = [row["torque_step_db"] for row in rows if row.get("torque_step_db") is not None]
     if steps:
         less = f" ({len(rows) - len(steps)} cells are outside what is published)" if len(steps) < len(rows) else ""
-        span = f"{min(steps):.3g}" + (f" to {max(steps):.3g}" if min(steps) < max(steps) else "")
-        found.append(f"torque step of a count: {span} dB above the least variation detected{less}")
+        found.append(f"torque step of a count: {_span(steps)} dB above the least variation detected{less}")
     return found
+
+
+def _span(values: list[float]) -> str:
+    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
+    return low if low == high else f"{low} to {high}"
+
+
+def touch_uncertainty() -> str:
+    """How well a level of touch is known: the reading of one set of thresholds, and the sets among each other."""
+    data = published("touch")
+    return (
+        f"levels of touch are known to about {data['within_set_db']} dB within one set of thresholds, "
+        f"to about {data['between_sets_db']} dB between sets"
+    )
 
 
 def _cycles(row: dict[str, Any]) -> bool:

@@ -3,16 +3,11 @@
 from collections import Counter
 from typing import Any
 
+from hknob_cli.report.limits_text import describe_limits, limits_text
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.overlap import overlap_text
 from hknob_cli.report.table import table
 
-LIMITS = {
-    "colgate_schenkel": "Colgate & Schenkel",
-    "abbott_okamura": "Abbott & Okamura",
-    "gil_hulin": "Gil & Hulin",
-    "niemeyer": "Niemeyer",
-}
 _DIFFERENCES = {
     "p2p_difference": "p2p",
     "p2p_max_difference": "p2p, to the largest",
@@ -33,8 +28,7 @@ def describe_predictions(laws: dict[str, Rows], passivity: Rows, *, axes: list[s
             }
             for law, rows in laws.items()
         },
-        "limits": {name: sum(row[name] for row in passivity) for name in LIMITS},
-        "binding": dict(Counter(row["binding_limb"] for row in passivity)),
+        **describe_limits(passivity),
         "cells": [row for rows in laws.values() for row in rows],
         "passivity": passivity,
     }
@@ -55,7 +49,7 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
         lines += ["", *_list(summary, wide)]
     lines += ["", *_reasons(summary)]
     lines += [*overlap_text(summary), *_statistics(summary)]
-    return "\n".join([*lines, _limits(summary, cells)])
+    return "\n".join([*lines, *limits_text(summary)])
 
 
 def _mark(row: dict[str, Any]) -> str:
@@ -113,9 +107,3 @@ def _statistics(summary: dict[str, Any]) -> list[str]:
                     body.append([law, what, str(numbers["cells"]), which, *shares])
     title = f"difference to {summary['against']}, % of the sweep"
     return [title, *table(heads, body, left={0, 1, 3}, keys=4), ""]
-
-
-def _limits(summary: dict[str, Any], cells: int) -> str:
-    held = ", ".join(f"{LIMITS[name]} {count}" for name, count in summary["limits"].items())
-    binding = ", ".join(f"{LIMITS[name]} ({count})" for name, count in summary["binding"].items())
-    return f"stability limits held, of {cells}: {held}; binding: {binding}"

@@ -74,6 +74,9 @@ class DfaStage:
         """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
         loop = knob.loop
         delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
+        if nothing := _no_relay(knob):
+            yield {"in_domain": False, "reason": nothing}
+            return
         unit = Relay(loop.alpha, loop.beta, 1.0, delay)
         if (method, unit) not in self._cycles:
             harmonics = int(method[2:]) if method.startswith("df") else 0
@@ -113,6 +116,9 @@ class DfaStage:
 
     def _sampled(self, knob: SampledKnob) -> Iterator[dict[str, Any]]:
         """Exact cycles, with their sample counts."""
+        if nothing := _no_relay(knob):
+            yield {"in_domain": False, "reason": nothing}
+            return
         found = sampled_cycles(knob.loop, delay_line=knob.delay_line, functions=self._functions)
         if not found:
             reason = f"more than {MOST_PAIRS} candidates" if found is None else "no cycle between two levels"
@@ -136,3 +142,10 @@ class DfaStage:
         if text := waiting():
             self.notify(text)
         return compiled()
+
+
+def _no_relay(knob: SampledKnob) -> str:
+    """Why there is no cycle, if so: there is no relay, or nothing takes the energy that a late one adds."""
+    if knob.loop.kappa == 0.0:
+        return "the wall has no stiffness"
+    return "there is no viscous damping, so that no cycle is bounded" if knob.loop.alpha == 0.0 else ""

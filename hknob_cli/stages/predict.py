@@ -10,7 +10,7 @@ import pyarrow as pa
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import axis_column
-from hknob_cli.results.predict_columns import PASSIVITY, PREDICTIONS
+from hknob_cli.results.predict_columns import PASSIVITY, PREDICTIONS, WITH_HAND
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import COUNTS, RATE, Cell, PredictPlan, scene_at
 from hknob_cli.stages import compare
@@ -22,7 +22,7 @@ from hknob_cli.theory.laws import (
     energy_balance,
     quantum_period,
 )
-from hknob_cli.theory.passivity import Verdict, verdict
+from hknob_cli.theory.passivity import DEVICE, LIMITS, Verdict, verdict
 from hknob_cli.theory.working_edge import WorkingEdge, working_edge
 
 Progress = Callable[[int, int], None]
@@ -51,12 +51,13 @@ def predict(plan: PredictPlan, progress: Progress = lambda _done, _total: None) 
     predictions: list[dict[str, Any]] = []
     limits: list[dict[str, Any]] = []
     every = cells_of(plan)
+    held = plan.scene.hand is not None
     for done, cell in enumerate(every):
         progress(done, len(every))
         try:
             edge = working_edge(scene_at(plan.scene, cell), cell)
             predictions += _prediction_rows(cell, edge, laws, against)
-            limits.append({**cell, **_limit_columns(verdict(edge))})
+            limits.append({**cell, **_limit_columns(verdict(edge), held=held)})
         except ArithmeticError:
             message = f"at {cell[RATE]:g} Hz and {cell[COUNTS]} counts the scene's numbers overflow"
             raise ComputationError(message) from None
@@ -64,7 +65,7 @@ def predict(plan: PredictPlan, progress: Progress = lambda _done, _total: None) 
     compared = compare.COLUMNS if against else ()
     return PredictResult(
         predictions=build_table([*axes, *PREDICTIONS, *compared], predictions),
-        passivity=build_table([*axes, *PASSIVITY], limits),
+        passivity=build_table([*axes, *PASSIVITY, *(WITH_HAND if held else ())], limits),
     )
 
 
@@ -88,14 +89,25 @@ def _prediction_rows(
         }
 
 
-def _limit_columns(found: Verdict) -> dict[str, Any]:
-    loads = {f"{name}_load": limit.load for name, limit in found.limits.items()}
-    return {
-        **{name: limit.holds for name, limit in found.limits.items()},
+def _limit_columns(found: Verdict, *, held: bool) -> dict[str, Any]:
+    """The columns of one cell, those with the hand's damping where a hand is ``held``."""
+    limits = {name: found.limits[name] for name in (LIMITS if held else DEVICE)}
+    loads = {f"{name}_load": limit.load for name, limit in limits.items()}
+    columns = {
+        "device_passive": found.passive,
+        **{name: limit.holds for name, limit in limits.items()},
         **{name: load if isfinite(load) else None for name, load in loads.items()},
-        "binding_limb": found.binding,
-        "rate_needed_hz": found.rate_hz,
-        "damping_needed_nm_s_per_rad": found.damping,
-        "counts_needed": found.counts,
-        "friction_needed_nm": found.friction,
+        "binding_limb": found.device.binding,
+        "rate_needed_hz": found.device.rate_hz,
+        "damping_needed_nm_s_per_rad": found.device.damping,
+        "counts_needed": found.device.counts,
+        "friction_needed_nm": found.device.friction,
+    }
+    if not held:
+        return columns
+    return {
+        **columns,
+        "binding_limb_with_hand": found.with_hand.binding,
+        "rate_needed_with_hand_hz": found.with_hand.rate_hz,
+        "damping_needed_with_hand_nm_s_per_rad": found.with_hand.damping,
     }

@@ -17,6 +17,7 @@ class WorkingEdge(NamedTuple):
     Attributes:
         inertia: Of knob and hand, kg·m².
         damping: Viscous, of knob and hand, N·m·s/rad.
+        knob_damping: Viscous, of the knob alone, N·m·s/rad.
         hand_stiffness: To ground, N·m/rad.
         wall_stiffness: Virtual, N·m/rad.
         wall_damping: Virtual, N·m·s/rad.
@@ -31,6 +32,7 @@ class WorkingEdge(NamedTuple):
 
     inertia: float
     damping: float
+    knob_damping: float
     hand_stiffness: float
     wall_stiffness: float
     wall_damping: float
@@ -72,6 +74,7 @@ def working_edge(scene: Scene, cell: Cell) -> WorkingEdge:
     return WorkingEdge(
         inertia=scene.knob.inertia + hand.inertia,
         damping=scene.knob.damping + hand.damping,
+        knob_damping=scene.knob.damping,
         hand_stiffness=hand.stiffness,
         wall_stiffness=scene.wall.stiffness,
         wall_damping=scene.wall.damping,

@@ -74,14 +74,17 @@ def test_a_shorter_delay_makes_a_smaller_cycle(made: Made) -> None:
 
 
 def test_limits_are_of_the_scene(made: Made) -> None:
-    """b > K T / 2 from 391 Hz up; with twice the damping from 196 Hz."""
+    """b > K T / 2 from 391 Hz up; with twice the damping from 196 Hz. The knob alone, without damping, nowhere."""
     rows = [cell(rate, 1024, 1.0, 1.0, at_rest_fraction=float(rate > 300)) for rate in (100, 300, 1000)]
     made("a", {"cells": rows})
     evidence = made("b", {"cells": rows}, scene=DOUBLED)
-    limit = {"limit": "colgate_schenkel", "holds": True}
+    limit = {"limit": "colgate_schenkel_with_hand", "holds": True}
     assert compute("cycles_where_limit", evidence, {"result": "a", **limit}) == 0.0
     assert compute("cycles_where_limit", evidence, {"result": "b", **limit}) == 50.0
     assert compute("cycles_where_limit", evidence, {"result": "a", **limit, "holds": False}) == 100.0
+    alone = {"result": "a", "limit": "colgate_schenkel"}
+    assert compute("cycles_where_limit", evidence, {**alone, "holds": True}) is None
+    assert compute("cycles_where_limit", evidence, {**alone, "holds": False}) == pytest.approx(200 / 3)
     with pytest.raises(UsageError, match="limit"):
         compute("cycles_where_limit", evidence, {"result": "a", "limit": "colgate", "holds": True})
 

@@ -90,9 +90,11 @@ def test_bad_input(change: str, message: str, hknob, spec_file, tmp_path: Path) 
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        (", damping: 3.45e-4, stiffness: 0.04", "", "no intersection below the Nyquist frequency"),
-        ("damping: 3.45e-4, ", "", "no isolated cycles without damping"),
-        ("{stiffness: 0.27}", "{stiffness: 0}", "no cycle between two levels"),
+        ("[1000]", "[0.01]", "no intersection below the Nyquist frequency"),
+        (", stiffness: 0.04", "", "no isolated cycles without damping"),
+        (", damping: 3.45e-4, stiffness: 0.04", "", "there is no viscous damping, so that no cycle is bounded"),
+        ("damping: 3.45e-4, ", "", "there is no viscous damping, so that no cycle is bounded"),
+        ("{stiffness: 0.27}", "{stiffness: 0}", "the wall has no stiffness"),
     ],
 )
 def test_plants_without_cycles_say_so(old: str, new: str, reason: str, hknob, spec_file) -> None:
@@ -107,3 +109,20 @@ def test_several_intersections_are_all_listed(hknob, spec_file) -> None:
     pitches = [row["frequency_hz"] for row in summary["rows"] if row["method"] == "df1"]
     assert len(pitches) > 1
     assert pitches == sorted(pitches, reverse=True)
+
+
+@pytest.mark.parametrize(("old", "new"), [("damping: 3.45e-4, ", ""), ("{stiffness: 0.27}", "{stiffness: 0}")])
+def test_nothing_that_bounds_a_cycle_gives_no_size_and_no_pitch(hknob, spec_file, old: str, new: str) -> None:
+    """Not 10^17 mrad without damping, nor 0 mrad at 90 Hz without a wall."""
+    done = hknob("dfa", spec_file(HALF.replace(old, new)), "-o", "out", "--json")
+    assert done.returncode == 0, done.stderr
+    for row in json.loads(done.stdout)["rows"]:
+        assert (row["p2p_rad"], row["frequency_hz"], row["in_domain"]) == (None, None, False)
+
+
+def test_one_cell_is_one_and_a_mark_that_is_not_there_is_not_explained(hknob, spec_file) -> None:
+    done = hknob("dfa", spec_file(HALF + "methods: [df1]\n"), "-o", "out")
+    assert done.stdout.startswith("small: 1 cell by df1;")
+    assert "several" not in done.stdout
+    several = hknob("dfa", spec_file(HALF + "methods: [sampled]\n"), "-o", "several")
+    assert "* several limit cycles, the largest shown" in several.stdout

@@ -22,6 +22,14 @@ def test_the_table_says_what_is_felt_and_heard(hknob, spec_file) -> None:
     assert "torque step of a count: 41.5 dB above the least variation detected (2 cells are outside" in done.stdout
 
 
+def test_a_level_of_touch_says_how_well_it_is_known(hknob, spec_file) -> None:
+    done = hknob("sweep", spec_file(SPEC + BLOCK), "-o", "out")
+    lines = done.stdout.splitlines()
+    (felt,) = (i for i, line in enumerate(lines) if line.startswith("felt in"))
+    assert " to " not in lines[felt]  # of one cell there is one level
+    assert "known to about 2 dB within one set of thresholds, to about 25 dB between sets" in lines[felt + 1]
+
+
 def test_without_a_gain_sound_is_relative_and_says_so(hknob, spec_file) -> None:
     done = hknob("sweep", spec_file(GRID + BLOCK), "-o", "out")
     assert "sound, relative dB (no sound gain given: only differences mean something)" in done.stdout

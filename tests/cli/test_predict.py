@@ -19,7 +19,9 @@ def test_a_grid_on_the_terminal_and_in_files(hknob, tmp_path: Path) -> None:
     assert done.stderr == ""
     assert "energy_balance: peak to peak, mrad" in done.stdout
     assert "friction holds the knob (4)" in done.stdout
-    assert "stability limits held, of 16: Colgate & Schenkel 16, Abbott & Okamura 4" in done.stdout
+    assert "passive, whoever holds the knob: 0 of 16 cells" in done.stdout
+    assert "by its own damping: Colgate & Schenkel 0, Abbott & Okamura 0" in done.stdout
+    assert "with the hand's: Gil & Hulin 16, Colgate & Schenkel 16, Abbott & Okamura 4" in done.stdout
     assert (tmp_path / "out" / "predict.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
     rows = pq.read_table(tmp_path / "out" / "predict.parquet").to_pylist()
     assert len(rows) == 48
@@ -31,7 +33,8 @@ def test_a_grid_on_the_terminal_and_in_files(hknob, tmp_path: Path) -> None:
     limits = pq.read_table(tmp_path / "out" / "passivity.parquet").to_pylist()
     assert len(limits) == 16
     assert {row["counts_needed"] for row in limits} == {3030}
-    assert {row["binding_limb"] for row in limits} == {"niemeyer"}
+    assert {row["binding_limb"] for row in limits} == {"colgate_schenkel"}
+    assert {row["binding_limb_with_hand"] for row in limits} == {"niemeyer"}
 
 
 def test_one_cell_as_json(hknob, spec_file) -> None:
@@ -41,8 +44,44 @@ def test_one_cell_as_json(hknob, spec_file) -> None:
     assert row["p2p_rad"] == pytest.approx(500 * 2 * pi / 1024 * 1e-3)
     assert row["rms_sine_rad"] == pytest.approx(0.707 / 2 * row["p2p_rad"])
     assert row["frequency_hz"] is None
-    assert summary["limits"] == {"colgate_schenkel": 1, "abbott_okamura": 0, "gil_hulin": 1, "niemeyer": 0}
+    assert summary["device_passive"] == 0
+    assert summary["limits"] == {"colgate_schenkel": 0, "abbott_okamura": 0, "gil_hulin": 1, "niemeyer": 0}
+    assert summary["limits_with_hand"] == {"colgate_schenkel": 1, "abbott_okamura": 0, "gil_hulin": 1, "niemeyer": 0}
     assert summary["files"] == ["out/predict.parquet", "out/passivity.parquet"]
+
+
+def test_a_knob_without_damping_is_never_called_passive(hknob, spec_file, tmp_path: Path) -> None:
+    """Not at any rate, however damped the hand: the operator may be anyone."""
+    fast = PREDICT.replace("[1000]", "[1000, 1.0e+6]").replace("[1024]", "[100000]")
+    spec = spec_file(fast.replace("inertia: 1.9e-6", "inertia: 1.9e-6, coulomb_torque: 1.0e-3"))
+    done = hknob("predict", spec, "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert "passive, whoever holds the knob: 0 of 2 cells" in done.stdout
+    assert "(no sample rate is enough)" in done.stdout
+    rows = pq.read_table(tmp_path / "out" / "passivity.parquet").to_pylist()
+    for row in rows:
+        assert not row["device_passive"]
+        assert not row["colgate_schenkel"]
+        assert not row["abbott_okamura"]
+        assert row["colgate_schenkel_with_hand"]
+        assert row["gil_hulin"]
+        assert row["niemeyer"]
+        assert row["rate_needed_hz"] is None
+        period = 1.0 / row["sample_rate_hz"]
+        assert row["damping_needed_nm_s_per_rad"] == pytest.approx(0.5 * 0.27 * period)
+    damped = hknob("predict", spec, "-o", "damped", "--set", "scene.knob.damping=1.36e-4")
+    assert "passive, whoever holds the knob: 2 of 2 cells" in damped.stdout
+    assert "needed" not in damped.stdout
+
+
+def test_without_a_hand_there_are_no_columns_of_one(hknob, spec_file, tmp_path: Path) -> None:
+    bare = "\n".join(line for line in PREDICT.splitlines() if not line.strip().startswith("hand:"))
+    done = hknob("predict", spec_file(bare), "-o", "out", "--set", "scene.knob.damping=1.0e-3")
+    assert done.returncode == 0, done.stderr
+    assert "with no hand on it: Gil & Hulin yes" in done.stdout
+    assert "the hand's" not in done.stdout
+    names = pq.read_table(tmp_path / "out" / "passivity.parquet").column_names
+    assert not [name for name in names if "hand" in name]
 
 
 def test_against_a_sweep(hknob, spec_file, tmp_path: Path) -> None:

@@ -37,3 +37,18 @@ def test_every_entry_says_its_source_and_where_it_was_read(sense: str) -> None:
 def test_the_digest_is_of_the_content() -> None:
     assert len(data_digest()) == 64
     assert set(columns("iso226_2003.csv")) == {"frequency_hz", "alpha", "transfer_db", "threshold_db"}
+
+
+@pytest.mark.parametrize("sense", ["touch", "torque"])
+def test_every_set_says_what_was_not_read_and_how_well_it_is_known(sense: str) -> None:
+    for entry in published(sense)["thresholds"].values():
+        assert len(entry["not_read"]) > 20
+        assert entry["known_to_db"] > 0
+    assert len(published("hearing")["not_read"]) > 20
+
+
+def test_no_number_is_called_read_in_a_full_text() -> None:
+    """Abstracts were read, and another's extracts; a set that says more than that must say where."""
+    for entry in published("touch")["thresholds"].values():
+        assert "full text" not in entry["read_in"]
+        assert "ledger" in entry["read_in"] or "abstract" in entry["read_in"]

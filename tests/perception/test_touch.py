@@ -167,3 +167,16 @@ def test_parts_outside_the_range_are_left_out_and_nothing_is_said_without_others
     assert judge([500.0, 5000.0], [1e-6, 1.0], extrapolate=True).frequency_hz == 500.0
     assert np.isnan(judge([5000.0], [1.0], extrapolate=True).level_db)
     assert in_range([5.0, 10.0, 320.0, 321.0]).tolist() == [False, True, True, False]
+
+
+def test_how_well_thresholds_are_known_follows_from_what_was_read() -> None:
+    """Half a dB per octave of a printed slope over the octaves it spans; and sets against each other."""
+    sets = published("touch")["thresholds"]
+    assert sets["pen_hold"]["known_to_db"] == pytest.approx(0.5 * log2(160.0 / 10.0))
+    assert sets["thenar"]["known_to_db"] == pytest.approx(0.5 * log2(250.0 / 40.0) + 0.5, abs=0.3)
+    by_slope = db_um(detection_threshold(30.0, name="thenar_1988")) - 12.0 * log2(300.0 / 30.0)
+    by_value = db_um(detection_threshold(300.0, name="thenar_1988"))
+    assert sets["thenar_1988"]["known_to_db"] == pytest.approx(by_slope - by_value, abs=0.3)
+    at_150 = [db_um(detection_threshold(150.0, name=name)) for name in NAMES]
+    assert max(at_150) - min(at_150) == pytest.approx(36.0, abs=0.5)
+    assert published("touch")["within_set_db"] == sets["pen_hold"]["known_to_db"]

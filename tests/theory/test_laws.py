@@ -11,7 +11,7 @@ from hknob_cli.theory.working_edge import WorkingEdge
 
 
 def edge(**changes: float) -> WorkingEdge:
-    """Table 7's plant, lightest grip, at 1 kHz and 1024 counts."""
+    """Table 7's plant, lightest grip, at 1 kHz and 1024 counts; all damping is the knob's unless told otherwise."""
     period = changes.pop("period_s", 1e-3)
     values = {
         "inertia": 2.2e-6,
@@ -25,6 +25,7 @@ def edge(**changes: float) -> WorkingEdge:
         "balance": 0.5,
         **changes,
     }
+    values.setdefault("knob_damping", values["damping"])
     step = values.pop("torque_step", values["wall_stiffness"] * values["quantum_rad"])
     return WorkingEdge(period_s=period, torque_step=step, **values)
 

@@ -7,16 +7,18 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import Evidence
 from hknob_cli.spec.plan import COUNTS
 
-LIMITS = ("colgate_schenkel", "abbott_okamura", "gil_hulin", "niemeyer")
-
 
 @check
 def cycles_where_limit(
     evidence: Evidence, result: str, limit: str, holds: bool, where: Where | None = None
 ) -> float | None:
-    """Share of a sweep's cells, %, with any trial that cycles, of those where a stability limit holds (or does not)."""
+    """Share of a sweep's cells, %, with any trial that cycles, of those where a limit holds (or does not).
+
+    ``limit``: `colgate_schenkel` or `abbott_okamura`, passivity by the knob's own damping; the same names followed by
+    `_with_hand`, by that of knob and hand; `gil_hulin`, `niemeyer`.
+    """
     from hknob_cli.spec.plan import scene_at
-    from hknob_cli.theory.passivity import verdict
+    from hknob_cli.theory.passivity import LIMITS, verdict
     from hknob_cli.theory.working_edge import working_edge
 
     if limit not in LIMITS:

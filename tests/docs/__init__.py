@@ -1,0 +1,1 @@
+"""Numbers that the pages of docs/ state, computed again."""
