@@ -136,6 +136,7 @@ class Engine:
                 *work,
                 skip,
                 min(most, PATIENCE + skip) if cut else most,
+                not cut,
                 limit,
                 CAPACITY,
                 rows,

@@ -103,6 +103,7 @@ def crowd(
     stop,
     skip,
     budget,
+    final,
     limit,
     capacity,
     rows,
@@ -120,6 +121,8 @@ def crowd(
     keepring,
 ):
     """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
+
+    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in `pursue`.
 
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
     under way there, oldest first.
@@ -139,6 +142,7 @@ def crowd(
             ring,
             head,
             budget - skip,
+            final,
             limit,
             body,
             wall,

@@ -150,6 +150,7 @@ class GeneralEngine:
                 stop,
                 skip,
                 min(budget, patience + skip) if cut else budget,
+                not cut,
                 1e6 * scale,
                 ROWS,
                 rows,
