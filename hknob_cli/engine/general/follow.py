@@ -74,6 +74,8 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         space.line[j] = ring[j]
     plain = n == 2 and len(ring) == 0 and body.friction > 0.0
     for k in range(period):
+        if body.halt[0] > 0.0:
+            return False
         shown = read(space.state[0], wall)
         if k < len(space.trail) and inside(shown) != inside(space.trail[k]):
             return False
@@ -144,6 +146,8 @@ def pursue(
     left_alone, wait = 0, 0
     for i in range(budget):
         x = z[0]
+        if body.halt[0] > 0.0:
+            return UNSETTLED, 0, before, head, i
         if not -limit < x < limit:
             return GREW, 0, before, head, i
         close = False
