@@ -27,8 +27,23 @@ def listen() -> None:
         return
     from numba.core import event
 
-    event.register("numba:compile", _Compiling())  # type: ignore[no-untyped-call]
+    heard = _Compiling()
+
+    class Listener(event.Listener):
+        def on_start(self, event: Any) -> None:
+            if _is_ours(event.data["dispatcher"]):
+                heard.start(event.data["dispatcher"])
+
+        def on_end(self, event: Any) -> None:
+            if _is_ours(event.data["dispatcher"]):
+                heard.end(event.data["dispatcher"])
+
+    event.register("numba:compile", Listener())  # type: ignore[no-untyped-call]
     _listening = True
+
+
+def _is_ours(dispatcher: Any) -> bool:
+    return str(dispatcher.py_func.__module__).startswith("hknob_cli.engine.")
 
 
 def left_to_compile(dispatcher: Any) -> int:
@@ -49,35 +64,28 @@ class _Compiling:
     """Hears where the compilation of a function begins and ends."""
 
     def __init__(self) -> None:
-        self.depth, self.done, self.all = 0, 0, 0
+        self.depth, self.all = 0, 0
+        self.done: set[int] = set()  # a function may be compiled more than once, for other types
         self.begun = self.spoken = 0.0
 
-    def notify(self, event: Any) -> None:
-        """As `numba.core.event.Listener` has it."""
-        dispatcher = event.data["dispatcher"]
-        if not dispatcher.py_func.__module__.startswith("hknob_cli.engine."):
-            return
-        if event.is_start:
-            self._start(dispatcher)
-        elif event.is_end:
-            self._end()
-
-    def _start(self, dispatcher: Any) -> None:
+    def start(self, dispatcher: Any) -> None:
+        """A function begins to be compiled."""
         if self.depth == 0:
-            self.done, self.all = 0, left_to_compile(dispatcher)
+            self.done, self.all = set(), left_to_compile(dispatcher)
             self.begun = self.spoken = monotonic()
             self._say(f"compiling the engine for this machine: {_functions(self.all)}")
         self.depth += 1
 
-    def _end(self) -> None:
+    def end(self, dispatcher: Any) -> None:
+        """A function is compiled."""
         self.depth -= 1
-        self.done += 1
+        self.done.add(id(dispatcher))
         now = monotonic()
         if self.depth == 0:
-            self._say(f"compiled {_functions(self.done)} in {now - self.begun:.1f} s")
+            self._say(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
         elif now - self.spoken > EVERY_S:
             self.spoken = now
-            self._say(f"compiling: {self.done} of {_functions(self.all)}, {now - self.begun:.0f} s")
+            self._say(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
 
     @staticmethod
     def _say(text: str) -> None:
