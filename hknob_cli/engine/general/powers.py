@@ -190,14 +190,13 @@ def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale):
     """
     if not lyapunov_sum(cols, stride, p, power, spare, m, scale) or not falls(cols, stride, p, power, spare, m, scale):
         return False
-    total, square, rounding, error = 0.0, 0.0, 0.0, 0.0
+    square, rounding, error = 0.0, 0.0, 0.0
     for i in range(m):
         one = scale if i % 2 == 1 else 1.0
         for j in range(m):
             other = scale if j % 2 == 1 else 1.0
             entry = p[i * m + j]
             part = residual[i] / one * entry * residual[j] / other
-            total += abs(entry)
             square += part
             rounding += abs(part)
             error += away[i] / one * abs(entry) * away[j] / other
@@ -207,8 +206,11 @@ def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale):
     small = ROUNDINGS * EPSILON * m
     root = sqrt(max(square, 0.0) + small * rounding) + sqrt(error)
     for i in range(m):
-        # The largest entry of the ellipse w' P w = 1, whose inverse is at most 1 itself, for P is 1 and more.
-        entry = min(1.0, a[i * 2 * m + m + i] + small * total)
+        # The largest entry of the ellipse w' P w = 1, from P's inverse X, whose error by a rounding of P is X |P| X.
+        entry = a[i * 2 * m + m + i]
+        for k in range(m):
+            for j in range(m):
+                entry += small * abs(a[i * 2 * m + m + k] * p[k * m + j] * a[j * 2 * m + m + i])
         power[i] = away[i]
         away[i] += (scale if i % 2 == 1 else 1.0) * root * sqrt(entry)
     return True
