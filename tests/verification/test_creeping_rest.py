@@ -1,7 +1,7 @@
 """A knob that creeps for ever, called at rest: at 60 digits it keeps its reading, and ends where the package says.
 
-The motion is run on at 60 digits from the start of a trial. A knob that creeps has no last sample; its distance from the
-end falls by the slowest mode of its sliding, so that after 40 of its time constants it is below rounding.
+The motion is run on at 60 digits from the start of a trial. A knob that creeps has no last sample. Its distance from
+its end falls by the slowest mode of its sliding, so that after 40 of its time constants it is below rounding.
 """
 
 import random
