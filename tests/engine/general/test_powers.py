@@ -114,3 +114,8 @@ def test_a_sum_that_is_not_the_maps_is_found_out() -> None:
     assert not falls(columns((1.0 - 1e-15) * np.eye(2)), 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0)
     assert not falls(columns(0.9 * np.eye(2)), 2, [1.0, 0.9, 0.9, 0.5], *work, 2, 1.0)
     assert DOUBLINGS == 60
+
+
+def test_an_error_counts_alike_whichever_way_a_speed_is_counted() -> None:
+    m, mirror = MAPS["real"], np.diag([1.0, -1.0])
+    assert bound(m, [1.0, 0.0], [0.1, 0.1]) == bound(mirror @ m @ mirror, [1.0, 0.0], [0.1, 0.1])
