@@ -1,6 +1,7 @@
 """What a cell's trials settle to: its attractors, each with its proof and its share of the trials."""
 
 from collections.abc import Callable
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
+from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
@@ -22,6 +24,7 @@ LANES = 64  # trials side by side: 64 keep the vector units full and the block i
 SLICE = 16_384  # trials between two chances to be interrupted
 CAPACITY = 1024  # distinct orbits a cell keeps
 PATIENCE = 20_000  # samples a trial may take in the interpreter
+PAUSE_S = 0.1  # between two chances to hear that the time is over
 
 FATES = {
     follow.CYCLE_PROVEN: (Outcome.CYCLE, Reason.NONE),
@@ -90,14 +93,42 @@ class NeedsCompilerError(Exception):
         self.group = group
 
 
+class Patience(NamedTuple):
+    """How much the interpreter tries before it asks to be compiled: samples of a trial, and seconds of a search."""
+
+    samples: int = PATIENCE
+    seconds: float | None = None
+
+
+USUAL = Patience()
+
+
+def time_allowed(seconds: float | None, patience: Patience, *, compiled: bool) -> float | None:
+    """Seconds until a search ends: those of its cell, or, in the interpreter, of its patience; None: any."""
+    if compiled or patience.seconds is None:
+        return seconds
+    return patience.seconds if seconds is None else min(seconds, patience.seconds)
+
+
+def unfinished(trials: int, seconds: float | None, patience: Patience, *, compiled: bool) -> Attractor:
+    """The trials that a search had no time for. Raises `NeedsCompilerError` where it was the patience that ended."""
+    if not compiled and seconds != time_allowed(seconds, patience, compiled=False):
+        raise NeedsCompilerError
+    return whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, trials)
+
+
 class Engine:
     """The ensemble kernel, what its orbits are measured by, and work space, plain or compiled; one per thread."""
 
     def __init__(
-        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+        self,
+        functions: dict[str, Callable[..., Any]] | None = None,
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Patience = USUAL,
     ) -> None:
         """Make ready; ``functions``: compiled, by name; ``stopped``: asked between slices whether to give up."""
         self.stopped = stopped
+        self.patience = patience
         self.compiled = functions is not None
         self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
         self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
@@ -108,9 +139,19 @@ class Engine:
         return np.zeros(count) if self.compiled else [0.0] * count
 
     def search(
-        self, loop: Loop, *, x: float, v: float, phases: int, delay_line: int, max_samples: int | None
+        self,
+        loop: Loop,
+        *,
+        x: float,
+        v: float,
+        phases: int,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
     ) -> Search:
         """Run ``phases`` trials from (``x`` counts, ``v`` counts per sample) and name what they settle to.
+
+        ``seconds``: on the clock, after which the trials that are left are undecided; None: as long as it takes.
 
         Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed, and `StoppedError`
         when told to stop.
@@ -118,24 +159,29 @@ class Engine:
         fate, most, skip, limit = prospect(x, v, max_samples or 0, loop)
         if fate != OPEN:
             return Search(attractors=(whole(*FATES[fate], phases),), samples=0)
-        cut = not self.compiled and most > PATIENCE
+        patience = self.patience.samples
+        cut = not self.compiled and most > patience
         width = min(LANES, phases)
         table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
         work = [self._zeros(width), self._zeros(width), self._zeros(width * delay_line), self._zeros(delay_line)]
         rows, overflow, samples = 0, 0, 0
         ax, av = first_sample(x, v, phases, loop)
-        for start in range(0, phases, SLICE):  # compiled code does not hear an interruption
+        alarm = Alarm(time_allowed(seconds, self.patience, compiled=self.compiled))
+        start, size = 0, 1 if alarm.limited else SLICE
+        while start < phases and not alarm.over:  # compiled code does not hear an interruption
             if self.stopped():
                 raise StoppedError
+            stop, begin = min(start + size, phases), perf_counter()
             rows, full, taken, ax, av = self._ensemble(
                 ax,
                 av,
                 phases,
                 start,
-                min(start + SLICE, phases),
+                stop,
                 *work,
                 skip,
-                min(most, PATIENCE + skip) if cut else most,
+                min(most, patience + skip) if cut else most,
+                not cut,
                 limit,
                 CAPACITY,
                 rows,
@@ -145,6 +191,10 @@ class Engine:
             )
             overflow += full
             samples += int(taken)
+            start = stop
+            if alarm.limited:
+                spent = max(perf_counter() - begin, 1e-6)
+                size = max(1, min(4 * size, int(size * PAUSE_S / spent), SLICE))
         if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
             raise NeedsCompilerError
         why = why_unrepeated(slowest_rate(loop.alpha, loop.beta), most, held=loop.beta > 0.0)
@@ -154,6 +204,8 @@ class Engine:
         ]
         if overflow:
             found.append(whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
+        if start < phases:
+            found.append(unfinished(phases - start, seconds, self.patience, compiled=self.compiled))
         return Search(attractors=ranked(found), samples=samples)
 
     def trace(self, loop: Loop, orbit: Attractor) -> tuple[NDArray[np.float64], ...]:

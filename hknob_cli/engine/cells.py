@@ -63,7 +63,24 @@ def find_ends(loop, x, v, delay, phases, max_samples, capacity, room):
     ax, av = first_sample(x, v, phases, loop)
     line, ring = room.line[: len(room.x) * delay], room.ring[:delay]
     rows, overflow, samples, _, _ = ensemble(
-        ax, av, phases, 0, phases, room.x, room.v, line, ring, skip, budget, limit, capacity, 0, table, room.lines, loop
+        ax,
+        av,
+        phases,
+        0,
+        phases,
+        room.x,
+        room.v,
+        line,
+        ring,
+        skip,
+        budget,
+        True,
+        limit,
+        capacity,
+        0,
+        table,
+        room.lines,
+        loop,
     )
     why = unrepeated(slowest_rate(loop.alpha, loop.beta), budget, loop.beta > 0.0)
     for row in range(rows):

@@ -101,15 +101,17 @@ def first_sample(angle, velocity, phases, loop):
     return angle + (s * velocity + g * y), f * velocity + s * y
 
 
-def ensemble(ax, av, phases, start, stop, x, v, line, ring, skip, budget, limit, capacity, rows, table, lines, loop):
+def ensemble(
+    ax, av, phases, start, stop, x, v, line, ring, skip, budget, final, limit, capacity, rows, table, lines, loop
+):
     """Run trials ``start`` to ``stop`` of a cell's ``phases`` and count them by the orbit they reach.
 
     Trial i is first sampled (i + 1/2)/phases of a period after its start, torque zero until then; (``ax``, ``av``) is
     the state there of trial ``start``. ``x``, ``v``, ``line``, ``ring`` are work space for one block of lanes; ``skip``
-    samples pass before detection begins, and at most ``budget`` in all. Each row of ``table`` holds fate, n, x*, v*,
-    margin, edge, closure, bound, trials, samples; the same row of ``lines`` the delay line; ``rows`` are filled
-    already. Returns ``(rows, overflow, samples, ax, av)``: ``overflow`` counts the trials that found the table full,
-    and the state is that of trial ``stop``.
+    samples pass before detection begins, and at most ``budget`` in all; ``final``: as in `follow`. Each row of
+    ``table`` holds fate, n, x*, v*, margin, edge, closure, bound, trials, samples; the same row of ``lines`` the delay
+    line; ``rows`` are filled already. Returns ``(rows, overflow, samples, ax, av)``: ``overflow`` counts the trials
+    that found the table full, and the state is that of trial ``stop``.
     """
     delay = len(ring)
     width = len(x)
@@ -129,7 +131,7 @@ def ensemble(ax, av, phases, start, stop, x, v, line, ring, skip, budget, limit,
         for j in range(lanes):
             for k in range(delay):
                 ring[k] = line[k * width + j]
-            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget - skip, limit, loop)
+            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget - skip, limit, loop, final)
             samples += used + skip
             turns = n
             cycle = fate == CYCLE_PROVEN or fate == CYCLE_ON_EDGE or fate == CYCLE_CONTINUUM

@@ -16,6 +16,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.engine.compiling import COMPILING_S, listen
 from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
@@ -32,7 +33,9 @@ GENERAL = (
     "general.columns",
     "general.glide",
     "general.interval",
+    "general.powers",
     "general.period_map",
+    "general.inner_region",
     "general.standstill",
     "general.follow",
     "general.ensemble",
@@ -97,14 +100,21 @@ def _load_target() -> None:
             del sys.modules[blas]
 
 
+def is_kept(group: str = "plain") -> bool:
+    """Whether a group's compiled code is on disk, and only to be loaded."""
+    folder = cache_directory()
+    return not _not_kept() and folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi"))
+
+
 def waiting(group: str = "plain") -> str:
     """What to say before `compiled`; empty where compiled code of these sources is on disk, and only to be loaded."""
-    if why := _not_kept():
-        return f"compiling the engine for this machine, as each long run does: compiled code is not kept, for {why}"
-    folder = cache_directory()
-    if folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi")):
+    if is_kept(group):
         return ""
-    return "compiling the engine for this machine; only the first long run waits for it"
+    if why := _not_kept():
+        return f"each long run compiles the engine: compiled code is not kept because {why}"
+    return (
+        f"the engine is compiled once for this machine; that takes about {round(COMPILING_S[group])} s on an idle core"
+    )
 
 
 @cache
@@ -117,6 +127,7 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
     import numpy as np
 
     _load_target()
+    listen()
     keep = not _not_kept()
     if keep:
         numba.config.CACHE_DIR = str(cache_directory())  # type: ignore[attr-defined]

@@ -34,6 +34,7 @@ class Reason(IntEnum):
     TOO_LONG = 16
     NOT_AFFINE = 17
     AT_SWITCH = 18
+    TIME_LIMIT = 19
 
 
 WORDS = {
@@ -55,5 +56,6 @@ WORDS = {
     Reason.NOT_AFFINE: "the controller is not piecewise affine: it repeats, and attracts to first order",
     Reason.AT_SWITCH: "a switch of the controller lies within the error bound: nearby motions may take it",
     Reason.EVENT_LIMIT: "not settled within the limit of events",
+    Reason.TIME_LIMIT: "not settled within the time limit of a cell (limits.seconds_per_cell)",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

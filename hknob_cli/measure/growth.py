@@ -77,10 +77,12 @@ def bounce_peaks(
     phases: int,
     duration_s: float,
     functions: Mapping[str, Callable[..., Any]] | None = None,
+    over: Callable[[], bool] = lambda: False,
 ) -> list[Peaks]:
     """Bounce peaks up to ``duration_s`` of the ``phases`` trials of a cell, in the order of their sample clocks.
 
-    ``functions``: the engine compiled, by name; the interpreter if None.
+    ``functions``: the engine compiled, by name; the interpreter if None. ``over``: asked after each trial whether to
+    leave the others out.
     """
     loop = knob.loop
     run = functions["bounce_peaks"] if functions else plain.bounce_peaks
@@ -93,6 +95,8 @@ def bounce_peaks(
     times, tops = np.empty(capacity), np.empty(capacity)
     found: list[Peaks] = []
     for phase in range(phases):
+        if over():
+            break
         ring = np.zeros(knob.delay_line) if functions else [0.0] * knob.delay_line
         count = run(x, v, ring, samples, loop, times, tops)
         time = (times[:count] + (phase + 0.5) / phases) * knob.period_s

@@ -1,5 +1,6 @@
 """From starts to a repeating motion: the transient, and Brent's search for a period, lane by lane."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -75,8 +76,8 @@ class _Lanes:
             self.end(wild)
 
 
-def find_repeats(mover: Mover, start: State, effort: Effort) -> Found:
-    """Run all lanes until each repeats, grows beyond bounds, or has had its time."""
+def find_repeats(mover: Mover, start: State, effort: Effort, over: Callable[[], bool] = lambda: False) -> Found:
+    """Run all lanes until each repeats, grows beyond bounds, or has had its time; ``over``: whether all have."""
     longest = float(np.max(time_constants(mover)))
     skip = int(min(np.ceil(effort.settle * longest), MOST))
     budget = int(np.clip(np.ceil(effort.patience * longest), effort.fewest, MOST))
@@ -84,6 +85,8 @@ def find_repeats(mover: Mover, start: State, effort: Effort) -> Found:
     period = np.zeros(len(start.x), dtype=np.int64)
     grew = np.zeros(len(start.x), dtype=bool)
     for i in range(skip):
+        if over():
+            break
         lanes.step()
         if i % LOOK == LOOK - 1:
             lanes.end_grown(grew)
@@ -102,7 +105,7 @@ def find_repeats(mover: Mover, start: State, effort: Effort) -> Found:
             lanes.end_grown(grew)
             mark, marked = lanes.state.stacked, i
             reach = effort.near * (1.0 + np.abs(mark))
-        if len(lanes.going) == 0:
+        if len(lanes.going) == 0 or over():
             break
     put(lanes.last, lanes.going, lanes.state)
     return Found(period, lanes.last, grew, lanes.samples)

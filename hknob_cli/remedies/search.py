@@ -1,6 +1,6 @@
 """What trials under a controller settle to: orbits with their proof, rest, or the motion as far as it was followed."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -42,28 +42,37 @@ class Settled(NamedTuple):
     drive: Array = np.empty(0)
 
 
-def search(remedy: Remedy, lanes: Lanes, x: Array, v: Array, cell: np.ndarray) -> tuple[dict[int, list[Settled]], int]:
-    """Ends of trials from (``x``, ``v``) at their first sample, by ``cell``, a number a lane; trial-samples taken."""
+def search(
+    remedy: Remedy, lanes: Lanes, x: Array, v: Array, cell: np.ndarray, over: Callable[[], bool] = lambda: False
+) -> tuple[dict[int, list[Settled]], int]:
+    """Ends of trials from (``x``, ``v``) at their first sample, by ``cell``, a number a lane; trial-samples taken.
+
+    ``over``: whether the time is over, after which the trials that are left are undecided.
+    """
     mover = Mover(remedy, lanes)
     going, state, samples = np.arange(len(x)), mover.start(x, v), 0
     ends: dict[int, list[Settled]] = {int(one): [] for one in np.unique(cell)}
+    reason = Reason.NO_REPEAT
     for effort in EFFORTS:
         with np.errstate(over="ignore", invalid="ignore"):
-            found = find_repeats(mover.take(going), state, effort)
+            found = find_repeats(mover.take(going), state, effort, over)
         samples += found.samples
         for lane in going[found.grew]:
             _count(ends[int(cell[lane])], Settled(int(lane), 1, Outcome.DIVERGED, Reason.GREW))
-        over = found.grew.copy()
+        done = found.grew.copy()
         for part in _alike(found.period, (len(state.memory) + 3) * (len(remedy.looks) + 5)):
             orbits = prove(mover.take(going[part]), take(found.state, part), found.period[part])
             for i, lane in enumerate(going[part]):
                 if orbits.proven[i] or effort is EFFORTS[-1]:
                     _count(ends[int(cell[lane])], _settled(mover, orbits, i, int(lane)))
-                    over[part[i]] = True
-        going, state = going[~over], take(found.state, np.flatnonzero(~over))
+                    done[part[i]] = True
+        going, state = going[~done], take(found.state, np.flatnonzero(~done))
         if len(going) == 0:
             return ends, samples
-    _windows(mover.take(going), state, going, cell, ends)
+        if over():
+            reason = Reason.TIME_LIMIT
+            break
+    _windows(mover.take(going), state, going, cell, ends, reason)
     return ends, samples
 
 
@@ -128,7 +137,9 @@ def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> 
     return Reason.NONE
 
 
-def _windows(mover: Mover, state: State, at: np.ndarray, cell: np.ndarray, ends: dict[int, list[Settled]]) -> None:
+def _windows(
+    mover: Mover, state: State, at: np.ndarray, cell: np.ndarray, ends: dict[int, list[Settled]], reason: Reason
+) -> None:
     """Motion of lanes that did not repeat, over a window of time."""
     period_s = float(mover.lanes.period_s[0])
     count = int(np.clip(WINDOW_S / period_s, *WINDOW))
@@ -147,5 +158,5 @@ def _windows(mover: Mover, state: State, at: np.ndarray, cell: np.ndarray, ends:
     vs.append(state.v)
     x, v, drive = np.stack(xs), np.stack(vs), np.stack(drives)
     for i, lane in enumerate(at):
-        found = Settled(int(lane), 1, Outcome.UNDECIDED, Reason.NO_REPEAT, x=x[:, i], v=v[:, i], drive=drive[:, i])
+        found = Settled(int(lane), 1, Outcome.UNDECIDED, reason, x=x[:, i], v=v[:, i], drive=drive[:, i])
         ends[int(cell[lane])].append(found)

@@ -187,6 +187,7 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         matrices=np.concatenate([a.ravel(), held.ravel(), *_increments(a, held, split, alpha, beta)]).tolist(),
         terms=len(series) // 2,
         vectors=np.concatenate([c, held_constant, entry, series]).tolist(),
+        halt=[0.0],
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
 

@@ -174,7 +174,8 @@ class SweepPlan(NamedTuple):
     """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
 
     ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
-    ``growth_s``: time over which the energy of bounces is fitted, where asked for.
+    ``growth_s``: time over which the energy of bounces is fitted, where asked for. ``seconds_per_cell``: time that a
+    cell may take, if it is limited.
     """
 
     name: str
@@ -188,6 +189,7 @@ class SweepPlan(NamedTuple):
     growth_s: float | None = None
     perceive: Perceive | None = None
     points: Points | None = None
+    seconds_per_cell: float | None = None
 
 
 class BenchScene(NamedTuple):

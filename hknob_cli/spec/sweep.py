@@ -68,6 +68,12 @@ class LimitsSpec(Part):
         int | None,
         Field(strict=True, ge=100, le=2**30, description="samples a trial may take; null: by the plant's slowest mode"),
     ] = None
+    seconds_per_cell: Annotated[
+        PositiveSeconds | None,
+        Field(
+            le=1e6, description="time a cell may take, on the clock; trials that are not done are undecided; null: any"
+        ),
+    ] = None
 
 
 class PulseSpec(Part):
@@ -170,6 +176,7 @@ class SweepSpec(Part):
             units=units,
             starts=Starts(self.starts.angle, self.starts.velocity, self.starts.phases),
             max_samples=self.limits.max_samples,
+            seconds_per_cell=self.limits.seconds_per_cell,
             record=self.record.plain() if self.record else None,
             growth_s=self.growth.duration if self.growth else None,
             perceive=self.perceive.plain() if self.perceive else None,

@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.attractors import Attractor, Engine, NeedsCompilerError, Search, whole
+from hknob_cli.engine.alarm import Alarm
+from hknob_cli.engine.attractors import PATIENCE, USUAL, Attractor, Engine, NeedsCompilerError, Patience, Search, whole
 from hknob_cli.engine.budget import sample_limit, settling_samples
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
@@ -85,11 +86,18 @@ class CellFinder:
     """Finds what cells settle to; has the engines, plain or compiled, that their scenes need. One per thread."""
 
     def __init__(
-        self, functions: dict[str, dict[str, Callable[..., Any]]], stopped: Callable[[], bool] = lambda: False
+        self,
+        functions: dict[str, dict[str, Callable[..., Any]]],
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Callable[[str], Patience] = lambda _group: USUAL,
     ) -> None:
-        """Make ready; ``functions``: compiled engine functions by group; ``stopped``: asked whether to give up."""
+        """Make ready; ``functions``: compiled engine functions by group; ``stopped``: asked whether to give up.
+
+        ``patience``: of the interpreter, where a group is not compiled.
+        """
         self.functions = functions
         self.stopped = stopped
+        self.patience = patience
         self._engine: Engine | None = None
         self._general: Any = None
 
@@ -106,6 +114,7 @@ class CellFinder:
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         if self._engine is None:
             self._engine = Engine(self.functions.get("plain"), self.stopped)
+        self._engine.patience = self.patience("plain")
         search = self._engine.search(
             knob.loop,
             x=knob.position(plan.starts.angle),
@@ -113,6 +122,7 @@ class CellFinder:
             phases=plan.starts.phases,
             delay_line=knob.delay_line,
             max_samples=plan.max_samples,
+            seconds=plan.seconds_per_cell,
         )
         measurer = Measurer(knob, self._engine)
         return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, "plain"))
@@ -126,6 +136,7 @@ class CellFinder:
         knob = sample_general(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
         if self._general is None:
             self._general = GeneralEngine(self.functions.get("general"), self.stopped)
+        self._general.patience = self.patience("general")
         try:
             search = self._general.search(
                 knob.body,
@@ -135,6 +146,7 @@ class CellFinder:
                 phases=plan.starts.phases,
                 delay_line=knob.delay_line,
                 max_samples=plan.max_samples,
+                seconds=plan.seconds_per_cell,
             )
         except NeedsCompilerError:
             raise NeedsCompilerError("general") from None
@@ -147,6 +159,7 @@ class CellFinder:
         phases = plan.starts.phases
         knob = sample_knob(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         duration = plan.growth_s or GROWTH_S
+        alarm = Alarm(plan.seconds_per_cell)
         peaks = bounce_peaks(
             knob,
             angle_rad=plan.starts.angle,
@@ -154,8 +167,12 @@ class CellFinder:
             phases=phases,
             duration_s=duration,
             functions=self.functions.get("bounces"),
+            over=lambda: alarm.over,
         )
-        search = Search((whole(Outcome.UNDECIDED, Reason.NO_DAMPING, phases),), int(phases * duration / knob.period_s))
+        ends = [whole(Outcome.UNDECIDED, Reason.NO_DAMPING, len(peaks))] if peaks else []
+        if len(peaks) < phases:
+            ends.append(whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, phases - len(peaks)))
+        search = Search(tuple(ends), int(len(peaks) * duration / knob.period_s))
         found = _result(cell, knob.quantum_rad, search, lambda _one: OrbitMeasures(), "bounces")
         return _perceived(plan, None, found._replace(growth=energy_growth(peaks)))
 
@@ -167,14 +184,16 @@ class CellFinder:
             scene_at(plan.scene, cell), counts_per_rev=int(cell[COUNTS]) if COUNTS in cell else None
         )
         functions = self.functions.get("unsampled")
+        tries = MAX_EVENTS_INTERPRETED * self.patience("unsampled").samples // PATIENCE
+        most = MAX_EVENTS if functions else min(MAX_EVENTS, tries)
         trial = settle(
             knob,
             angle_rad=plan.starts.angle,
             velocity_rad_s=plan.starts.velocity,
-            max_events=MAX_EVENTS if functions else MAX_EVENTS_INTERPRETED,
+            max_events=most,
             functions=functions,
         )
-        if trial.reason is Reason.EVENT_LIMIT and not functions:
+        if trial.reason is Reason.EVENT_LIMIT and most < MAX_EVENTS:
             raise NeedsCompilerError("unsampled")
         attractor = Attractor(outcome=trial.outcome, reason=trial.reason, trials=1)
         measures = OrbitMeasures(

@@ -137,8 +137,10 @@ class DfaStage:
 
     @cached_property
     def _functions(self) -> dict[str, Any]:
+        from hknob_cli.engine.compiling import tell_compiling
         from hknob_cli.engine.jit import compiled, waiting
 
+        tell_compiling(self.notify)
         if text := waiting():
             self.notify(text)
         return compiled()

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
@@ -57,7 +58,8 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     assert controller
     remedy = make_remedy(controller)
     batch = make_batch(plan.scene, some, plan.starts)
-    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
+    alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
+    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, lambda: alarm.over)
     return [
         _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
         for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))

@@ -5,9 +5,10 @@ import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from math import ceil
+from time import perf_counter
 from typing import Any, TypeVar
 
-from hknob_cli.engine.attractors import NeedsCompilerError
+from hknob_cli.engine.attractors import PATIENCE, NeedsCompilerError, Patience
 from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import Cell, SweepPlan
@@ -15,7 +16,8 @@ from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
 from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 
-COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading the compiler takes
+COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
+LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
 THREADS_ABOVE = 20_000_000
 MANY = 2048  # plain cells, from which on they are found in runs of so many: a Python object each would cost more
 SLOW = 50_000_000  # trial-samples worth a progress bar
@@ -46,6 +48,8 @@ class SweepStage:
         self._local = threading.local()
         self._stop = threading.Event()
         self._functions: dict[str, dict[str, Callable[..., Any]]] = {}
+        self._worth: dict[str, float] = {}
+        self._interpreted_s: dict[str, float] = {}
 
     @property
     def cell_count(self) -> int:
@@ -155,31 +159,58 @@ class SweepStage:
         """Results of some cells, all if None, and the trial-samples they took."""
         expected = self.expected if some is None else self._expected(some)
         for group, samples in expected.items():
-            if samples * HEAVIER[group] > COMPILE_ABOVE:
+            if samples * HEAVIER[group] > COMPILE_ABOVE * self._compiler_s(group) / LOADING_S:
                 self._compile(group)
         results: list[CellResult] = []
         taken = 0
         for result in self._results(some, expected):
             results.append(result)
             taken += result.samples
-            if taken > COMPILE_ABOVE and result.group in HEAVIER and result.group not in self._functions:
-                self._compile(result.group)
+            group = result.group
+            if group in HEAVIER and group not in self._functions and self._patience(group).seconds == 0.0:
+                self._compile(group)
             progress(len(results), self.cell_count)
         return results, taken
 
     def run_cell(self, cell: Cell) -> CellResult:
         """Run one cell. Raises `ComputationError`."""
+        begin = perf_counter()
         try:
-            return self._finder().find(self.plan, cell)
+            result = self._finder().find(self.plan, cell)
         except NeedsCompilerError as need:
             self._compile(need.group)
             return self._finder().find(self.plan, cell)
+        if result.group not in self._functions:
+            spent = self._interpreted_s.get(result.group, 0.0) + perf_counter() - begin
+            self._interpreted_s[result.group] = spent
+        return result
+
+    def _compiler_s(self, group: str) -> float:
+        """Seconds that it takes to have compiled code of a group: to load it, or to make it."""
+        from hknob_cli.engine.compiling import COMPILING_S
+        from hknob_cli.engine.jit import is_kept
+
+        if group not in self._worth:
+            self._worth[group] = LOADING_S if is_kept(group) else COMPILING_S[group]
+        return self._worth[group]
+
+    def _patience(self, group: str) -> Patience:
+        """How much the interpreter tries: until it has taken as long as compiling would, so at most twice what is best.
+
+        What it finds is the same to the last bit, so that no result depends on the clock.
+        """
+        worth = self._compiler_s(group)
+        return Patience(
+            samples=int(PATIENCE * worth / LOADING_S), seconds=max(0.0, worth - self._interpreted_s.get(group, 0.0))
+        )
 
     def _compile(self, group: str) -> None:
+        from hknob_cli.engine.compiling import tell_compiling
         from hknob_cli.engine.jit import compiled, waiting
 
         if group in self._functions:
             return
+        tell_compiling(self.notify)
         if text := waiting(group):
             self.notify(text)
         self._functions = {**self._functions, group: compiled(group)}
@@ -187,7 +218,7 @@ class SweepStage:
     def _finder(self) -> CellFinder:
         finder: CellFinder | None = getattr(self._local, "finder", None)
         if finder is None or finder.functions is not self._functions:
-            finder = self._local.finder = CellFinder(self._functions, self._stop.is_set)
+            finder = self._local.finder = CellFinder(self._functions, self._stop.is_set, self._patience)
         return finder
 
     def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:

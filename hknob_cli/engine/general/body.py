@@ -44,6 +44,7 @@ class Body(NamedTuple):
     terms: int  # of second order: of the power series of S / t and G / t^2; 0 where they converge slowly
     matrices: Any  # RATES, HELD, FIRST, SECOND, HALVES..., HALVES_HELD..., (order * order) each
     vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each; then both series, (terms) each
+    halt: Any  # (1); above 0 where the search is to be given up, what is under way without a result
 
 
 HALVINGS = 53  # D down to the last bit of a sample period

@@ -103,6 +103,7 @@ def crowd(
     stop,
     skip,
     budget,
+    final,
     limit,
     capacity,
     rows,
@@ -120,6 +121,9 @@ def crowd(
     keepring,
 ):
     """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
+
+    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in `pursue`.
+    Once ``body.halt`` is above 0, no trial is counted any more.
 
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
     under way there, oldest first.
@@ -139,6 +143,7 @@ def crowd(
             ring,
             head,
             budget - skip,
+            final,
             limit,
             body,
             wall,
@@ -153,6 +158,8 @@ def crowd(
             lines,
         )
         samples += used + skip
+        if body.halt[0] > 0.0:
+            return rows, overflow, samples
         if fate == KNOWN:
             table[period * FIELDS + 6] += 1.0
             continue
@@ -189,6 +196,8 @@ def crowd(
             cycle, period, turns = False, 0, 0
             margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
             row = find(fate, period, z, shown, rows, table, states, n)
+        if body.halt[0] > 0.0:
+            return rows, overflow, samples
         if row == capacity:
             overflow += 1
             continue

@@ -17,10 +17,11 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
+from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
 from hknob_cli.engine.general.slide_two import rub_two
-from hknob_cli.engine.general.standstill import settles
+from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 CYCLE_AT_EVENT = 9
@@ -73,6 +74,8 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         space.line[j] = ring[j]
     plain = n == 2 and len(ring) == 0 and body.friction > 0.0
     for k in range(period):
+        if body.halt[0] > 0.0:
+            return False
         shown = read(space.state[0], wall)
         if k < len(space.trail) and inside(shown) != inside(space.trail[k]):
             return False
@@ -88,12 +91,31 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
     return distance(space.away, body) <= gap
 
 
+def contracts_to_rest(z, shown, before, ring, head, body, wall, space):
+    """Whether, with a continuous sensor inside the wall, the loop is proven to bring a trial to rest.
+
+    Then ``z`` and ``ring`` are left as they are there.
+    """
+    if wall.analog == 0.0 or not shown < 0.0:
+        return False
+    status, _, _, _, _ = certify(z, before, ring, head, 1, body, wall, space)
+    if status != PROVEN:
+        return False
+    for j in range(body.order):
+        z[j] = space.orbit[j]
+    z[1] = 0.0
+    for j in range(len(ring)):
+        ring[j] = space.orbit_line[j]
+    return True
+
+
 def pursue(
     z,
     before,
     ring,
     head,
     budget,
+    final,
     limit,
     body,
     wall,
@@ -111,18 +133,21 @@ def pursue(
 
     ``z`` and ``ring`` are left at the orbit's state. ``check`` and ``keep`` (order), ``checkring`` and ``keepring``
     (delay) are work space. The ``rows`` of ``table``, ``states`` and ``lines`` are the attractors known already; where
-    the trial reaches one of them, the fate is `KNOWN` and the period its row.
+    the trial reaches one of them, the fate is `KNOWN` and the period its row. ``final``: whether the trial gets no more
+    samples than these, so that a last look at how it stands is worth it.
     """
     n, delay = body.order, len(ring)
     have, events, next_checkpoint, since = False, 0, 1, 0
     chead, tolerance = head, FIRST_TOLERANCE
     kept, kept_fate, kept_head, kept_before = 0, CYCLE_ON_EDGE, head, before
-    resting_on_edge = False
+    resting_on_edge, settling = False, False
     shown = read(z[0], wall)
     run, next_test = 0, FIRST_REST_TEST
     left_alone, wait = 0, 0
     for i in range(budget):
         x = z[0]
+        if body.halt[0] > 0.0:
+            return UNSETTLED, 0, before, head, i
         if not -limit < x < limit:
             return GREW, 0, before, head, i
         close = False
@@ -141,6 +166,10 @@ def pursue(
             if run >= next_test:
                 next_test = 2 * run
                 fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+                if fate == SETTLING:
+                    settling = True
+                    if stands(z, before, ring, head, body, wall, space):
+                        fate = AT_REST
                 if fate == AT_REST:
                     for j in range(n):
                         z[j] = space.orbit[j]
@@ -150,18 +179,11 @@ def pursue(
                 if fate == RINGS:
                     return UNDAMPED, 0, before, head, i
                 resting_on_edge = fate == REST_ON_EDGE
-                if fate == MOVING and wall.analog > 0.0 and shown < 0.0:
-                    status, _, _, _, _ = certify(z, before, ring, head, min(run, 1), body, wall, space)
-                    if status == PROVEN:
-                        for j in range(n):
-                            z[j] = space.orbit[j]
-                        z[1] = 0.0
-                        for j in range(delay):
-                            ring[j] = space.orbit_line[j]
-                        return REST_PROVEN, 1, z[0], head, i
+                if fate == MOVING and contracts_to_rest(z, shown, before, ring, head, body, wall, space):
+                    return REST_PROVEN, 1, z[0], head, i
         else:
             run, next_test = 0, FIRST_REST_TEST
-            resting_on_edge = False
+            resting_on_edge, settling = False, False
         if inside(shown) < inside(last) and (wall.analog == 0.0 or not last < 0.0):
             if have:
                 for j in range(n):
@@ -237,4 +259,15 @@ def pursue(
             for j in range(n):
                 z[j] = space.orbit[j]
         return REST_EDGE, 1, before, head, budget
+    if not final:
+        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
+    # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
+    shown = read(z[0], wall)
+    fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+    if settling or fate == SETTLING or fate == AT_REST:
+        for j in range(n):
+            z[j] = space.orbit[j]
+        return REST_PROVEN, 1, before, head, budget
+    if fate == MOVING and contracts_to_rest(z, shown, before, ring, head, body, wall, space):
+        return REST_PROVEN, 1, z[0], head, budget
     return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget

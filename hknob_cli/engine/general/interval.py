@@ -48,7 +48,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     if body.order > 2 or body.friction == 0.0 or delay > 0:
         for _ in range(samples):
             before, head = advance(z, before, ring, head, body, wall, pad)
-            if not -limit < z[0] < limit:
+            if not -limit < z[0] < limit or body.halt[0] > 0.0:
                 break
         return before, head
     x, v = z[0], z[1]

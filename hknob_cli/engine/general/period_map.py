@@ -13,12 +13,11 @@ from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTUR
 from hknob_cli.engine.general.body import distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read
 from hknob_cli.engine.general.interval import advance_columns
+from hknob_cli.engine.general.powers import GONE, dissipates, ellipse_bound, growth_bound, invert
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
 NEWTON_STEPS = 8
-POWERS = 4096  # of the derivative, until a difference is gone
-GONE = 1e-3
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
 
@@ -41,38 +40,6 @@ class Space(NamedTuple):
     orbit_line: Any  # (delay)
     trail: Any  # readings since the checkpoint, the first of them
     reading: Any  # (1), the orbit's reading one sample before
-
-
-def invert(a, cols, m, stride):
-    """Inverse of identity minus the matrix of columns, by Gauss-Jordan with pivoting; False if singular.
-
-    Column c of the derivative is at ``cols[c * stride]``; the inverse is left in the right half of ``a`` (m, 2 m).
-    """
-    width = 2 * m
-    for i in range(m):
-        for j in range(m):
-            one = 1.0 if i == j else 0.0
-            a[i * width + j] = one - cols[j * stride + i]
-            a[i * width + m + j] = one
-    for k in range(m):
-        best = k
-        for i in range(k + 1, m):
-            if abs(a[i * width + k]) > abs(a[best * width + k]):
-                best = i
-        pivot = a[best * width + k]
-        if abs(pivot) < 1e-14:
-            return False
-        for j in range(width):
-            kept = a[k * width + j]
-            a[k * width + j] = a[best * width + j] / pivot
-            if best != k:
-                a[best * width + j] = kept
-        for i in range(m):
-            factor = a[i * width + k]
-            if i != k and factor != 0.0:
-                for j in range(width):
-                    a[i * width + j] -= factor * a[k * width + j]
-    return True
 
 
 def turn_lines(line, cols, away, m, delay, first, head):
@@ -119,64 +86,6 @@ def turn(before, ring, head, period, body, wall, space, m):
     if m > n:
         turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)
     return margin, edge, reach, pace, before, head
-
-
-def dissipates(cols, width, power, spare, m, scale):
-    """Whether a power of the derivative shrinks every difference to less than half; ``scale``: unit of speed.
-
-    Positions count one, speeds (odd entries of the state) ``1 / scale``.
-    """
-    for i in range(m):
-        for j in range(m):
-            power[i * m + j] = cols[j * width + i]
-    for _ in range(60):
-        worst = 0.0
-        for i in range(m):
-            row = 0.0
-            for j in range(m):
-                row += abs(power[i * m + j]) * (scale if j % 2 == 1 else 1.0)
-            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
-        if worst < 0.5:
-            return True
-        if not worst < 1e100:
-            return False
-        for i in range(m):
-            for j in range(m):
-                entry = 0.0
-                for k in range(m):
-                    entry += power[i * m + k] * power[k * m + j]
-                spare[i * m + j] = entry
-        for i in range(m * m):
-            power[i] = spare[i]
-    return False
-
-
-def growth_bound(cols, width, power, spare, total, m, scale):
-    """Sum of the absolute powers of the derivative, in ``total`` (m, m): what a difference can ever grow to."""
-    for i in range(m):
-        for j in range(m):
-            power[i * m + j] = 1.0 if i == j else 0.0
-            total[i * m + j] = 0.0
-    for _ in range(POWERS):
-        worst = 0.0
-        for i in range(m):
-            row = 0.0
-            for j in range(m):
-                part = abs(power[i * m + j])
-                total[i * m + j] += part
-                row += part * (scale if j % 2 == 1 else 1.0)
-            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
-        if worst < GONE:
-            return True
-        for i in range(m):
-            for j in range(m):
-                entry = 0.0
-                for k in range(m):
-                    entry += power[i * m + k] * cols[j * width + k]
-                spare[i * m + j] = entry
-        for i in range(m * m):
-            power[i] = spare[i]
-    return False
 
 
 def within(before, ring, head, period, body, wall, space, m):
@@ -297,23 +206,28 @@ def certify(z, before, ring, head, period, body, wall, space):
         if not distance(space.residual, body) + bound < margin:
             return NOT_CAPTURED, margin, edge, closure, bound
         return PROVEN, margin, edge, closure, bound
-    if body.friction > 0.0 or not growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
+    if body.friction > 0.0:
         return EXPANDS, margin, edge, closure, bound
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
     space.residual[width - 1] = before - start
-    largest = 0.0
-    for i in range(m):
-        space.power[i] = space.away[i]
-        space.residual[i] = abs(space.residual[i]) + space.away[i]
-        largest = max(largest, space.residual[i] / (scale if i % 2 == 1 else 1.0))
-    for i in range(m):
-        # What is left of the difference when the powers end counts, too.
-        space.residual[i] = max(space.residual[i], GONE * largest * (scale if i % 2 == 1 else 1.0))
-    for i in range(m):
-        total = space.power[i]
-        for j in range(m):
-            total += space.total[i * m + j] * space.residual[j]
-        space.away[i] = total
+    if growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
+        largest = 0.0
+        for i in range(m):
+            space.power[i] = space.away[i]
+            space.residual[i] = abs(space.residual[i]) + space.away[i]
+            largest = max(largest, space.residual[i] / (scale if i % 2 == 1 else 1.0))
+        for i in range(m):
+            # What is left of the difference when the powers end counts, too.
+            space.residual[i] = max(space.residual[i], GONE * largest * (scale if i % 2 == 1 else 1.0))
+        for i in range(m):
+            total = space.power[i]
+            for j in range(m):
+                total += space.total[i * m + j] * space.residual[j]
+            space.away[i] = total
+    elif not ellipse_bound(
+        space.cols, width, space.power, space.spare, space.total, space.matrix, space.residual, space.away, m, scale
+    ):
+        return EXPANDS, margin, edge, closure, bound
     near, bound = within(start, ring, head, period, body, wall, space, m)
     return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound

@@ -9,14 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine import follow
+from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import (
     FATES,
-    PATIENCE,
+    PAUSE_S,
+    USUAL,
     Attractor,
     NeedsCompilerError,
+    Patience,
     Search,
     StoppedError,
     ranked,
+    time_allowed,
+    unfinished,
     whole,
     why_unrepeated,
 )
@@ -33,7 +38,7 @@ GENERAL_FATES = {
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
 }
-FIRST_SLICE, PAUSE_S = 8, 0.1  # trials, then time, between two chances to be interrupted
+FIRST_SLICE = 8  # trials until the first chance to be interrupted
 MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
 TRAIL = 8192  # readings of a candidate period that are kept to compare it with the next
 ROWS = 256  # distinct orbits a cell keeps
@@ -86,10 +91,14 @@ class GeneralEngine:
     """The general loop, plain or compiled; one per thread."""
 
     def __init__(
-        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+        self,
+        functions: dict[str, Callable[..., Any]] | None = None,
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Patience = USUAL,
     ) -> None:
         """Make ready; ``functions``: compiled, by name; ``stopped``: asked between slices whether to give up."""
         self.stopped = stopped
+        self.patience = patience
         self.compiled = functions is not None
         self._crowd: Callable[..., Any] = functions["general.crowd"] if functions else ensemble.crowd
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
@@ -111,10 +120,12 @@ class GeneralEngine:
         phases: int,
         delay_line: int,
         max_samples: int | None,
+        seconds: float | None = None,
     ) -> Search:
         """Run ``phases`` trials from the state ``start`` and name what they settle to.
 
-        ``rate``: decay of the slowest mode, per sample. Raises `NeedsCompilerError` in the interpreter, where the same
+        ``rate``: decay of the slowest mode, per sample; ``seconds``: on the clock, after which the trials that are left
+        are undecided, None: as long as it takes. Raises `NeedsCompilerError` in the interpreter, where the same
         search compiled would succeed, and `StoppedError` when told to stop.
         """
         budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
@@ -126,7 +137,7 @@ class GeneralEngine:
         if loose and body.push > body.friction:
             return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
         skip = settling_samples(rate, budget)
-        patience = int(PATIENCE / FREELY)
+        patience = int(self.patience.samples / FREELY)
         cut = not self.compiled and budget > patience
         if cut and skip > patience:
             raise NeedsCompilerError
@@ -138,34 +149,36 @@ class GeneralEngine:
         work = [self.zeros(count) for count in (n, delay_line, n, delay_line, n, delay_line)]
         rows = overflow = samples = 0
         first, slice_size = 0, FIRST_SLICE
-        while first < phases:
-            if self.stopped():
-                raise StoppedError
-            stop = min(first + slice_size, phases)
-            begin = perf_counter()
-            rows, full, taken = self._crowd(
-                self._filled(start),
-                phases,
-                first,
-                stop,
-                skip,
-                min(budget, patience + skip) if cut else budget,
-                1e6 * scale,
-                ROWS,
-                rows,
-                table,
-                states,
-                lines,
-                ready,
-                wall,
-                space,
-                *work,
-            )
-            overflow += full
-            samples += int(taken)
-            # Compiled code does not hear an interruption. The result does not depend on the slices.
-            spent, first = perf_counter() - begin, stop
-            slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))
+        with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), ready.halt) as alarm:
+            while first < phases and not alarm.over:
+                if self.stopped():
+                    raise StoppedError
+                stop = min(first + slice_size, phases)
+                begin = perf_counter()
+                rows, full, taken = self._crowd(
+                    self._filled(start),
+                    phases,
+                    first,
+                    stop,
+                    skip,
+                    min(budget, patience + skip) if cut else budget,
+                    not cut,
+                    1e6 * scale,
+                    ROWS,
+                    rows,
+                    table,
+                    states,
+                    lines,
+                    ready,
+                    wall,
+                    space,
+                    *work,
+                )
+                overflow += full
+                samples += int(taken)
+                # Compiled code does not hear an interruption. The result does not depend on the slices.
+                spent, first = perf_counter() - begin, stop
+                slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))
         fates = [int(table[FIELDS * row]) for row in range(rows)]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
@@ -181,6 +194,9 @@ class GeneralEngine:
         ]
         if overflow:
             found.append(whole(Outcome.UNDECIDED, Reason.TOO_MANY, overflow))
+        left = phases - overflow - sum(one.trials for one in found if one.reason is not Reason.TOO_MANY)
+        if left:
+            found.append(unfinished(left, seconds, self.patience, compiled=self.compiled))
         return Search(attractors=ranked(found), samples=samples)
 
     def chart(self, body: Body, wall: Controller, orbit: Attractor) -> Chart | None:

@@ -105,13 +105,16 @@ def creep(z, mode, left, body, pad):
 
 
 def slide_many(z, u, mode, left, body, pad):
-    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended)``."""
+    """Move ``z`` in one ``mode`` until it ends or ``left`` is over: ``(time, whether it ended)``.
+
+    A body that rings thousands of times in a sample takes a hundred thousand steps: each looks at ``body.halt``.
+    """
     n = body.order
     total = 0.0
     half = 0
     left = floor(left * FINEST) / FINEST
     table = HALVES_HELD if mode == 0 else HALVES
-    while left > 0.0:
+    while left > 0.0 and not body.halt[0] > 0.0:
         h = 0.5**half
         while h > left:
             half += 1

@@ -5,9 +5,10 @@ from math import sqrt
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, distance
 from hknob_cli.engine.general.controller import command, edge_gap
+from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
-ROUNDINGS = 64.0  # of a position that has stopped changing
+SETTLING = 5  # beside the fates of `engine.rest`: one reading for ever, and friction brings the knob to rest
 
 
 def steady(ring, u):
@@ -40,7 +41,10 @@ def stays_held(z, u, body):
 
 
 def settles(z, shown, before, ring, body, wall, orbit, away):
-    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``."""
+    """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``.
+
+    `SETTLING` is a rest that may never be reached.
+    """
     u = command(shown, shown, wall)
     if not steady(ring, u) or (wall.damping > 0.0 and shown != before):
         return MOVING, 0.0
@@ -51,7 +55,10 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     gap = edge_gap(z[0], shown, before, wall)
     if body.friction > 0.0:
         if not stays_held(z, u, body):
-            return MOVING, gap
+            keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
+            if keeps:
+                come_to_rest(z, shown, u, body, wall, orbit)
+            return (SETTLING if keeps else MOVING), gap
         if wall.analog > 0.0 and shown < 0.0:
             return AT_REST, gap
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap

@@ -1,0 +1,97 @@
+"""What is being compiled of the engine, how far it is, and how long it took: told as it goes, never where it is kept.
+
+Numba compiles a function, and before it all that it calls, when it is first called and not in the cache.
+"""
+
+from collections.abc import Callable
+from time import monotonic
+from typing import Any
+
+# Processor seconds that compiling a group of `engine.jit` takes (two cores, 2026): a rough guide.
+COMPILING_S = {"plain": 12.0, "cells": 13.0, "bounces": 3.0, "general": 40.0, "unsampled": 12.0, "pulse": 4.0}
+EVERY_S = 10.0  # between two lines on how far it is
+
+_told: list[Callable[[str], None]] = []
+_listening = False
+
+
+def tell_compiling(notify: Callable[[str], None]) -> None:
+    """Let ``notify`` be told, instead of whoever was before."""
+    _told[:] = [notify]
+
+
+def listen() -> None:
+    """Hear what numba compiles from now on."""
+    global _listening
+    if _listening:
+        return
+    from numba.core import event
+
+    heard = _Compiling()
+
+    class Listener(event.Listener):
+        def on_start(self, event: Any) -> None:
+            if _is_ours(event.data["dispatcher"]):
+                heard.start(event.data["dispatcher"])
+
+        def on_end(self, event: Any) -> None:
+            if _is_ours(event.data["dispatcher"]):
+                heard.end(event.data["dispatcher"])
+
+    event.register("numba:compile", Listener())  # type: ignore[no-untyped-call]
+    _listening = True
+
+
+def _is_ours(dispatcher: Any) -> bool:
+    return str(dispatcher.py_func.__module__).startswith("hknob_cli.engine.")
+
+
+def left_to_compile(dispatcher: Any) -> int:
+    """Functions of the engine that are compiled with this one, itself included: those that are not compiled yet."""
+    seen: dict[int, Any] = {}
+    waiting = [dispatcher]
+    while waiting:
+        one = waiting.pop()
+        if id(one) in seen or one.signatures:
+            continue
+        seen[id(one)] = one
+        called = (one.py_func.__globals__.get(name) for name in one.py_func.__code__.co_names)
+        waiting += [other for other in called if type(other) is type(one)]
+    return len(seen)
+
+
+class _Compiling:
+    """Hears where the compilation of a function begins and ends."""
+
+    def __init__(self) -> None:
+        self.depth, self.all = 0, 0
+        self.done: set[int] = set()  # a function may be compiled more than once, for other types
+        self.begun = self.spoken = 0.0
+
+    def start(self, dispatcher: Any) -> None:
+        """A function begins to be compiled."""
+        if self.depth == 0:
+            self.done, self.all = set(), left_to_compile(dispatcher)
+            self.begun = self.spoken = monotonic()
+            self._say(f"compiling the engine for this machine: {_functions(self.all)}")
+        self.depth += 1
+
+    def end(self, dispatcher: Any) -> None:
+        """A function is compiled."""
+        self.depth -= 1
+        self.done.add(id(dispatcher))
+        now = monotonic()
+        if self.depth == 0:
+            self._say(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
+        elif now - self.spoken > EVERY_S:
+            self.spoken = now
+            self._say(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
+
+    @staticmethod
+    def _say(text: str) -> None:
+        for notify in _told:
+            notify(text)
+
+
+def _functions(count: int) -> str:
+    return f"{count} function{'' if count == 1 else 's'}"

@@ -1,0 +1,102 @@
+"""An inner region that contracts: all later samples provably get one reading, and friction brings the knob to rest.
+
+A knob may creep to the edge of the zone in which friction can hold it, and never reach it: then no sample shows it at
+rest. But it rests for ever at any point e of that zone, and the energy of the difference of two motions that get the
+same commands never grows (`general.body`). So a motion whose distance from such a rest is below the rest's distance to
+the nearest change of reading keeps its reading. Damping and friction take energy as long as anything moves: it settles.
+
+With a continuous sensor inside the wall the command follows the samples. Over a hold of one sample the wall's work is
+that of its own spring, kappa, and at most kappa/2 of the square of the way, which is at most the integral of the
+velocity squared. So with alpha >= kappa/2 (Colgate & Schenkel 1994) the energy, wall spring included, never grows.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.controller import command, edge_gap, slopes
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.slide_two import rub_two
+from hknob_cli.engine.propagator import hold_coefficients
+
+ROUNDINGS = 64.0  # of a position that has stopped changing
+LONG = 1e15  # samples after which nothing moves that friction can hold
+
+
+def follows(shown, wall):
+    """Whether the command follows every move of the knob: a continuous sensor inside the wall, nothing saturated."""
+    slope, _ = slopes(shown, shown, wall)
+    return slope != 0.0
+
+
+def hold_zone(u, shown, body, wall):
+    """Stiffness of all springs on the knob, and the positions from which to which friction holds it for ever.
+
+    ``(stiffness, low, high)``; low above high where there are none, to within rounding. A finger has settled.
+    """
+    stiffness, pull = body.beta, u + body.drive
+    if body.ratio > 0.0:
+        if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
+            return 0.0, 1.0, 0.0
+        stiffness = body.pad_stiffness * body.finger_stiffness
+        stiffness /= body.ratio * body.pad_stiffness + body.finger_stiffness
+        pull -= stiffness * body.shift
+    if follows(shown, wall):
+        stiffness += wall.kappa
+        pull -= u
+    if stiffness == 0.0:
+        return 0.0, 1.0, 0.0
+    slack = ROUNDINGS * EPSILON * (abs(u) + body.push + body.friction + stiffness * abs(body.shift))
+    return stiffness, (pull - body.friction + slack) / stiffness, (pull + body.friction - slack) / stiffness
+
+
+def keeps_reading(z, shown, u, body, wall, delay, orbit, away):
+    """Whether a knob with friction, whose commands under way are all ``u``, gets one reading for ever and settles.
+
+    ``(whether, gap)``: the latter of the rest that its motion is compared with, which is left in ``orbit``, to the
+    nearest change of reading. ``delay``: commands under way.
+    """
+    n = body.order
+    if body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0:
+        return False, 0.0  # a finger that nothing damps swings on beside a knob that is held
+    linear = follows(shown, wall)
+    if linear and (n > 2 or delay > 0 or wall.damping > 0.0 or body.alpha < 0.5 * wall.kappa):
+        return False, 0.0
+    stiffness, low, high = hold_zone(u, shown, body, wall)
+    if low > high:
+        return False, 0.0
+    rest = min(max(z[0], low), high)
+    for i in range(n):
+        orbit[i] = 0.0
+    orbit[0] = rest
+    if body.ratio > 0.0:
+        orbit[2] = stiffness * (rest + body.shift) / body.pad_stiffness
+    if body.lag > 0.0:
+        orbit[n - 1] = u
+    for i in range(n):
+        away[i] = z[i] - orbit[i]
+    reach = sqrt(away[0] * away[0] + away[1] * away[1] / stiffness) if linear else distance(away, body)
+    seen = rest if wall.analog > 0.0 else shown
+    if not linear and command(seen, seen, wall) != u:
+        return False, 0.0
+    gap = edge_gap(rest, seen, seen, wall)
+    return reach + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0])) < gap, gap
+
+
+def stands(z, before, ring, head, body, wall, space):
+    """Whether one sample more changes nothing, to the last bit: then none ever will."""
+    n = body.order
+    for i in range(n):
+        space.state[i] = z[i]
+    advance(space.state, before, ring, head, body, wall, space.pad)
+    for i in range(n):
+        if space.state[i] != z[i]:
+            return False
+    return True
+
+
+def come_to_rest(z, shown, u, body, wall, orbit):
+    """Leave in ``orbit`` where a motion ends that `keeps_reading`; of second order in closed form, however late."""
+    if body.order == 2 and not follows(shown, wall):
+        s, g, f = hold_coefficients(body.alpha, body.beta, LONG)
+        orbit[0], _ = rub_two(z[0], z[1], u, LONG, s, g, f, body)
