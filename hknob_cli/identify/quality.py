@@ -43,9 +43,9 @@ def whiteness(residuals: Array, fitted: int = 0, lags: int = LAGS) -> float | No
     return float(chdtrc(lags - fitted, statistic))
 
 
-def judged(value: float, std: float) -> Estimate:
+def judged(value: float, std: float, misfit: float = 0.0) -> Estimate:
     """An estimate, not identifiable where its standard error is not below its size."""
-    return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)))
+    return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)), float(misfit))
 
 
 def blank(motion: Motion) -> str | None:
@@ -75,8 +75,9 @@ def misfit(white: float | None, share: float, rms: float, motion: Motion) -> tup
     known = max(EXCESS * (noise or 0.0), motion.blend_rad)
     if white is None or white >= ODDS or 1.0 - share < ROUNDING or rms <= known:
         return ()
-    size = f", {rms / noise:.1f} times the noise" if noise else ""
-    return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, VAF {100.0 * share:.2f} %",)
+    size = f", {rms / noise:.1f} times the noise" if noise and isfinite(rms) else ""
+    explained = f"VAF {100.0 * share:.2f} %" if isfinite(share) else "no VAF, because the fitted model has no bounded motion"
+    return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, {explained}",)
 
 
 def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]:
