@@ -5,7 +5,7 @@ no single fit can know; only repeated blocks show it.
 """
 
 from collections.abc import Iterable
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 from statistics import fmean, stdev
 from typing import NamedTuple
 
@@ -26,7 +26,8 @@ def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
     """One person's value of one condition: the mean over blocks, its standard error from the spread between them.
 
     Blocks that are not finite are left out. Of a single block the fit's own standard error, which leaves out the hand's
-    variation; of none, NaN. An interval is the mean ± Student's t of (blocks - 1) degrees times this: 4.3 for three.
+    variation; of none, NaN. What a misfit of the model makes of the fits' errors is common to the blocks: its mean is
+    added. An interval is the mean ± Student's t of (blocks - 1) degrees times this: 4.3 for three.
     """
     kept = [one for one in estimates if isfinite(one.value)]
     if not kept:
@@ -34,7 +35,8 @@ def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
     if len(kept) == 1:
         return kept[0]
     values = [one.value for one in kept]
-    return judged(fmean(values), stdev(values) / sqrt(len(values)))
+    misfit = fmean(one.misfit for one in kept)
+    return judged(fmean(values), hypot(stdev(values) / sqrt(len(values)), misfit), misfit)
 
 
 def over_subjects(values: Iterable[float]) -> Spread:
