@@ -32,7 +32,7 @@ def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
     kept = [one for one in estimates if isfinite(one.value)]
     if not kept:
         return Estimate(nan, nan, False)
-    if len(kept) == 1:
+    if len(kept) == 1 or all(one.std == 0.0 for one in kept):  # a single one, or one that is known
         return kept[0]
     values = [one.value for one in kept]
     misfit = fmean(one.misfit for one in kept)
