@@ -55,7 +55,7 @@ def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float) -> Alig
     if pulse is None:
         raise UnusableError("no pulse")
     if pulse.onset == 0:
-        raise UnusableError("the pulse has begun before the recording")
+        raise UnusableError("the pulse has begun before the recording (excitation: continuous would take it)")
     time = trial.time_s - trial.time_s[pulse.onset]
     first = int(np.searchsorted(time, -before_s - 0.5 * dt_s))
     last = int(np.searchsorted(time, after_s + 0.5 * dt_s)) - 1

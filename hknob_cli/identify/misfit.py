@@ -15,7 +15,6 @@ import numpy as np
 from hknob_cli.identify.covariance import bread_of
 from hknob_cli.recordings.trial import Array
 
-
 CHANCE = 1e-6  # p-value of white residuals above which they may be white after all, in one fit of very many
 
 

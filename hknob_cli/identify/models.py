@@ -45,9 +45,7 @@ def without_apparatus(
     An ``apparatus`` without a standard error counts as exact.
     """
     own = apparatus if isinstance(apparatus, Estimate) else Estimate(apparatus, 0.0)
-    hand = judged(
-        estimate.value - own.value, sqrt(estimate.std * estimate.std + own.std * own.std), estimate.misfit
-    )
+    hand = judged(estimate.value - own.value, sqrt(estimate.std * estimate.std + own.std * own.std), estimate.misfit)
     hand = hand._replace(identifiable=hand.identifiable and estimate.identifiable)
     if hand.value < 0.0:
         return hand, (f"{what} is below the apparatus's own: {estimate.value:.3g} less {own.value:.3g}",)

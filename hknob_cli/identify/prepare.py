@@ -120,8 +120,8 @@ def _with_torque(trials: list[Trial], wanted: str | None) -> tuple[list[Trial], 
         return trials, False, lacking
     if not all(sensed):
         return trials, False, [f"measured torque in {sum(sensed)} of {len(sensed)} trials: the commanded one is used"]
-    used = [trial._replace(torque_nm=trial.measured_torque_nm) for trial in trials]
-    return used, True, []
+    used = [(trial, trial.measured_torque_nm) for trial in trials]
+    return [one._replace(torque_nm=torque) for one, torque in used if torque is not None], True, []
 
 
 def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:

@@ -76,7 +76,9 @@ def misfit(white: float | None, share: float, rms: float, motion: Motion) -> tup
     if white is None or white >= ODDS or 1.0 - share < ROUNDING or rms <= known:
         return ()
     size = f", {rms / noise:.1f} times the noise" if noise and isfinite(rms) else ""
-    explained = f"VAF {100.0 * share:.2f} %" if isfinite(share) else "no VAF, because the fitted model has no bounded motion"
+    explained = (
+        f"VAF {100.0 * share:.2f} %" if isfinite(share) else "no VAF, because the fitted model has no bounded motion"
+    )
     return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, {explained}",)
 
 
@@ -92,9 +94,7 @@ def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]
             found.append(f"{name} is not identifiable: the data do not tell it from the others")
         elif not one.identifiable:
             zero = "" if name == "inertia" else " from zero"
-            found.append(
-                f"{name} is not identifiable: not told{zero} in {where} ({one.value:.2g} ± {one.std:.2g})"
-            )
+            found.append(f"{name} is not identifiable: not told{zero} in {where} ({one.value:.2g} ± {one.std:.2g})")
         elif one.value < 0.0:
             found.append(f"{name} came out negative: {one.value:.2g}")
     inertia, damping, stiffness = (estimates[name].value for name in ("inertia", "damping", "stiffness"))

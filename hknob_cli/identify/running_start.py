@@ -78,7 +78,7 @@ def _solved(motion: Motion, factor: int, known: Mapping[str, float], coulomb_nm:
     for one in ("damping", "stiffness"):
         if one not in known:
             values[one] = max(values[one], 0.0)
-    return Plant(*(values[one] for one in TERMS), coulomb=coulomb_nm)
+    return Plant(values["inertia"], values["damping"], values["stiffness"], coulomb_nm)
 
 
 def _begun(motion: Motion, plant: Plant, lag_s: float) -> tuple[float, Begin]:
@@ -103,7 +103,7 @@ def _begun(motion: Motion, plant: Plant, lag_s: float) -> tuple[float, Begin]:
 
 
 def best_motion(motion: Motion, plant: Plant) -> tuple[Array, Array]:
-    """Angle (n,) of a plant from the first state that fits best, its rest angle added, and `respond`'s slopes (n, 6)."""
+    """Angle (n,) of a plant from the first state that fits best, its rest angle added, and its slopes (n, 6)."""
     begin = _begun(motion, plant, 0.0)[1]
     angle, slopes = respond_with_slopes(
         plant, motion.torque_nm, motion.dt_s, ramps=motion.ramps, start=begin.start, friction=plant.coulomb > 0.0

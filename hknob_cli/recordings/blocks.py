@@ -54,7 +54,8 @@ def blocks(
 ) -> Iterator[Block]:
     """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before.
 
-    ``constants``: keys that are no columns of the file; ``factors``: by which a column's numbers become SI. Raises `NotReadableError` for names of another type.
+    ``constants``: keys that are no columns of the file; ``factors``: by which a column's numbers become SI. Raises
+    `NotReadableError` for names of another type.
     """
     first = 1
     for batch in batches:

@@ -16,7 +16,7 @@ def check_trial(trial: Trial, faults: Faults, limits: Mapping[str, float]) -> tu
     """
     with np.errstate(invalid="ignore", over="ignore"):
         _check_time(trial, faults)
-    notes = []
+    notes: list[str] = []
     for column in ("torque_nm", "angle_rad", "grip_n", "measured_torque_nm"):
         values: Array | None = getattr(trial, column)
         if values is not None:
@@ -50,9 +50,7 @@ def _check_time(trial: Trial, faults: Faults) -> None:
         faults.add_once("unit", first + at, "time_s", message)
 
 
-def _check_size(
-    column: str, values: Array, first: int, faults: Faults, limits: Mapping[str, float]
-) -> Iterator[str]:
+def _check_size(column: str, values: Array, first: int, faults: Faults, limits: Mapping[str, float]) -> Iterator[str]:
     """Note numbers that are none of a knob; say those that are surprising."""
     limit = LIMITS[column]
     most = limits.get(column, limit.most)

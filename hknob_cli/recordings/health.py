@@ -69,7 +69,8 @@ def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
     if lasts > LONGEST_PULSE_S:
         yield f"pulse of {lasts:.3g} s, longer than {LONGEST_PULSE_S:g} s: is time in ms?"
     if pulse.others:
-        yield f"{_times(pulse.others, 'further pulse')} after the first, which alone is used (excitation: continuous uses all)"
+        more = _times(pulse.others, "further pulse")
+        yield f"{more} after the first, which alone is used (excitation: continuous uses all)"
     inside = slice(pulse.onset, pulse.end)
     if trial.measured_torque_nm is not None and during > 2:
         middle = slice(pulse.onset + during // 4, pulse.end - during // 4)

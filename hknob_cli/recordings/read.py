@@ -183,7 +183,7 @@ def _joined(key: Key, pieces: list[dict[str, Array]], source: str, first: int) -
     samples.setdefault("grip_n", np.full(samples["time_s"].size, np.nan))
     if TORQUES[0] not in samples:
         samples[TORQUES[0]] = samples[TORQUES[1]]
-    return Trial(key=key, **samples, source=source, first_row=first)
+    return Trial(key=key, source=source, first_row=first, **dict[str, Any](samples))
 
 
 def _without_holes(trial: Trial, faults: Faults) -> Trial:

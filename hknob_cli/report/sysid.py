@@ -8,6 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.identify.quality import MISFIT, ODDS
+from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.matrix import short
 
 DISAGREE = "estimators disagree"
@@ -79,7 +80,8 @@ def sysid_text(summary: dict[str, Any]) -> str:
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
-        lines += ["", f"experiment {key[0]}, {key[1]}: mean ± {whose}"]
+        where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
+        lines += ["", f"{where}{key[1]}: mean ± {whose}"]
         lines.append("  ".join(f"{title:>18}" for title in (first, *(one[0] for one in _COLUMNS), "VAF %")))
         for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
             cells = [row["subject"] if named else short(row["grip_target_n"])]

@@ -1,6 +1,7 @@
 """Columns of other people's recordings: by which name, in which unit and with which sign a file has them."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
@@ -94,7 +95,7 @@ class RecordingLimits(Part):
         }
 
 
-def plan_columns(source: Source, given: dict[str, Any]) -> tuple[dict[str, ColumnPlan], list[Fault]]:
+def plan_columns(source: Source, given: Mapping[Any, str | ColumnSpec]) -> tuple[dict[str, ColumnPlan], list[Fault]]:
     """Columns by their names here; and what is wrong with units, values and names."""
     found: dict[str, ColumnPlan] = {}
     faults: list[Fault] = []
@@ -120,7 +121,9 @@ def plan_columns(source: Source, given: dict[str, Any]) -> tuple[dict[str, Colum
     for name, one in found.items():
         twin = next((other for other, two in found.items() if two.source == one.source and other != name), None)
         if one.source and twin is not None and list(found).index(twin) < list(found).index(name):
-            faults.append(source.fault(("columns", name), f"is from '{one.source}', as {twin} is; must be from another"))
+            faults.append(
+                source.fault(("columns", name), f"is from '{one.source}', as {twin} is; must be from another")
+            )
     return found, faults
 
 

@@ -197,7 +197,7 @@ def validate_sysid(source: Source) -> SysidPlan:
         faults += _too_many(source, spec.virtual, spec.what)
         for key in sorted(spec.model_fields_set & {"columns", "limits"}):
             faults.append(source.fault((key,), "must be absent where recordings are virtual", at_key=True))
-    columns, wrong = plan_columns(source, dict(spec.columns))
+    columns, wrong = plan_columns(source, spec.columns)
     faults += wrong
     faults += _contradictions(source, spec)
     if faults:
@@ -239,7 +239,7 @@ def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
         if "window" in given:
             found.append((("prepare", "window"), "must be absent of a continuous excitation; span says what is kept"))
         if "average" in given and prepare.average:
-            found.append((("prepare", "average"), "must be false of a continuous excitation, which never repeats itself"))
+            found.append((("prepare", "average"), "must be false of a continuous excitation: each trial is fitted"))
     elif prepare.span is not None:
         found.append((("prepare", "span"), "must be absent of a pulse; window says what is kept"))
     if prepare.span is not None and prepare.span[0] >= prepare.span[1]:

@@ -9,7 +9,14 @@ from hknob_cli.report.sysid import DISAGREE
 Row = Mapping[str, Any]
 MOST_SAID = 6
 # Of reasons why nothing comes out, those that count come first; what is said of a trial besides is last.
-COUNTS = (" left out: ", WRONG_SIGN, "nothing can be identified", "nothing is left to identify", "not identifiable")
+COUNTS = (
+    " left out: ",
+    WRONG_SIGN,
+    "further pulse",
+    "nothing can be identified",
+    "nothing is left to identify",
+    "not identifiable",
+)
 FACTOR, ERRORS = 2.0, 3.0  # estimators disagree beyond this factor, and so many standard errors of both
 # Of a fourth-order hand these are other quantities.
 COMPARED = {

@@ -148,7 +148,7 @@ BROKEN = {
     "negative trial": ("pinch,1,2", "pinch,1,-2", "row 4: trial: must be a whole number >= 0, got -2"),
     "no subject": ("7,pinch", ",pinch", "row 6: subject: must be text or a whole number, got nothing"),
     "degrees": ("0.2,0,0.2", "0.2,0,4e6", "row 3: angle_rad: must be within 1e+06 rad, got 4e+06: is it in degrees"),
-    "millinewtonmetres": ("0.1,0.01", "0.1,-2e6", "row 2: torque_nm: must be within 1e+06 N m, got -2e+06: is it in mN m?"),
+    "millinewtonmetres": ("0.1,0.01", "0.1,-2e6", "row 2: torque_nm: must be within 1e+06 N m, got -2e+06: is it"),
     "milliseconds": ("0.72,0.2", "0.72,100", "row 3: time_s: step of 99.9 s; must be <= 1 s: is it in ms?"),
     "negative target": ("0.72", "-1", "row 1: grip_target_n: must be >= 0 N, got -1"),
     "grams": ("0.2,0.7", "0.2,1e7", "row 3: grip_n: must be within 1e+06 N, got 1e+07: is it in mN or grams?"),
