@@ -118,12 +118,12 @@ def plan_columns(source: Source, given: Mapping[Any, str | ColumnSpec]) -> tuple
             except ValueError as error:
                 faults.append(source.fault((*place, "unit"), f"'{one.unit}' {error}"))
         found[name] = ColumnPlan(one.from_ or name, factor)
-    for name, one in found.items():
-        twin = next((other for other, two in found.items() if two.source == one.source and other != name), None)
-        if one.source and twin is not None and list(found).index(twin) < list(found).index(name):
-            faults.append(
-                source.fault(("columns", name), f"is from '{one.source}', as {twin} is; must be from another")
-            )
+    seen: dict[str, str] = {}
+    for name, plan in found.items():
+        if plan.source and plan.source in seen:
+            text = f"is from '{plan.source}', as {seen[plan.source]} is; must be from another"
+            faults.append(source.fault(("columns", name), text))
+        seen.setdefault(plan.source, name)
     return found, faults
 
 
