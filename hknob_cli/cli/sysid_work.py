@@ -88,7 +88,7 @@ class SysidWork(Work):
         begin = time.perf_counter()
         stage = SysidStage(job.plan)
         with progress_bar(0, show=not job.quiet and job.plan.virtual is not None, what="recordings") as progress:
-            trials = stage.trials(progress)
+            trials = stage.trials(progress, lambda text: note(job, f"warning: {text}"))
         read = time.perf_counter()
         with progress_bar(len(trials), show=not job.quiet, what="fits") as progress:
             tables = stage.run(trials, progress)

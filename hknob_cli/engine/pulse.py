@@ -1,6 +1,6 @@
 """A second-order knob's response to a recorded torque, exact hold by hold, with its derivatives by the plant's numbers.
 
-Time in sample periods, angle in rad:  x'' + alpha x' + beta x = gain * torque - phi sign(x'),  from rest, where
+Time in sample periods, angle in rad:  x'' + alpha x' + beta x = gain * torque - phi sign(x'),  where
 
     alpha = B T / J,   beta = K T^2 / J,   gain = T^2 / J,   phi = (Coulomb torque) T^2 / J.
 
@@ -85,15 +85,30 @@ def hold_derivatives(alpha, beta, decay, t):
     return s, g, f, q, r, sa, ga, fa, qa, ra, sb, gb, fb, qb, rb
 
 
-def follow_torque(torque, fading, decay, gain, alpha, beta, angle, slopes):
+def move_freely(alpha, beta, slopes):
+    """Fill columns 3, 4 of ``slopes`` (n, 5): the motion without torque from angle 1, and from speed 1."""
+    s, g, f, _q, _r, _sa, _ga, _fa, _qa, _ra, _sb, _gb, _fb, _qb, _rb = hold_derivatives(alpha, beta, 0.0, 1.0)
+    for k in range(2):
+        x, v = 1.0 - k, 1.0 * k
+        for i in range(len(slopes)):
+            slopes[i, 3 + k] = x
+            d = -beta * x
+            x += s * v + g * d
+            v = f * v + s * d
+
+
+def follow_torque(torque, fading, decay, gain, alpha, beta, first, speed, angle, slopes):
     """Angle at every sample, and its derivatives by alpha and beta at a fixed gain, without Coulomb friction.
 
     ``torque`` (n,) N m held from sample i to i + 1; ``fading`` (n,) or empty: a part added to it that decays at
-    ``decay`` per sample within the hold. Fills ``angle`` (n,) rad and columns 0, 1 of ``slopes`` (n, 3).
+    ``decay`` per sample within the hold. ``first`` angle, rad, and ``speed``, rad per sample. Fills ``angle`` (n,) rad
+    and columns 0, 1 of ``slopes`` (n, 3), and of (n, 5) columns 3, 4: by first angle and speed.
     """
     s, g, f, q, r, sa, ga, fa, qa, ra, sb, gb, fb, qb, rb = hold_derivatives(alpha, beta, decay, 1.0)
-    x, v, xa, va, xb, vb = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, v, xa, va, xb, vb = first, speed, 0.0, 0.0, 0.0, 0.0
     lagging = len(fading) > 0
+    if slopes.shape[1] > 3:
+        move_freely(alpha, beta, slopes)
     for i in range(len(torque)):
         angle[i], slopes[i, 0], slopes[i, 1] = x, xa, xb
         d = gain * torque[i] - beta * x
@@ -132,17 +147,24 @@ def turning_time(v, d, alpha, beta, t):
     return time
 
 
-def follow_with_friction(torque, gain, alpha, beta, phi, angle, slopes):
+def follow_with_friction(torque, gain, alpha, beta, phi, first, speed, angle, slopes):
     """Angle at every sample, and its derivatives by alpha, beta and phi at a fixed gain, with Coulomb friction.
 
     It sticks where the velocity is zero and the net drive at most ``phi``; where it turns, the derivatives jump as
-    the acceleration does (the instant of turning moves). Fills ``angle`` (n,) rad and ``slopes`` (n, 3).
+    the acceleration does (the instant of turning moves). ``first`` angle, rad, and ``speed``, rad per sample. Fills
+    ``angle`` (n,) rad and ``slopes`` (n, 3), or (n, 5): by first angle and speed, too.
     """
     whole = hold_derivatives(alpha, beta, 0.0, 1.0)
-    x, v, xa, va, xb, vb, xf, vf = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    x, v, xa, va, xb, vb, xf, vf = first, speed, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    xx, vx, xv, vv = 1.0, 0.0, 0.0, 1.0
+    free_start = slopes.shape[1] > 3
     way = 0.0  # direction of slip, 0 where it sticks
+    if v != 0.0:
+        way = 1.0 if v > 0.0 else -1.0
     for i in range(len(torque)):
         angle[i], slopes[i, 0], slopes[i, 1], slopes[i, 2] = x, xa, xb, xf
+        if free_start:
+            slopes[i, 3], slopes[i, 4] = xx, xv
         left = 1.0
         while left > 0.0:
             free = gain * torque[i] - beta * x
@@ -165,6 +187,12 @@ def follow_with_friction(torque, gain, alpha, beta, phi, angle, slopes):
             vb = fb * v + f * vb + sb * d + s * db
             xf += s * vf + g * df
             vf = f * vf + s * df
+            if free_start:
+                dx, dv = -beta * xx, -beta * xv
+                xx += s * vx + g * dx
+                vx = f * vx + s * dx
+                xv += s * vv + g * dv
+                vv = f * vv + s * dv
             x += s * v + g * d
             v = f * v + s * d
             left -= time
@@ -178,6 +206,7 @@ def follow_with_friction(torque, gain, alpha, beta, phi, angle, slopes):
                     after = free - phi * way
                 jump = after / before
                 v, va, vb, vf = 0.0, va * jump, vb * jump, vf * jump
+                vx, vv = vx * jump, vv * jump
 
 
 def follow_linear(drive, move, push, moves, pushes, work, angle, slopes):

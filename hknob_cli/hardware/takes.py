@@ -75,6 +75,8 @@ def read_takes(paths: Iterable[Path]) -> list[Take]:
     for path in paths:
         file = inside(path, "samples.parquet")
         trials = read([file])
+        if any(np.isnan(trial.grip_n).any() for trial in trials):
+            raise UsageError(f"{file}: grip_n: missing, and required of what is replayed")
         extra = _extra_columns(file)
         takes += [_take(trial, extra) for trial in trials]
     natives = sorted({take.native_counts for take in takes})

@@ -12,6 +12,7 @@ REST_S = 0.02
 EVEN = 0.01  # times within this share of the interval are taken as they stand
 WIDEST_GAP = 3.0  # intervals; interpolation across a wider gap would be invention
 FEWEST = 4  # samples after the onset
+FEWEST_RUNNING = 20  # samples of a record without a pulse
 
 
 class UnusableError(ComputationError):
@@ -54,7 +55,7 @@ def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float) -> Alig
     if pulse is None:
         raise UnusableError("no pulse")
     if pulse.onset == 0:
-        raise UnusableError("the pulse has begun before the recording")
+        raise UnusableError("the pulse has begun before the recording (excitation: continuous would take it)")
     time = trial.time_s - trial.time_s[pulse.onset]
     first = int(np.searchsorted(time, -before_s - 0.5 * dt_s))
     last = int(np.searchsorted(time, after_s + 0.5 * dt_s)) - 1
@@ -72,6 +73,36 @@ def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float) -> Alig
         torque, angle = _averaged(time, trial.torque_nm, grid, dt_s), np.interp(grid, time, trial.angle_rad)
     noise = float(rest.std(ddof=1)) if rest.size >= 8 else None
     return Aligned(-begin, torque.astype(np.float64), angle - rest.mean(), noise)
+
+
+def even(trial: Trial, *, dt_s: float, span_s: tuple[float, float] | None, ramps: bool) -> Aligned:
+    """A record on a uniform grid, the angle from its first sample; ``span_s``: what is kept, None for all.
+
+    Where times are not on the grid, the angle is interpolated, and the torque averaged over each interval, or
+    interpolated where it ``ramps``. Its noise is not known. Raises `UnusableError` with too few samples or a wide gap.
+    """
+    time = trial.time_s - trial.time_s[0]
+    first, last = 0, time.size - 1
+    if span_s is not None:
+        first = int(np.searchsorted(time, span_s[0] - 0.5 * dt_s))
+        last = int(np.searchsorted(time, span_s[1] + 0.5 * dt_s)) - 1
+    if last - first < FEWEST_RUNNING:
+        where = "in it" if span_s is None else f"from {span_s[0]:g} to {span_s[1]:g} s, of {time[-1]:.3g} s in it"
+        raise UnusableError(f"{max(last - first + 1, 0)} samples {where} are too few")
+    kept = slice(first, last + 1)
+    steps = np.diff(time[kept])
+    widest = int(np.argmax(steps))
+    if steps[widest] > WIDEST_GAP * dt_s:
+        raise UnusableError(
+            f"gap of {steps[widest]:.3g} s in time at {time[first + widest]:.4g} s, over {WIDEST_GAP:g} intervals of "
+            f"{dt_s:.3g} s (prepare: {{span: [...]}} keeps a part of a record)"
+        )
+    time, torque, angle = time[kept] - time[first], trial.torque_nm[kept], trial.angle_rad[kept]
+    grid: Array = dt_s * np.arange(int(np.floor(time[-1] / dt_s + EVEN)) + 1, dtype=np.float64)
+    if grid.size != time.size or np.abs(time - grid).max() > EVEN * dt_s:
+        torque = np.interp(grid, time, torque) if ramps else _averaged(time, torque, grid, dt_s)
+        angle = np.interp(grid, time, angle)
+    return Aligned(0, torque.astype(np.float64), angle - angle[0], None)
 
 
 def _rest(time: Array, pulse: Pulse) -> slice:

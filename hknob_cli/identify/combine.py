@@ -5,7 +5,7 @@ no single fit can know; only repeated blocks show it.
 """
 
 from collections.abc import Iterable
-from math import isfinite, nan, sqrt
+from math import hypot, isfinite, nan, sqrt
 from statistics import fmean, stdev
 from typing import NamedTuple
 
@@ -26,15 +26,17 @@ def over_blocks(estimates: Iterable[Estimate]) -> Estimate:
     """One person's value of one condition: the mean over blocks, its standard error from the spread between them.
 
     Blocks that are not finite are left out. Of a single block the fit's own standard error, which leaves out the hand's
-    variation; of none, NaN. An interval is the mean ± Student's t of (blocks - 1) degrees times this: 4.3 for three.
+    variation; of none, NaN. What a misfit of the model makes of the fits' errors is common to the blocks: its mean is
+    added. An interval is the mean ± Student's t of (blocks - 1) degrees times this: 4.3 for three.
     """
     kept = [one for one in estimates if isfinite(one.value)]
     if not kept:
         return Estimate(nan, nan, False)
-    if len(kept) == 1:
+    if len(kept) == 1 or all(one.std == 0.0 for one in kept):  # a single one, or one that is known
         return kept[0]
     values = [one.value for one in kept]
-    return judged(fmean(values), stdev(values) / sqrt(len(values)))
+    misfit = fmean(one.misfit for one in kept)
+    return judged(fmean(values), hypot(stdev(values) / sqrt(len(values)), misfit), misfit)
 
 
 def over_subjects(values: Iterable[float]) -> Spread:

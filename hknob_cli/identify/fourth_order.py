@@ -16,6 +16,7 @@ from hknob_cli.identify.covariance import condition
 from hknob_cli.identify.finger_network import FINGER_INERTIA, ORDER, respond_with_slopes, split
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.levenberg import Minimum
+from hknob_cli.identify.misfit import widen
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.nearest import Nearest, cost, nearest
 from hknob_cli.identify.output_error import output_error
@@ -101,6 +102,12 @@ def _fit(
     parts: Callable[[Array], dict[str, float]],
     begin: Array,
 ) -> Fit:
+    explained, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
+    bad = misfit(white, explained, found.rms_rad, motion)
+    part = np.zeros_like(found.covariance)
+    if bad:
+        total, part, more = widen(found.covariance, found.slopes, found.residuals, white)
+        bad, found = (*bad, *more), found._replace(covariance=total)
     here = parts(found.parameters)
     by = _slopes(here, searched)
     stuck = np.abs(found.parameters - begin) > REACH - 1e-6
@@ -125,7 +132,8 @@ def _fit(
             elif own < 1.0:
                 reason += ", an error that is too small: what is far from it fits as well"
             doubts.append(f"{name} is not identifiable from this motion: {reason}")
-        estimates[name] = Estimate(float(value), float(std), sure)
+        own_part = here[name] * sqrt(max(float(row @ part @ row), 0.0)) if bad else 0.0
+        estimates[name] = Estimate(float(value), float(std), sure, min(own_part, float(std)))
         shares.append((value, own, share))
     if len(names) == len(ORDER):
         doubts.append("neither inertia is known: intervals have been too narrow in one of five synthetic cases")
@@ -134,14 +142,13 @@ def _fit(
     index = [ORDER.index(name) for name in names]
     scale = np.array([value * (share / own if own > 0.0 and isfinite(share) else 1.0) for value, own, share in shares])
     covariance = by[index] @ found.covariance @ by[index].T * np.outer(scale, scale)
-    share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
     flags = () if found.converged else ("the search did not converge",)
     return Fit(
         NAME,
         estimates,
-        share,
+        explained,
         white,
-        (*flags, *misfit(white, share, found.rms_rad, motion), *doubts),
+        (*flags, *bad, *doubts),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
         covariance=tuple(map(tuple, covariance.tolist())),

@@ -6,40 +6,49 @@ residuals are correlated, so that the usual standard errors are too small. Those
 (`covariance.cautious`), which is cheap; nothing allows for the bias.
 """
 
+from collections.abc import Mapping, Sequence
 from math import nan
+from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.covariance import cautious
 from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.misfit import share_of, widen
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.quality import blank, doubts, judged, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.second_order import Plant, respond
+from hknob_cli.identify.running_start import best_motion
+from hknob_cli.identify.second_order import Plant, respond_with_slopes
 from hknob_cli.recordings.trial import Array
 
 NAME, FRICTION_NAME = "least_squares", "least_squares_friction"
 FOLLOWS = "coulomb is not identifiable: the direction of motion follows the torque, and damping is biased with it"
 ALIKE = 10.0  # variance inflation of a column by another above which they cannot be told apart (Kutner et al. 2005)
+REST = "rest"  # torque that the spring has where the angle is zero
+NONE: Mapping[str, float] = {}
 MOVING = 3.0, 0.01  # a velocity's direction is known above so many times its noise, and this share of its peak
 
 
-def least_squares(motion: Motion) -> Fit:
-    """Inertia, damping and stiffness by J a + B v + K x = T. Raises `UsageError` without velocity and acceleration."""
-    return _solve(motion, NAME, friction=False)
+def least_squares(motion: Motion, *, fixed: Mapping[str, float] = NONE) -> Fit:
+    """Inertia, damping and stiffness by J a + B v + K x = T, ``fixed`` ones taken off the torque.
+
+    Raises `UsageError` without velocity and acceleration.
+    """
+    return _solve(motion, NAME, fixed, friction=False)
 
 
-def least_squares_friction(motion: Motion) -> Fit:
+def least_squares_friction(motion: Motion, *, fixed: Mapping[str, float] = NONE) -> Fit:
     """As `least_squares`, with a column sign(v) for Coulomb friction, on the samples whose velocity is above noise.
 
     A hand that turns back as the pulse ends has a sign(v) that follows the torque, step for step. The smoothed
     acceleration has no such steps, so the column takes the torque's up, and a friction comes out that is not there, of
     some mN·m at firm grips, at the expense of damping. Friction is then said not to be identifiable (`inflation`).
     """
-    return _solve(motion, FRICTION_NAME, friction=True)
+    return _solve(motion, FRICTION_NAME, fixed, friction=True)
 
 
-def _solve(motion: Motion, name: str, *, friction: bool) -> Fit:
+def _solve(motion: Motion, name: str, fixed: Mapping[str, float], *, friction: bool) -> Fit:
     if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
         raise UsageError(f"{name}: the motion has no velocity and acceleration; differentiate it first")
     names = ("inertia", "damping", "stiffness", *(("coulomb",) if friction else ()))
@@ -47,38 +56,68 @@ def _solve(motion: Motion, name: str, *, friction: bool) -> Fit:
     if why:
         return unidentified(name, names, why)
     acceleration, velocity = motion.acceleration_rad_s2, motion.velocity_rad_s
-    columns = [acceleration, velocity, motion.angle_rad]
+    columns = {"inertia": acceleration, "damping": velocity, "stiffness": motion.angle_rad}
     rows = np.isfinite(acceleration) & np.isfinite(velocity)
     if friction:
-        columns.append(np.sign(velocity))
+        columns["coulomb"] = np.sign(velocity)
         rows &= np.abs(velocity) > still(motion, velocity)
-    table = np.stack(columns, axis=1)[rows]
-    torque = motion.torque_nm[rows]
+    torque = motion.torque_nm - sum(value * columns[one] for one, value in fixed.items())
+    searched = [one for one in names if one not in fixed]
+    if not motion.pulsed and "stiffness" in searched:
+        columns[REST] = np.ones_like(velocity)  # the spring's rest is not where the recording begins
+        searched.append(REST)
+    if not searched:
+        return unidentified(name, names, "every parameter is fixed: nothing is left to identify")
+    table = np.stack([columns[one] for one in searched], axis=1)[rows]
+    torque = torque[rows]
     lengths = np.sqrt(np.sum(table * table, axis=0))
-    if len(torque) <= len(names) or not np.all(lengths > 0.0):
+    if len(torque) <= len(searched) or not np.all(lengths > 0.0):
         return unidentified(name, names, "too few samples move: nothing can be identified")
     solved, _, rank, _ = np.linalg.lstsq(table / lengths, torque, rcond=None)
     values = solved / lengths
     left = torque - table @ values
-    covariance = cautious(table, left) if rank == len(names) else np.full((len(names), len(names)), nan)
-    spread = np.sqrt(np.diagonal(covariance))
-    estimates = {one: judged(value, std) for one, value, std in zip(names, values, spread, strict=True)}
-    share, rms = _angle_share(motion, estimates)
-    flags = doubts(estimates, motion)
-    if friction and inflation(table[:, 3], torque) > ALIKE:
-        estimates["coulomb"] = estimates["coulomb"]._replace(identifiable=False)
-        flags = (FOLLOWS, *flags)
+    width = len(searched)
+    covariance = cautious(table, left) if rank == width else np.full((width, width), nan)
+    found = dict(fixed) | dict(zip(searched, map(float, values), strict=True))
+    moved = _moved(motion, found)
     white = whiteness(left)
+    flags = misfit(white, moved.vaf, moved.rms_rad, motion)
+    total, part = (_whole(one, names, searched) for one in (covariance, np.zeros_like(covariance)))
+    if flags and moved.slopes is not None:
+        own = [names.index(one) for one in names if one not in fixed]
+        more = widen(total[np.ix_(own, own)], moved.slopes[:, [*own, -1]], moved.left, white)
+        total[np.ix_(own, own)], part[np.ix_(own, own)] = more.covariance, more.part
+        flags = (*flags, *more.flags)
+    with np.errstate(invalid="ignore"):
+        spread = np.sqrt(np.diagonal(total))
+    estimates = {
+        one: Estimate(fixed[one], 0.0) if one in fixed else judged(found[one], spread[i], share_of(part, i))
+        for i, one in enumerate(names)
+    }
+    doubtful = doubts(estimates, motion)
+    if friction and inflation(table[:, searched.index("coulomb")], torque) > ALIKE:
+        estimates["coulomb"] = estimates["coulomb"]._replace(identifiable=False)
+        doubtful = (FOLLOWS, *doubtful)
     return Fit(
         name,
         estimates,
-        share,
+        moved.vaf,
         white,
-        (*misfit(white, share, rms, motion), *flags),
+        (*flags, *doubtful),
         torque_vaf=vaf(torque, table @ values),
-        rms_rad=rms,
-        covariance=tuple(map(tuple, covariance.tolist())),
+        rms_rad=moved.rms_rad,
+        covariance=tuple(map(tuple, total.tolist())),
+        misfit=tuple(map(tuple, part.tolist())) if np.any(part) else None,
     )
+
+
+def _whole(covariance: Array, names: Sequence[str], searched: Sequence[str]) -> Array:
+    """Covariance of all ``names`` in their order; nothing of those that are known."""
+    found = np.zeros((len(names), len(names)))
+    there = [i for i, one in enumerate(names) if one in searched]
+    of = [searched.index(names[i]) for i in there]
+    found[np.ix_(there, there)] = covariance[np.ix_(of, of)]
+    return found
 
 
 def inflation(column: Array, other: Array) -> float:
@@ -92,17 +131,37 @@ def inflation(column: Array, other: Array) -> float:
 
 def still(motion: Motion, velocity: Array) -> float:
     """Velocity rad/s up to which its direction is not known: from its scatter before the torque, and its peak."""
-    before = velocity[: int(np.flatnonzero(motion.torque_nm)[0])]
+    before = velocity[: motion.onset]
     before = before[np.isfinite(before)]
     scatter = float(np.std(before)) if len(before) > 1 else 0.0
     return max(MOVING[0] * scatter, MOVING[1] * float(np.nanmax(np.abs(velocity))))
 
 
-def _angle_share(motion: Motion, estimates: dict[str, Estimate]) -> tuple[float, float]:
-    """Variance of the angle that the exact motion with these parameters accounts for, and what is left of it, rms."""
-    inertia, damping, stiffness = (estimates[one].value for one in ("inertia", "damping", "stiffness"))
+class _Moved(NamedTuple):
+    """The exact motion with the parameters found: what it accounts for, what is left, and its derivatives (n, p + 1).
+
+    Derivatives by the parameters in their order, and by the rest angle; None where there is no such motion.
+    """
+
+    vaf: float
+    rms_rad: float
+    left: Array
+    slopes: Array | None
+
+
+def _moved(motion: Motion, found: Mapping[str, float]) -> _Moved:
+    inertia = found["inertia"]
     if not inertia > 0.0:
-        return nan, nan
-    friction = max(estimates["coulomb"].value, 0.0) if "coulomb" in estimates else 0.0
-    angle = respond(Plant(inertia, damping, stiffness, friction), motion.torque_nm, motion.dt_s)
-    return vaf(motion.angle_rad, angle), float(np.std(motion.angle_rad - angle))
+        return _Moved(nan, nan, np.empty(0), None)
+    friction = max(found.get("coulomb", 0.0), 0.0)
+    plant = Plant(inertia, found["damping"], found["stiffness"], friction)
+    if motion.pulsed and not motion.free_start:
+        angle, slopes = respond_with_slopes(plant, motion.torque_nm, motion.dt_s, ramps=motion.ramps)
+    else:
+        angle, slopes = best_motion(motion, plant)
+    slopes = np.column_stack([slopes[:, 0] / inertia, slopes[:, 1:4], np.ones(len(angle))])
+    left = motion.angle_rad - angle
+    with np.errstate(over="ignore", invalid="ignore"):
+        left = left - np.mean(left)
+        rms = float(np.sqrt(np.mean(left * left)))
+        return _Moved(vaf(motion.angle_rad, angle), rms, left, slopes if np.all(np.isfinite(slopes)) else None)

@@ -1,7 +1,7 @@
 """What fitted numbers become: a damping ratio, a hand without its apparatus, a model at the skin."""
 
 from collections.abc import Mapping
-from math import nan, sqrt
+from math import isfinite, nan, sqrt
 
 import numpy as np
 
@@ -23,15 +23,17 @@ def damping_ratio(fit: Fit) -> Estimate:
         return Estimate(nan, nan, False)
     ratio = damping / (2.0 * sqrt(inertia * stiffness))
     slope = np.array([-0.5 * ratio / inertia, 1.0 / (2.0 * sqrt(inertia * stiffness)), -0.5 * ratio / stiffness])
+    names = list(fit.parameters)
+    chosen = [names.index(name) for name in SQUARED_ARM]
     if fit.covariance is not None:
-        names = list(fit.parameters)
-        chosen = [names.index(name) for name in SQUARED_ARM]
         covariance = np.array(fit.covariance)[np.ix_(chosen, chosen)]
     else:
         covariance = np.diag([estimate.std * estimate.std for estimate in one])
     with np.errstate(invalid="ignore", over="ignore"):
         std = float(np.sqrt(slope @ covariance @ slope))
-    told = judged(ratio, std)
+        part = np.zeros_like(covariance) if fit.misfit is None else np.array(fit.misfit)[np.ix_(chosen, chosen)]
+        misfit = float(np.sqrt(np.maximum(slope @ part @ slope, 0.0)))
+    told = judged(ratio, std, misfit if isfinite(misfit) else 0.0)
     return told._replace(identifiable=told.identifiable and all(estimate.identifiable for estimate in one))
 
 
@@ -43,7 +45,7 @@ def without_apparatus(
     An ``apparatus`` without a standard error counts as exact.
     """
     own = apparatus if isinstance(apparatus, Estimate) else Estimate(apparatus, 0.0)
-    hand = judged(estimate.value - own.value, sqrt(estimate.std * estimate.std + own.std * own.std))
+    hand = judged(estimate.value - own.value, sqrt(estimate.std * estimate.std + own.std * own.std), estimate.misfit)
     hand = hand._replace(identifiable=hand.identifiable and estimate.identifiable)
     if hand.value < 0.0:
         return hand, (f"{what} is below the apparatus's own: {estimate.value:.3g} less {own.value:.3g}",)
@@ -61,5 +63,5 @@ def at_the_skin(parameters: Mapping[str, Estimate], radius_m: float) -> dict[str
     found = {}
     for name, one in parameters.items():
         arm = radius_m if name == "coulomb" else radius_m * radius_m
-        found[name] = Estimate(one.value / arm, one.std / arm, one.identifiable)
+        found[name] = Estimate(one.value / arm, one.std / arm, one.identifiable, one.misfit / arm)
     return found

@@ -1,4 +1,4 @@
-"""A motion as the estimators take it: uniform in time, one pulse, from rest."""
+"""A motion as the estimators take it: uniform in time, one pulse from rest, or any torque from any state."""
 
 from typing import NamedTuple
 
@@ -15,6 +15,10 @@ class Motion(NamedTuple):
     the pulse and the encoder's step; None if unknown. ``averaged``: trials that were averaged into it.
     ``scatter_rad``: root mean square over time of the trials' standard deviation about it, what noise makes taken off;
     None of a single trial.
+
+    ``pulsed`` False: the torque goes on as it likes, and the angle is from its first sample. ``free_start``: the first
+    angle and velocity are not those of rest, but unknown. ``ramps``: the torque runs straight from sample to sample.
+    ``measured``: the torque is a sensor's, so that no lag is between it and the knob.
     """
 
     dt_s: float
@@ -25,6 +29,15 @@ class Motion(NamedTuple):
     noise_rad: float | None = None
     averaged: int = 1
     scatter_rad: float | None = None
+    pulsed: bool = True
+    free_start: bool = False
+    ramps: bool = False
+    measured: bool = False
+
+    @property
+    def onset(self) -> int:
+        """First sample with torque, before which nothing moves; 0 where that is not known."""
+        return int(np.flatnonzero(self.torque_nm)[0]) if self.pulsed and not self.free_start else 0
 
     @property
     def blend_rad(self) -> float:

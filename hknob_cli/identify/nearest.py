@@ -103,8 +103,7 @@ def nearest(
     angle, rms = left_by(found.parameters)
     step = encoder_step(motion)
     if 0.0 < rms * np.sqrt(motion.averaged) < DITHER * step:
-        rest = int(np.flatnonzero(motion.torque_nm)[0])
-        seen = stays(angle, step, rms, motion.averaged, rest)
+        seen = stays(angle, step, rms, motion.averaged, motion.onset)
         found, others = search(seen, found.parameters)
         angle, rms = left_by(found.parameters)
     at, residuals, slopes, converged = found

@@ -6,21 +6,30 @@ stiffness as themselves, for an apparatus without a hand has none, and an estima
 honest interval there.
 """
 
+from collections.abc import Mapping, Sequence
 from math import exp, log
+from typing import Any
 
 import numpy as np
 
-from hknob_cli.identify.fit import Fit
+from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.levenberg import Minimum
+from hknob_cli.identify.misfit import share_of, widen
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.nearest import nearest
+from hknob_cli.identify.nearest import cost, nearest
 from hknob_cli.identify.quality import blank, doubts, judged, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.second_order import Plant, respond_with_slopes
+from hknob_cli.identify.running_start import Begin, running_starts
+from hknob_cli.identify.second_order import Plant, Start, respond_with_slopes
 from hknob_cli.identify.start import integrated_start
 from hknob_cli.recordings.trial import Array
 
 NAME = "output_error"
 FRICTION_NAME = "output_error_friction"
 FIRST_FRICTION = 0.02  # of the highest torque, where friction's own search begins
+BACKWARDS = "the angle accelerates against the torque: nothing can be identified; is a sign wrong?"
+STATE = ("start_angle", "start_velocity")
+ALL = ("inertia", "damping", "stiffness", "coulomb", *STATE)  # as `respond_with_slopes` has them
+NONE: Mapping[str, float] = {}
 
 
 def output_error(
@@ -30,51 +39,111 @@ def output_error(
     lag_s: float = 0.0,
     coulomb_nm: float = 0.0,
     fit_coulomb: bool = False,
+    fixed: Mapping[str, float] = NONE,
 ) -> Fit:
     """Inertia, damping, stiffness (and Coulomb friction) by the least squares of measured less modelled angle.
 
     ``lag_s``: known time constant between command and torque. ``coulomb_nm``: known friction, or where the search for
-    it begins if ``fit_coulomb``. The rest angle is fitted too. Standard errors are `covariance.cautious`; what an
-    encoder repeats counts once (`readings`). What the data cannot tell is flagged, never raised.
-    Give it the angle as recorded and averaged, not smoothed: smoothing rounds the motion but not the torque.
+    it begins if ``fit_coulomb``. ``fixed``: parameters that are known, by name. The rest angle is fitted too, and the
+    first angle and velocity where the motion does not begin at rest. Standard errors are `covariance.cautious`, and
+    allow for a misfit (`misfit.widen`); what an encoder repeats counts once (`readings`). What the data cannot tell is
+    flagged, never raised.
     """
     name = FRICTION_NAME if fit_coulomb else NAME
     names = ("inertia", "damping", "stiffness", *(("coulomb",) if fit_coulomb else ()))
     why = blank(motion)
     if why:
         return unidentified(name, names, why)
-    first = start or integrated_start(motion)
-    if not first.inertia > 0.0:
-        return unidentified(name, names, "the torque moves nothing: nothing can be identified")
-    width = len(names)
+    known = {**fixed, **({} if fit_coulomb else {"coulomb": coulomb_nm})}
+    searched = [one for one in names if one not in known]
+    if motion.free_start:
+        # Without a spring the first angle is the rest angle.
+        searched += STATE[1:] if known.get("stiffness") == 0.0 else STATE
+    if not searched:
+        return unidentified(name, names, "every parameter is fixed: nothing is left to identify")
+    friction = coulomb_nm or (FIRST_FRICTION * float(np.max(np.abs(motion.torque_nm))) if fit_coulomb else 0.0)
+    begins = _begins(motion, start, known, friction, 0.0 if motion.measured else lag_s)
+    if not begins:
+        pushed = "the torque moves nothing: nothing can be identified"
+        return unidentified(name, names, pushed if motion.pulsed else BACKWARDS)
+    columns = [ALL.index(one) for one in searched]
+
+    def parts(p: Array) -> dict[str, float]:
+        here: dict[str, float] = {**known, **dict(zip(searched, map(float, p), strict=True))}
+        if "inertia" in searched:
+            here["inertia"] = exp(min(max(here["inertia"], -100.0), 50.0))
+        return here
 
     def answer(p: Array) -> tuple[Array, Array]:
-        plant = Plant(exp(min(max(p[0], -100.0), 50.0)), p[1], p[2], p[3] if fit_coulomb else coulomb_nm)
-        angle, slopes = respond_with_slopes(plant, motion.torque_nm, motion.dt_s, lag_s=lag_s, friction=fit_coulomb)
-        return angle, slopes[:, :width]
+        here = parts(p)
+        plant = Plant(*(here[one] for one in ALL[:4]))
+        how: dict[str, Any] = {"lag_s": 0.0 if motion.measured else lag_s, "ramps": motion.ramps}
+        if motion.free_start:
+            how["start"] = Start(*(here.get(one, 0.0) for one in STATE))
+        angle, slopes = respond_with_slopes(plant, motion.torque_nm, motion.dt_s, friction=fit_coulomb, **how)
+        return angle, slopes[:, columns]
 
-    begin = [log(first.inertia), first.damping, first.stiffness]
-    lowest = np.full(width, -np.inf)
-    if fit_coulomb:
-        begin.append(coulomb_nm or FIRST_FRICTION * float(np.max(np.abs(motion.torque_nm))))
-        lowest[3] = 0.0
-    found = nearest(motion, answer, np.array(begin), lowest=lowest)
+    def from_all(fit: Any, _begin: Array) -> Sequence[Minimum]:
+        ends = [fit(np.append(_vector(one, searched), one.rest_rad), steps=25, enough=1e-6) for one in begins]
+        return sorted(ends, key=cost)[:1]
+
+    first = _vector(begins[0], searched)
+    lowest = np.array([0.0 if one == "coulomb" else -np.inf for one in searched])
+    found = nearest(motion, answer, first, lowest=lowest, elsewhere=from_all if len(begins) > 1 else None)
+    values = parts(found.parameters)
     # The derivative by inertia is that by its logarithm over it.
-    values = np.array([exp(min(max(found.parameters[0], -100.0), 50.0)), *found.parameters[1:]])
-    by = np.ones(width)
-    by[0] = values[0]
-    covariance = found.covariance * np.outer(by, by)
-    spread = np.sqrt(np.diagonal(covariance))
-    estimates = {one: judged(value, std) for one, value, std in zip(names, values, spread, strict=True)}
+    by = np.array([values["inertia"] if one == "inertia" else 1.0 for one in searched])
     share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
-    flags = () if found.converged else ("the search did not converge",)
+    flags = misfit(white, share, found.rms_rad, motion)
+    covariance = found.covariance * np.outer(by, by)
+    part = np.zeros_like(covariance)
+    if flags:
+        total, part, more = widen(found.covariance, found.slopes, found.residuals, white)
+        covariance, part, flags = total * np.outer(by, by), part * np.outer(by, by), (*flags, *more)
+    with np.errstate(invalid="ignore"):
+        spread = np.sqrt(np.diagonal(covariance))
+    estimates = {}
+    for one in names:
+        if one in known:
+            estimates[one] = Estimate(known[one], 0.0)
+        else:
+            at = searched.index(one)
+            estimates[one] = judged(values[one], spread[at], share_of(part, at))
+    lost = () if found.converged else ("the search did not converge",)
     return Fit(
         name,
         estimates,
         share,
         white,
-        (*flags, *misfit(white, share, found.rms_rad, motion), *doubts(estimates, motion)),
+        (*lost, *flags, *doubts(estimates, motion)),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
-        covariance=tuple(map(tuple, covariance.tolist())),
+        covariance=_whole(covariance, names, searched),
+        misfit=_whole(part, names, searched) if np.any(part) else None,
     )
+
+
+def _begins(
+    motion: Motion, start: Plant | None, known: Mapping[str, float], friction: float, lag_s: float
+) -> list[Begin]:
+    """Where searches begin, the most promising first; none where the torque does not explain any motion."""
+    if not motion.pulsed or (motion.free_start and start is None):
+        return running_starts(motion, known, coulomb_nm=friction, lag_s=lag_s)
+    first = start or integrated_start(motion)
+    plant = first._replace(**{one: known[one] for one in ALL[:3] if one in known}, coulomb=friction)
+    return [Begin(plant, Start(), 0.0)] if plant.inertia > 0.0 else []
+
+
+def _vector(begin: Begin, searched: Sequence[str]) -> Array:
+    plant, start = begin.plant, begin.start
+    every = [log(plant.inertia), plant.damping, plant.stiffness, plant.coulomb, *start]
+    return np.array([every[ALL.index(one)] for one in searched])
+
+
+def _whole(covariance: Array, names: Sequence[str], searched: Sequence[str]) -> tuple[tuple[float, ...], ...]:
+    """Covariance of all ``names`` in their order; nothing of those that are known."""
+    found = np.zeros((len(names), len(names)))
+    there = [i for i, one in enumerate(names) if one in searched]
+    of = [searched.index(names[i]) for i in there]
+    found[np.ix_(there, there)] = covariance[np.ix_(of, of)]
+    return tuple(map(tuple, found.tolist()))

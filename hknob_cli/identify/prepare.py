@@ -6,10 +6,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.align import Aligned, UnusableError, align, interval
+from hknob_cli.identify.align import Aligned, UnusableError, align, even, interval
 from hknob_cli.identify.motion import Motion
+from hknob_cli.identify.readings import encoder_step
 from hknob_cli.identify.smooth import differentiate, smooth
 from hknob_cli.recordings.health import flags
+from hknob_cli.recordings.running_health import running_flags
 from hknob_cli.recordings.trial import Array, Trial
 
 SMOOTHED_RATE_HZ = 1000.0
@@ -28,6 +30,10 @@ class Preparation(NamedTuple):
     estimator that simulates. ``differentiate``: give velocity and
     acceleration. ``window_s``: what is kept before and after the onset: 2 ms, and 30 ms, for stretch reflexes set in
     20 to 30 ms after it and are no part of a passive hand.
+
+    ``continuous``: each trial is a motion of its own, from any state, of which ``span_s`` is kept (seconds from its
+    first sample, None: all). ``torque``: measured or commanded, None: measured where all trials have one. ``ramps``:
+    the torque runs straight between samples. ``free_start``: the motion may begin moving.
     """
 
     average: bool = True
@@ -36,6 +42,11 @@ class Preparation(NamedTuple):
     smooth_torque: bool = False
     differentiate: bool = True
     window_s: tuple[float, float] = (0.002, 0.030)
+    continuous: bool = False
+    span_s: tuple[float, float] | None = None
+    torque: str | None = None
+    ramps: bool = False
+    free_start: bool = False
 
 
 class Condition(NamedTuple):
@@ -69,28 +80,48 @@ def conditions(
     preparation = preparation or Preparation()
     groups: dict[tuple[Condition, int | None], list[Trial]] = {}
     for trial in trials:
-        alone = None if preparation.average else trial.key.trial
+        alone = None if preparation.average and not preparation.continuous else trial.key.trial
         groups.setdefault((Condition(*trial.key[:4]), alone), []).append(trial)
     return [_prepared(key[0], group, preparation, counts_per_rev) for key, group in groups.items()]
 
 
 def _prepared(condition: Condition, trials: list[Trial], how: Preparation, counts: float | None) -> Prepared:
-    notes: list[str] = []
+    acting, measured, notes = _with_torque(trials, how.torque)
     cuts: list[Aligned] = []
     used: list[int] = []
     dt_s: float | None = None
-    for trial in trials:
+    for trial, used_as in zip(trials, acting, strict=True):
         number = trial.key.trial
-        notes += [f"trial {number}: {flag}" for flag in flags(trial, counts_per_rev=counts)]
+        said = running_flags(trial, counts_per_rev=counts) if how.continuous else flags(trial, counts_per_rev=counts)
+        notes += [f"trial {number}: {flag}" for flag in (*trial.notes, *said)]
         try:
             dt_s = interval(trial) if dt_s is None else dt_s
-            cuts.append(_cut(trial, dt_s, how))
+            if how.continuous:
+                cuts.append(even(used_as, dt_s=dt_s, span_s=how.span_s, ramps=how.ramps))
+            else:
+                cuts.append(_cut(used_as, dt_s, how))
             used.append(number)
         except UnusableError as error:
             notes.append(f"trial {number} left out: {error}")
     if not cuts or dt_s is None:
         return Prepared(condition, (), None, tuple(notes))
-    return Prepared(condition, tuple(used), _motion(_mean(cuts), len(cuts), dt_s, how, counts), tuple(notes))
+    motion = _motion(_mean(cuts), len(cuts), dt_s, how, counts)
+    motion = motion._replace(pulsed=not how.continuous, free_start=how.free_start, ramps=how.ramps, measured=measured)
+    if how.continuous and motion.noise_rad is None and (step := encoder_step(motion)):
+        motion = motion._replace(noise_rad=step / math.sqrt(12.0))
+    return Prepared(condition, tuple(used), motion, tuple(notes))
+
+
+def _with_torque(trials: list[Trial], wanted: str | None) -> tuple[list[Trial], bool, list[str]]:
+    """Trials with the torque that is used as their own; whether it is measured; and why not, where it was wanted."""
+    sensed = [trial.measured_torque_nm is not None for trial in trials]
+    if wanted == "commanded" or not any(sensed):
+        lacking = ["no measured torque: the commanded one is used"] if wanted == "measured" else []
+        return trials, False, lacking
+    if not all(sensed):
+        return trials, False, [f"measured torque in {sum(sensed)} of {len(sensed)} trials: the commanded one is used"]
+    used = [(trial, trial.measured_torque_nm) for trial in trials]
+    return [one._replace(torque_nm=torque) for one, torque in used if torque is not None], True, []
 
 
 def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:
@@ -132,7 +163,8 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
     """
     factor = how.decimate if how.decimate is not None else max(1, round(1.0 / (dt_s * SMOOTHED_RATE_HZ)))
     angle = smooth(mean.angle_rad, factor)
-    torque = smooth(_at_samples(mean.torque_nm), factor) if how.smooth_torque else mean.torque_nm
+    sampled = mean.torque_nm if how.ramps else _at_samples(mean.torque_nm)
+    torque = smooth(sampled, factor) if how.smooth_torque else mean.torque_nm
     velocity = acceleration = None
     if how.differentiate:
         velocity = differentiate(angle, dt_s)
@@ -140,9 +172,12 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
             velocity = smooth(velocity, factor)
         acceleration = differentiate(velocity, dt_s)
     stride = 1 if how.interpolate else factor
-    before = min(math.floor(how.window_s[0] / dt_s + 0.5), mean.onset)
-    start = mean.onset - before // stride * stride
-    stop = mean.onset + math.floor(how.window_s[1] / dt_s + 0.5) + 1
+    if how.continuous:
+        start, stop = 0, mean.angle_rad.size
+    else:
+        before = min(math.floor(how.window_s[0] / dt_s + 0.5), mean.onset)
+        start = mean.onset - before // stride * stride
+        stop = mean.onset + math.floor(how.window_s[1] / dt_s + 0.5) + 1
     kept = slice(start, stop, stride)
     return Motion(
         dt_s=dt_s * stride,

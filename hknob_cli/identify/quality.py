@@ -43,9 +43,9 @@ def whiteness(residuals: Array, fitted: int = 0, lags: int = LAGS) -> float | No
     return float(chdtrc(lags - fitted, statistic))
 
 
-def judged(value: float, std: float) -> Estimate:
+def judged(value: float, std: float, misfit: float = 0.0) -> Estimate:
     """An estimate, not identifiable where its standard error is not below its size."""
-    return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)))
+    return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)), float(misfit))
 
 
 def blank(motion: Motion) -> str | None:
@@ -75,27 +75,30 @@ def misfit(white: float | None, share: float, rms: float, motion: Motion) -> tup
     known = max(EXCESS * (noise or 0.0), motion.blend_rad)
     if white is None or white >= ODDS or 1.0 - share < ROUNDING or rms <= known:
         return ()
-    size = f", {rms / noise:.1f} times the noise" if noise else ""
-    return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, VAF {100.0 * share:.2f} %",)
+    size = f", {rms / noise:.1f} times the noise" if noise and isfinite(rms) else ""
+    explained = (
+        f"VAF {100.0 * share:.2f} %" if isfinite(share) else "no VAF, because the fitted model has no bounded motion"
+    )
+    return (f"{MISFIT}: residuals are not white (p = {white:.1g}){size}, {explained}",)
 
 
 def doubts(estimates: Mapping[str, Estimate], motion: Motion) -> tuple[str, ...]:
     """What a second-order fit's own numbers warn of, in words."""
     found = []
-    window = (len(motion.angle_rad) - int(np.flatnonzero(motion.torque_nm)[0])) * motion.dt_s
+    window = (len(motion.angle_rad) - motion.onset) * motion.dt_s
+    where = f"{1e3 * window:.3g} ms from the pulse on" if motion.pulsed else f"{window:.3g} s"
     for name, one in estimates.items():
+        if one.std == 0.0 and one.identifiable:  # it is known
+            continue
         if not isfinite(one.std):
             found.append(f"{name} is not identifiable: the data do not tell it from the others")
         elif not one.identifiable:
             zero = "" if name == "inertia" else " from zero"
-            found.append(
-                f"{name} is not identifiable: not told{zero} in {1e3 * window:.3g} ms from the pulse on "
-                f"({one.value:.2g} ± {one.std:.2g})"
-            )
+            found.append(f"{name} is not identifiable: not told{zero} in {where} ({one.value:.2g} ± {one.std:.2g})")
         elif one.value < 0.0:
             found.append(f"{name} came out negative: {one.value:.2g}")
     inertia, damping, stiffness = (estimates[name].value for name in ("inertia", "damping", "stiffness"))
-    if inertia > 0.0 and stiffness > 0.0 and damping > 0.0:
+    if motion.pulsed and inertia > 0.0 and stiffness > 0.0 and damping > 0.0:
         ratio = damping / (2.0 * sqrt(inertia) * sqrt(stiffness))  # a product of both may be too small for a number
         slow = damping / stiffness
         if ratio > OVERDAMPED:

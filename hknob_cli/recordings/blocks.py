@@ -1,13 +1,13 @@
 """Rows of a recording in blocks: cells made numbers and names, and where one trial ends and the next begins."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
 from hknob_cli.recordings.cells import Names, bad_cells, names, numbers
-from hknob_cli.recordings.columns import OPTIONAL, TEXTS
+from hknob_cli.recordings.columns import MAY_MISS, TEXTS
 from hknob_cli.recordings.faults import MOST, Faults
 from hknob_cli.recordings.files import NotReadableError
 from hknob_cli.recordings.trial import Array, Key
@@ -23,6 +23,11 @@ class Block(NamedTuple):
     first: int
     numbers: dict[str, Array]
     names: dict[str, Names]
+
+    @property
+    def size(self) -> int:
+        """Number of rows."""
+        return len(self.numbers["time_s"])
 
     def key(self, index: int) -> Key:
         """Key of a row."""
@@ -41,25 +46,40 @@ class Block(NamedTuple):
         return [int(start) for start in np.flatnonzero(changes)]
 
 
-def blocks(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> Iterator[Block]:
+def blocks(
+    batches: Iterable[dict[str, pa.Array]],
+    faults: Faults,
+    constants: Mapping[str, str | float],
+    factors: Mapping[str, float],
+) -> Iterator[Block]:
     """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before.
 
-    Raises `NotReadableError` for names of another type.
+    ``constants``: keys that are no columns of the file; ``factors``: by which a column's numbers become SI. Raises
+    `NotReadableError` for names of another type.
     """
     first = 1
     for batch in batches:
-        texts = {name: _names(name, batch[name]) for name in TEXTS}
+        count = len(batch["time_s"])
+        texts = {name: _names(name, batch[name]) for name in TEXTS if name in batch}
         for name, column in texts.items():
             for index in column.empty()[: MOST + 1]:
                 faults.add(first + int(index), name, "must be text or a whole number, got nothing")
         reals = {name: numbers(cells) for name, cells in batch.items() if name not in TEXTS}
         for name, values in reals.items():
             if not np.isfinite(values).all():
-                for bad in bad_cells(batch[name], values, may_miss=name in OPTIONAL):
+                for bad in bad_cells(batch[name], values, may_miss=name in MAY_MISS):
                     faults.add(first + bad.row, name, f"must be a finite number, got {bad.value}")
+        reals |= {name: factors[name] * reals[name] for name in reals if factors.get(name, 1.0) != 1.0}
         for name in _WHOLE:
-            _check_whole(name, reals[name], first, faults)
-        reals |= {name: _filled(reals[name]) for name in _NUMBERS}
+            if name in reals:
+                _check_whole(name, reals[name], first, faults)
+        reals |= {name: _filled(reals[name]) for name in _NUMBERS if name in reals}
+        for name, value in constants.items():
+            if isinstance(value, str):
+                texts[name] = Names([value], np.zeros(count, dtype=np.int32))
+            else:
+                reals[name] = np.full(count, float(value))
+        texts = {name: texts[name] for name in TEXTS}
         if faults.full:
             return
         if len(reals["time_s"]):

@@ -58,6 +58,8 @@ def bad_cells(cells: pa.Array, values: Array, *, may_miss: bool = False) -> Iter
         lower = compute.utf8_lower(compute.utf8_trim_whitespace(cells.cast(pa.string())))
         missing = compute.is_in(lower, value_set=pa.array(_MISSING)).to_numpy(zero_copy_only=False)
         wrong |= np.isnan(values) & ~missing & ~cells.is_null().to_numpy(zero_copy_only=False)
+    elif may_miss and not pa.types.is_floating(cells.type):
+        wrong |= np.isnan(values) & ~cells.is_null().to_numpy(zero_copy_only=False)
     for index in np.flatnonzero(wrong)[: MOST + 1]:
         cell = cells[int(index)].as_py()
         empty = cell is None or (isinstance(cell, str) and not cell.strip())

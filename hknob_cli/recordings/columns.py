@@ -22,24 +22,32 @@ SAMPLES = (
 MEASURED_TORQUE = Column("measured_torque_nm", pa.float64(), "N*m", "measured torque; null where there is no sensor")
 
 TEXTS = ("subject", "experiment")
-REQUIRED = tuple(column.name for column in (*KEYS, *SAMPLES))
-OPTIONAL = (MEASURED_TORQUE.name,)
+REQUIRED = ("time_s", "angle_rad")
+TORQUES = ("torque_nm", MEASURED_TORQUE.name)  # of which one must be there
+MAY_MISS = ("grip_n", MEASURED_TORQUE.name)  # in all rows of a trial
+EVERY = tuple(column.name for column in (*KEYS, *SAMPLES, MEASURED_TORQUE))
+UNNAMED = "unnamed"  # subject and experiment of a file without such columns
 
 
 class Limit(NamedTuple):
-    """Largest magnitude that a knob and a hand can have, and the unit that a larger one was probably given in."""
+    """Largest magnitude that is no surprise, and the unit that a larger one was probably given in.
+
+    ``key``: of the spec's ``limits``, which raises it.
+    """
 
     most: float
     unit: str
     likely: str
+    key: str
 
 
 LIMITS = {
-    "angle_rad": Limit(100.0, "rad", "degrees or counts"),
-    "torque_nm": Limit(10.0, "N m", "mN m"),
-    "measured_torque_nm": Limit(10.0, "N m", "mN m"),
-    "grip_n": Limit(1000.0, "N", "mN or grams"),
-    "grip_target_n": Limit(1000.0, "N", "mN or grams"),
+    "angle_rad": Limit(100.0, "rad", "degrees or counts", "angle"),
+    "torque_nm": Limit(10.0, "N m", "mN m", "torque"),
+    "measured_torque_nm": Limit(10.0, "N m", "mN m", "torque"),
+    "grip_n": Limit(1000.0, "N", "mN or grams", "force"),
+    "grip_target_n": Limit(1000.0, "N", "mN or grams", "force"),
 }
+LARGEST = 1e6  # of any number, in SI units: beyond it is no knob
 LONGEST_STEP_S = 1.0
 LONGEST_TRIAL_S = 1000.0

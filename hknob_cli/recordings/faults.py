@@ -1,6 +1,6 @@
 """Faults of recordings: file, row, column, what is wrong, the value, what is allowed."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from hknob_cli.errors import UsageError
@@ -35,15 +35,29 @@ class RecordingError(UsageError):
 class Faults:
     """Collects the faults of one file, in the order of its rows."""
 
-    def __init__(self, file: str) -> None:
+    def __init__(self, file: str, sources: Mapping[str, str] | None = None) -> None:
+        """``sources``: names of columns in the file, where they differ."""
         self.file = file
+        self.sources = {} if sources is None else sources
+        self.absent: set[str] = set()  # keys that are no columns of the file
+        self.warnings: list[RowFault] = []
         self._found: list[RowFault] = []
         self._of_rows: list[RowFault] = []
         self._said: set[tuple[str, str]] = set()
 
     def add(self, row: int, column: str, message: str) -> None:
         """Note a fault."""
-        self._found.append(RowFault(self.file, row, column, message))
+        self._found.append(RowFault(self.file, row, self._shown(column), message))
+
+    def warn(self, row: int, column: str, message: str) -> None:
+        """Note what is read all the same; only the first of a column."""
+        if ("warning", column) not in self._said:
+            self._said.add(("warning", column))
+            self.warnings.append(RowFault(self.file, row, self._shown(column), message))
+
+    def _shown(self, column: str) -> str:
+        there = self.sources.get(column, column)
+        return column if there == column else f"{column} (column '{there}')"
 
     def add_row(self, row: int, message: str) -> None:
         """Note a fault of a row as a whole, ``row`` as the file counts it."""
@@ -57,7 +71,7 @@ class Faults:
 
     def has(self, column: str) -> bool:
         """Whether a fault of ``column`` was noted."""
-        return any(fault.column == column for fault in self._found)
+        return any(fault.column in (column, self._shown(column)) for fault in self._found)
 
     @property
     def full(self) -> bool:

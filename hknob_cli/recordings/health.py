@@ -32,7 +32,7 @@ def flags(trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: 
     ``sample_rate_hz``: the rate it should have been sampled at.
     """
     pulse = find_pulse(trial.torque_nm)
-    found = [*_clock(trial, sample_rate_hz)]
+    found = [*clock_flags(trial, sample_rate_hz)]
     if pulse is None:
         return (*found, "no pulse: the commanded torque is zero throughout")
     found += _pulse(trial, pulse)
@@ -41,7 +41,7 @@ def flags(trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: 
     return tuple(found)
 
 
-def _clock(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
+def clock_flags(trial: Trial, sample_rate_hz: float | None) -> Iterator[str]:
     """Gaps in time, and another rate than stated."""
     steps = np.diff(trial.time_s)
     if not steps.size:
@@ -69,7 +69,8 @@ def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
     if lasts > LONGEST_PULSE_S:
         yield f"pulse of {lasts:.3g} s, longer than {LONGEST_PULSE_S:g} s: is time in ms?"
     if pulse.others:
-        yield f"{_times(pulse.others, 'further pulse')} after the first, which alone is used"
+        more = _times(pulse.others, "further pulse")
+        yield f"{more} after the first, which alone is used (excitation: continuous uses all)"
     inside = slice(pulse.onset, pulse.end)
     if trial.measured_torque_nm is not None and during > 2:
         middle = slice(pulse.onset + during // 4, pulse.end - during // 4)
@@ -77,7 +78,7 @@ def _pulse(trial: Trial, pulse: Pulse) -> Iterator[str]:
         if abs(measured - 1.0) > TORQUE_SHARE:
             yield f"measured torque is {measured:.0%} of the commanded: is the actuator at its limit?"
     grip, target = float(trial.grip_n[inside].mean()), trial.key.grip_target_n
-    if target > 0.0 and abs(grip - target) > GRIP_SHARE * target:
+    if target > 0.0 and math.isfinite(grip) and abs(grip - target) > GRIP_SHARE * target:
         yield f"grip of {grip:.3g} N at the pulse, {grip / target - 1.0:+.0%} off its target of {target:g} N"
 
 

@@ -1,39 +1,51 @@
 """Reads recordings: CSV or Parquet files into trials, or all that is wrong with them, with rows."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import pairwise
 from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 
 from hknob_cli.recordings.blocks import Block, blocks
 from hknob_cli.recordings.checks import check_trial
-from hknob_cli.recordings.columns import MEASURED_TORQUE, OPTIONAL, REQUIRED, SAMPLES
+from hknob_cli.recordings.columns import EVERY, MAY_MISS, MEASURED_TORQUE, REQUIRED, SAMPLES, TORQUES, UNNAMED
 from hknob_cli.recordings.faults import Faults, RecordingError, RowFault
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
-from hknob_cli.spec.messages import closest
+from hknob_cli.spec.identification import ColumnPlan
+from hknob_cli.spec.messages import closest, shown
 
+NOTHING: Mapping[str, Any] = {}
 _SAMPLES = tuple(column.name for column in (*SAMPLES, MEASURED_TORQUE))
 
 
-def read(paths: Iterable[Path | str]) -> list[Trial]:
+def read(
+    paths: Iterable[Path | str],
+    *,
+    columns: Mapping[str, ColumnPlan] = NOTHING,
+    limits: Mapping[str, float] = NOTHING,
+    warn: Callable[[str], None] = lambda _text: None,
+) -> list[Trial]:
     """Trials of all files, in their order.
 
     Columns as `hknob_cli.recordings.columns` lists them, in any order, others ignored; the rows of a trial are
-    consecutive. Raises `RecordingError` with up to 20 faults.
+    consecutive. ``columns`` says what is otherwise in the files; ``limits``: by column, the size beyond which ``warn``
+    is told. A file without a column ``block`` is a block of its own, of its number in ``paths``, and so is one without
+    ``trial`` a trial. Raises `RecordingError` with up to 20 faults.
     """
     trials: list[Trial] = []
     found: list[RowFault] = []
     seen: dict[Key, Trial] = {}
-    for path in paths:
-        faults = Faults(str(path))
+    for number, path in enumerate(paths, 1):
+        sources = {name: one.source for name, one in columns.items() if one.source}
+        faults = Faults(str(path), sources)
         lost: list[int] = []
         try:
             file = RecordingFile(Path(path))
-            raw = _columns(file, faults)
-            here = _trials_of(file, raw, faults, lost) if raw else []
+            raw = _columns(file, faults, columns)
+            here = _trials_of(file, Layout(raw, columns, number, limits), faults, lost) if raw else []
         except NotReadableError as error:
             faults.add(0, "", str(error))
             here = []
@@ -44,58 +56,95 @@ def read(paths: Iterable[Path | str]) -> list[Trial]:
                 faults.add(trial.first_row, "trial", f"{_said(trial.key)} is already in {place}; must be there once")
         trials += here
         found += faults.listed(lost)
+        if not faults:
+            for warning in faults.warnings:
+                warn(str(warning))
     if found:
         raise RecordingError(found)
     return trials
 
 
-def _columns(file: RecordingFile, faults: Faults) -> dict[str, str]:
-    """Name in the header of each known column; empty if a required one is missing, which is noted."""
+class Layout(NamedTuple):
+    """How a file is read: names in its header by name of column, what is said of columns, and the file's number."""
+
+    raw: dict[str, str]
+    given: Mapping[str, ColumnPlan]
+    number: int
+    limits: Mapping[str, float]
+
+    @property
+    def factors(self) -> dict[str, float]:
+        """By which columns become SI."""
+        return {name: one.factor for name, one in self.given.items() if one.source}
+
+    @property
+    def constants(self) -> dict[str, str | float]:
+        """Keys that are no columns of the file."""
+        default: dict[str, str | float] = {"subject": UNNAMED, "experiment": UNNAMED, "grip_target_n": 0.0}
+        default |= {"block": self.number, "trial": self.number}
+        said = {name: one.value for name, one in self.given.items() if one.value is not None}
+        return {name: said.get(name, value) for name, value in default.items() if name not in self.raw}
+
+
+def _columns(file: RecordingFile, faults: Faults, given: Mapping[str, ColumnPlan]) -> dict[str, str]:
+    """Name in the header of each column that is there; empty if a needed one is missing, which is noted."""
     stripped = [name.strip() for name in file.names]
-    others = [name for name in stripped if name not in REQUIRED]
-    absent = [name for name in REQUIRED if name not in stripped]
-    if len(stripped) == 1 and absent:
+    wanted = {name: given[name].source if name in given else name for name in EVERY}
+    found = {name: there for name, there in wanted.items() if there and there in stripped}
+    if len(stripped) == 1 and not found:
         for mark, what in ((";", "semicolons"), ("\t", "tabs")):
             if mark in stripped[0]:
                 raise NotReadableError(f"has cells separated by {what}; must be by commas")
-    for name in absent:
-        close = closest(name, others)
-        hint = f"; is it '{close}'?" if close else ""
-        faults.add(0, name, f"column missing, and required{hint}")
-    for name in (*REQUIRED, *OPTIONAL):
-        if stripped.count(name) > 1:
-            faults.add(0, name, f"column is there {stripped.count(name)} times; must be there once")
+    others = [name for name in stripped if name not in found.values()]
+    for name, there in wanted.items():
+        if not there or name in found:
+            continue
+        close = closest(there, others)
+        if name in given:
+            hint = f"is it '{close}'?" if close else f"there are {', '.join(map(shown, stripped[:20]))}"
+            faults.add(0, name, f"missing, though columns names it; {hint}")
+        elif name in REQUIRED or (name == TORQUES[0] and TORQUES[1] not in found):
+            hint = f"; is it '{close}'?" if close else f"; columns: {{{name}: NAME}} says how it is called"
+            faults.add(0, name, f"column missing, and required{hint}")
+        elif close:
+            faults.warn(0, name, f"there is no such column, but '{close}', which is not read; is it meant?")
+    for name, there in found.items():
+        if stripped.count(there) > 1:
+            faults.add(0, name, f"column is there {stripped.count(there)} times; must be there once")
+    faults.absent |= {name for name in EVERY if name not in found}
     if faults:
         return {}
-    return {name: file.names[stripped.index(name)] for name in (*REQUIRED, *OPTIONAL) if name in stripped}
+    return {name: file.names[stripped.index(there)] for name, there in found.items()}
 
 
-def _trials_of(file: RecordingFile, raw: dict[str, str], faults: Faults, lost: list[int]) -> list[Trial]:
+def _trials_of(file: RecordingFile, layout: Layout, faults: Faults, lost: list[int]) -> list[Trial]:
     """Trials of one file; its faults are noted, from its text if it is CSV."""
     if not file.is_parquet:
         try:
-            clean = Faults(faults.file)
-            trials = _gathered(file.typed(raw), clean)
+            clean = Faults(faults.file, faults.sources)
+            clean.absent |= faults.absent
+            trials = _gathered(file.typed(layout.raw), layout, clean)
             if not clean:
+                faults.warnings += clean.warnings
                 return trials
         except (pa.ArrowException, OSError):
             pass
-    trials = _gathered(file.texts(raw), faults)
+    trials = _gathered(file.texts(layout.raw), layout, faults)
     for row, cells, expected in file.lost:
         lost.append(row)
         faults.add_row(row, f"has {cells} cells; must have {expected}, as the header")
     return trials
 
 
-def _gathered(batches: Iterable[dict[str, pa.Array]], faults: Faults) -> list[Trial]:
+def _gathered(batches: Iterable[dict[str, pa.Array]], layout: Layout, faults: Faults) -> list[Trial]:
     """Trials of the rows of one file, checked; stops when there are more faults than are listed."""
     trials: list[Trial] = []
     seen: dict[Key, Trial] = {}
     rows = 0
-    for whole in _runs(blocks(batches, faults), faults.file):
-        trial = _with_measured(whole, faults)
+    for whole in _runs(blocks(batches, faults, layout.constants, layout.factors), faults.file):
+        trial = whole if faults.absent >= set(MAY_MISS) else _without_holes(whole, faults)
         rows += trial.time_s.size
-        check_trial(trial, faults)
+        trial = trial._replace(notes=check_trial(trial, faults, layout.limits))
         twin = seen.setdefault(trial.key, trial)
         if twin is not trial:
             end = twin.first_row + twin.time_s.size - 1
@@ -129,21 +178,27 @@ def _runs(rows: Iterable[Block], source: str) -> Iterator[Trial]:
 
 
 def _joined(key: Key, pieces: list[dict[str, Array]], source: str, first: int) -> Trial:
-    """Trial of its pieces, in memory of its own."""
+    """Trial of its pieces, in memory of its own; commanded torque the measured one where there is no other."""
     samples = {name: np.concatenate([piece[name] for piece in pieces]) for name in _SAMPLES if name in pieces[0]}
-    return Trial(key=key, **samples, source=source, first_row=first)
+    samples.setdefault("grip_n", np.full(samples["time_s"].size, np.nan))
+    if TORQUES[0] not in samples:
+        samples[TORQUES[0]] = samples[TORQUES[1]]
+    return Trial(key=key, source=source, first_row=first, **dict[str, Any](samples))
 
 
-def _with_measured(trial: Trial, faults: Faults) -> Trial:
-    """Trial without the measured torque if it has none; one with holes is noted."""
-    if trial.measured_torque_nm is None:
-        return trial
-    holes = np.flatnonzero(np.isnan(trial.measured_torque_nm))
-    if holes.size == trial.time_s.size:
-        return trial._replace(measured_torque_nm=None)
-    if holes.size and not faults.has(MEASURED_TORQUE.name):
-        message = f"nothing in {holes.size} rows of this trial; must be in all of them, or in none"
-        faults.add(trial.first_row + int(holes[0]), MEASURED_TORQUE.name, message)
+def _without_holes(trial: Trial, faults: Faults) -> Trial:
+    """Trial without the measured torque if it has none; holes in it, or in the grip, are noted."""
+    for name in MAY_MISS:
+        values: Array | None = getattr(trial, name)
+        if values is None or name in faults.absent:
+            continue
+        holes = np.flatnonzero(np.isnan(values))
+        if holes.size == values.size and name != "grip_n" and TORQUES[0] not in faults.absent:
+            trial = trial._replace(measured_torque_nm=None)
+        elif holes.size and (name != "grip_n" or holes.size < values.size) and not faults.has(name):
+            none = ", or in none" if TORQUES[0] not in faults.absent else ""
+            message = f"nothing in {holes.size} rows of this trial; must be in all of them{none}"
+            faults.add(trial.first_row + int(holes[0]), name, message)
     return trial
 
 

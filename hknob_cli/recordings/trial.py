@@ -21,7 +21,8 @@ class Trial(NamedTuple):
     """Samples of one trial, all arrays of one length.
 
     ``time_s`` rises; ``torque_nm`` is commanded, positive as ``angle_rad``; ``measured_torque_nm`` where there is a
-    torque sensor. ``source`` and ``first_row`` say where it was read (rows count from 1 below the header of a file).
+    torque sensor; ``grip_n`` is NaN where there is no grip cell. ``notes``: what is surprising about its numbers.
+    ``source`` and ``first_row`` say where it was read (rows count from 1 below the header of a file).
     """
 
     key: Key
@@ -32,3 +33,4 @@ class Trial(NamedTuple):
     measured_torque_nm: Array | None = None
     source: str = ""
     first_row: int = 1
+    notes: tuple[str, ...] = ()

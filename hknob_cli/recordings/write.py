@@ -21,7 +21,8 @@ _WRITE_ROWS = 16_384
 def table(trials: Sequence[Trial]) -> pa.Table:
     """One row per sample, trials one after another, each column with unit and meaning.
 
-    The measured torque is a column where any trial has one, null in the others. Laid out from the arrays' memory.
+    The measured torque is a column where any trial has one, null in the others; so is the grip where none was measured.
+    Laid out from the arrays' memory.
     """
     columns = [*KEYS, *SAMPLES]
     lengths = np.array([trial.time_s.size for trial in trials], dtype=np.int64)
@@ -34,7 +35,10 @@ def table(trials: Sequence[Trial]) -> pa.Table:
             kind = np.int64 if column.type == pa.int64() else np.float64
             arrays.append(_plain(column.type, np.repeat(np.array(values, dtype=kind), lengths)))
     for column in SAMPLES:
-        arrays.append(_plain(column.type, _chained([getattr(trial, column.name) for trial in trials])))
+        numbers = _chained([getattr(trial, column.name) for trial in trials])
+        there = ~np.isnan(numbers)
+        hidden = column.name == "grip_n" and not there.all()
+        arrays.append(_plain(column.type, numbers, _mask(there) if hidden else None))
     if any(trial.measured_torque_nm is not None for trial in trials):
         columns.append(MEASURED_TORQUE)
         arrays.append(_measured(trials, lengths))
@@ -84,5 +88,8 @@ def _measured(trials: Sequence[Trial], lengths: np.ndarray[Any, np.dtype[np.int6
             for trial in trials
         ]
     )
-    valid = None if there.all() else pa.py_buffer(np.packbits(there, bitorder="little"))
-    return _plain(MEASURED_TORQUE.type, values, valid)
+    return _plain(MEASURED_TORQUE.type, values, None if there.all() else _mask(there))
+
+
+def _mask(there: np.ndarray[Any, Any]) -> pa.Buffer:
+    return pa.py_buffer(np.packbits(there, bitorder="little"))

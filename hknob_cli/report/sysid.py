@@ -8,9 +8,12 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.identify.quality import MISFIT, ODDS
+from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.matrix import short
 from hknob_cli.report.table import table
 
+DISAGREE = "estimators disagree"
+MOST_REMARKS = 6
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 _COLUMNS = (
     ("J g*cm^2", "inertia_kg_m2", 1e7),
@@ -32,7 +35,14 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
         "alone": _alone([row for row in rows if row["level"] == "subject"]),
         "flags": dict(flags.most_common(20)),
         "averages": _averages(fits),
+        "remarks": list(dict.fromkeys(_remark(row) for row in rows if DISAGREE in row["flags"])),
     }
+
+
+def _remark(row: dict[str, Any]) -> str:
+    """Where the estimators of a person's condition disagree."""
+    said = [flag for flag in row["flags"].split("; ") if flag.startswith(DISAGREE)]
+    return f"{row['subject']}, experiment {row['experiment']}, {row['grip_target_n']:g} N: {'; '.join(said)}"
 
 
 def _alone(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
@@ -65,17 +75,18 @@ def sysid_text(summary: dict[str, Any]) -> str:
     if "calibration" in summary:
         return _calibration_text(summary)
     rows = summary["alone"] or summary["conditions"]
-    named = len({row["subject"] for row in rows}) > 1
+    named = len({row["subject"] for row in rows}) > 1 or not any(row["grip_target_n"] for row in rows)
     whose = "standard error" if summary["alone"] else "standard deviation over persons"
     first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
-        lines += ["", f"experiment {key[0]}, {key[1]}: mean ± {whose}"]
+        where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
+        lines += ["", f"{where}{key[1]}: mean ± {whose}"]
         body = []
         for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
             cells = [str(row["subject"]) if named else short(row["grip_target_n"])]
-            cells += [_spread(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
+            cells += [_cell(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
             cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
             body.append([*cells, "*" if row["flags"] else ""])
         lines += table([first, *(one[0] for one in _COLUMNS), "VAF %", ""], body, left={6})
@@ -87,6 +98,10 @@ def sysid_text(summary: dict[str, Any]) -> str:
             f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
             "their mean is not one motion's. prepare: {average: false} fits each trial",
         ]
+    if summary["remarks"]:
+        lines += ["", *summary["remarks"][:MOST_REMARKS]]
+        left = len(summary["remarks"]) - MOST_REMARKS
+        lines += [f"and {left} more conditions in which they disagree"] if left > 0 else []
     if summary["flags"]:
         lines += ["", "* doubtful in some fits; the column flags says which:"]
         lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
@@ -101,6 +116,11 @@ def _calibration_text(summary: dict[str, Any]) -> str:
     ]
     lines += table(["quantity", "condition", "value", "unit", ""], body, left={0, 1, 3, 4}, keys=2, flow=4)
     return "\n".join(lines)
+
+
+def _cell(value: float | None, std: float | None, scale: float) -> str:
+    """A parameter; one without any error was given."""
+    return f"{short(scale * value, 3)} (fixed)" if value is not None and std == 0.0 else _spread(value, std, scale)
 
 
 def _spread(value: float | None, std: float | None, scale: float) -> str:

@@ -4,6 +4,7 @@ from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.estimators import COLOURS, MARKERS, NAMES
 from hknob_cli.report.picture import save
 
@@ -33,7 +34,7 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
 
     held = any(row["grip_target_n"] for row in conditions)
     rows = [row for row in conditions if row["level"] == ("all" if held else "subject")]
-    parameters = [one for one in _PARAMETERS if any(row.get(one[0]) is not None for row in rows)]
+    parameters = [one for one in _PARAMETERS if any(_told(row, one[0]) for row in rows)]
     if not parameters:
         return False
     experiments = list(dict.fromkeys(row["experiment"] for row in rows))
@@ -50,6 +51,8 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
                 shift = i - 0.5 * (len(estimators) - 1)
                 _line(axes, found, column, scale, estimator, _places(found, places, held=held, shift=shift), held=held)
             axes.grid(alpha=0.3)
+        if experiment == UNNAMED:
+            continue
         line[0].annotate(
             f"experiment {experiment}" if held else str(experiment),
             (0.03, 0.97),
@@ -67,6 +70,11 @@ def draw_hands(conditions: list[Row], *, title: str, path: Path) -> bool:
     figure.suptitle(f"{title}: {whose}")
     save(figure, path, stage="sysid", name=title)
     return True
+
+
+def _told(row: Row, column: str) -> bool:
+    """Whether a parameter was identified; one without any error was given."""
+    return row.get(column) is not None and row.get(f"{column}_std") != 0.0
 
 
 def _places(rows: list[Row], places: list[Any], *, held: bool, shift: float) -> list[float]:

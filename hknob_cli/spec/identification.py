@@ -4,13 +4,37 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 
+class ColumnPlan(NamedTuple):
+    """A column of a recording: its ``source`` in the file, by which ``factor`` its numbers become SI.
+
+    Or, with no source, the ``value`` of all rows.
+    """
+
+    source: str
+    factor: float = 1.0
+    value: str | float | None = None
+
+
 class PreparePlan(NamedTuple):
-    """How trials become motions; ``window_s`` before and after the onset."""
+    """How trials become motions; ``window_s`` before and after the onset; ``span_s``: what is kept of a record."""
 
     average: bool
     decimate: int | None
     interpolate: bool
     window_s: tuple[float, float]
+    span_s: tuple[float, float] | None = None
+
+
+class MotionPlan(NamedTuple):
+    """What recorded motions are: ``continuous`` or a pulse each, from rest or a ``free_start``.
+
+    ``torque``: commanded or measured, by default measured where it is there; ``ramps``: straight between samples.
+    """
+
+    continuous: bool = False
+    free_start: bool = False
+    torque: str | None = None
+    ramps: bool = False
 
 
 class VirtualPlan(NamedTuple):
@@ -56,7 +80,8 @@ class StudyPlan(NamedTuple):
 class SysidPlan(NamedTuple):
     """An identification. ``apparatus``, ``radius``: inertia to subtract and radius of the knob by experiment.
 
-    The experiment "" stands for all that are not named. With a ``study`` there are no recordings.
+    The experiment "" stands for all that are not named. With a ``study`` there are no recordings. ``columns`` of the
+    files by their names here; ``limits`` by column, above which a number is a surprise; ``fixed`` parameters by name.
     """
 
     name: str
@@ -73,3 +98,7 @@ class SysidPlan(NamedTuple):
     radius: dict[str, float]
     values: dict[str, Any]
     study: StudyPlan | None = None
+    columns: dict[str, ColumnPlan] = {}  # noqa: RUF012  # never changed
+    limits: dict[str, float] = {}  # noqa: RUF012
+    motion: MotionPlan = MotionPlan()
+    fixed: dict[str, float] = {}  # noqa: RUF012

@@ -65,10 +65,15 @@ def items_of(info: FieldInfo) -> type[BaseModel] | None:
     for arm in (info.annotation, *_arms(info)):
         plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
         if get_origin(plain) in (list, dict):
-            for item in (item for part in get_args(plain)[-1:] for item in (part, *get_args(part))):
-                if isinstance(item, type) and issubclass(item, BaseModel):
-                    return item
+            return _first_model(get_args(plain)[-1])
     return None
+
+
+def _first_model(kind: Any) -> type[BaseModel] | None:
+    """The first model in a type, however it is annotated."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind
+    return next((found for arm in get_args(kind) if (found := _first_model(arm)) is not None), None)
 
 
 def _is_number(info: FieldInfo) -> bool:

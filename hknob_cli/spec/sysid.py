@@ -7,9 +7,19 @@ from pydantic import Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.spec.faults import faults_of
-from hknob_cli.spec.identification import PreparePlan, SysidPlan, VirtualPlan
+from hknob_cli.spec.foreign_columns import ColumnName, NameOrColumn, RecordingLimits, plan_columns
+from hknob_cli.spec.identification import MotionPlan, PreparePlan, SysidPlan, VirtualPlan
 from hknob_cli.spec.part import Part
-from hknob_cli.spec.quantity import AddedInertia, PositiveSeconds, Seconds, Torque, Unit
+from hknob_cli.spec.quantity import (
+    AddedInertia,
+    Damping,
+    Inertia,
+    PositiveSeconds,
+    Seconds,
+    Stiffness,
+    Torque,
+    Unit,
+)
 from hknob_cli.spec.source import Source
 from hknob_cli.spec.study import StudySpec, plan_study
 from hknob_cli.spec.sweep import Name
@@ -50,10 +60,27 @@ class PrepareSpec(Part):
     ] = None
     interpolate: Annotated[bool, Field(description="back to the recorded rate after smoothing")] = True
     window: Annotated[WindowSpec, Field(default_factory=WindowSpec)]
+    span: Annotated[
+        tuple[Seconds, Seconds] | None,
+        Field(description="of a continuous record: first and last second that are kept, from its start; null: all"),
+    ] = None
 
     def plain(self) -> PreparePlan:
         """As plain values."""
-        return PreparePlan(self.average, self.decimate, self.interpolate, (self.window.before, self.window.after))
+        window = (self.window.before, self.window.after)
+        return PreparePlan(self.average, self.decimate, self.interpolate, window, self.span)
+
+
+class FixSpec(Part):
+    """Parameters that are known, and held at these values."""
+
+    inertia: Annotated[Inertia | None, Field(description="of all that moves")] = None
+    damping: Annotated[Damping | None, Field(description="0: none")] = None
+    stiffness: Annotated[Stiffness | None, Field(description="0: a motor without a spring")] = None
+
+    def plain(self) -> dict[str, float]:
+        """By name."""
+        return {name: value for name, value in self if value is not None}
 
 
 class RigSpec(Part):
@@ -110,6 +137,26 @@ class SysidSpec(Part):
     counts_per_rev: Annotated[
         int | None, Field(strict=True, ge=1, le=2**31, description="of the encoder that recorded; null: not known")
     ] = None
+    columns: Annotated[
+        dict[ColumnName, NameOrColumn],
+        Field(default_factory=dict, description="names, units and signs of the files' columns, where they differ"),
+    ]
+    limits: Annotated[RecordingLimits, Field(default_factory=RecordingLimits)]
+    excitation: Annotated[
+        Literal["pulse", "continuous"],
+        Field(description="pulse: one from rest in each trial; continuous: steps, sines, chirps, noise, anything"),
+    ] = "pulse"
+    initial_state: Annotated[
+        Literal["rest", "free"] | None,
+        Field(description="free: first angle and velocity are fitted; null: rest of a pulse, else free"),
+    ] = None
+    torque: Annotated[
+        Literal["commanded", "measured"] | None, Field(description="null: measured where there is one")
+    ] = None
+    torque_between_samples: Annotated[
+        Literal["held", "linear"], Field(description="held from sample to sample, or a straight line between them")
+    ] = "held"
+    fix: Annotated[FixSpec, Field(default_factory=FixSpec)]
     study: Annotated[StudySpec | None, Field(description="of the estimators themselves, instead of recordings")] = None
     prepare: Annotated[PrepareSpec, Field(default_factory=PrepareSpec)]
     estimators: Annotated[
@@ -148,6 +195,11 @@ def validate_sysid(source: Source) -> SysidPlan:
         faults.append(source.fault(("counts_per_rev",), text, at_key=True))
     if spec.virtual is not None:
         faults += _too_many(source, spec.virtual, spec.what)
+        for key in sorted(spec.model_fields_set & {"columns", "limits"}):
+            faults.append(source.fault((key,), "must be absent where recordings are virtual", at_key=True))
+    columns, wrong = plan_columns(source, spec.columns)
+    faults += wrong
+    faults += _contradictions(source, spec)
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
@@ -166,7 +218,45 @@ def validate_sysid(source: Source) -> SysidPlan:
         radius=_by_experiment(spec.knob_radius),
         values=source.value,
         study=study,
+        columns=columns,
+        limits=spec.limits.plain(),
+        motion=MotionPlan(
+            continuous=spec.excitation == "continuous",
+            free_start=(spec.initial_state or ("free" if spec.excitation == "continuous" else "rest")) == "free",
+            torque=spec.torque,
+            ramps=spec.torque_between_samples == "linear",
+        ),
+        fixed=spec.fix.plain(),
     )
+
+
+def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
+    """Keys that do not go together."""
+    found: list[tuple[tuple[str, ...], str]] = []
+    continuous, prepare = spec.excitation == "continuous", spec.prepare
+    if continuous:
+        given = prepare.model_fields_set
+        if "window" in given:
+            found.append((("prepare", "window"), "must be absent of a continuous excitation; span says what is kept"))
+        if "average" in given and prepare.average:
+            found.append((("prepare", "average"), "must be false of a continuous excitation: each trial is fitted"))
+    elif prepare.span is not None:
+        found.append((("prepare", "span"), "must be absent of a pulse; window says what is kept"))
+    if prepare.span is not None and prepare.span[0] >= prepare.span[1]:
+        found.append((("prepare", "span"), "must rise"))
+    linear = spec.torque_between_samples == "linear"
+    if linear and spec.settling_time_constant > 0.0:
+        found.append((("settling_time_constant",), "must be 0 where the torque between samples is linear"))
+    if "fourth_order" in spec.estimators:
+        for key in ("damping", "stiffness"):
+            if key in spec.fix.plain():
+                found.append((("fix", key), "must be absent: fourth_order has two of it"))
+        if continuous or spec.initial_state == "free" or linear:
+            text = "fourth_order needs a pulse from rest, with a torque that is held"
+            found.append((("estimators",), text))
+    if len(spec.fix.plain()) == 3 and any("friction" not in one for one in spec.estimators):
+        found.append((("fix",), "must leave a parameter to identify"))
+    return [source.fault(key, text, at_key=True) for key, text in found]
 
 
 def _too_many(source: Source, virtual: VirtualSpec, what: str) -> list[Fault]:

@@ -25,10 +25,10 @@ from hknob_cli.recordings.write import table as recordings_table
 from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.spec.identification import SysidPlan
+from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
 from hknob_cli.stages.sysid_rig import virtual_rig
 
 DERIVATIVES = ("least_squares", "least_squares_friction")
-MOST_SAID = 12
 Progress = Callable[[int, int], None]
 Row = dict[str, Any]
 
@@ -50,14 +50,13 @@ class SysidStage:
     def __init__(self, plan: SysidPlan) -> None:
         """Make ready."""
         self.plan = plan
+        moved = partial(output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm, fixed=plan.fixed)
         self._estimators: dict[str, Callable[[Motion], Fit]] = {
-            "least_squares": least_squares,
-            "least_squares_friction": least_squares_friction,
-            "output_error": partial(output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm),
-            "output_error_friction": partial(
-                output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm, fit_coulomb=True
-            ),
-            "fourth_order": fourth_order,
+            "least_squares": partial(least_squares, fixed=plan.fixed),
+            "least_squares_friction": partial(least_squares_friction, fixed=plan.fixed),
+            "output_error": moved,
+            "output_error_friction": partial(moved, fit_coulomb=True),
+            "fourth_order": partial(fourth_order, inertia=plan.fixed.get("inertia")),
         }
 
     @property
@@ -70,11 +69,18 @@ class SysidStage:
             given |= {"finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness"}
         return tuple(name for name in columns.PARAMETERS if name in given)
 
-    def trials(self, progress: Progress = lambda _done, _total: None) -> list[Trial]:
-        """The recordings; ``progress`` is told of those that are made. Raises `RecordingError`, `UsageError`."""
+    def trials(
+        self,
+        progress: Progress = lambda _done, _total: None,
+        warn: Callable[[str], None] = lambda _text: None,
+    ) -> list[Trial]:
+        """The recordings; ``progress`` is told of those that are made, ``warn`` of what is surprising in those read.
+
+        Raises `RecordingError`, `UsageError`.
+        """
         plan = self.plan
         if plan.virtual is None:
-            return read(plan.recordings)
+            return read(plan.recordings, columns=plan.columns, limits=plan.limits, warn=warn)
         virtual = plan.virtual
         rig = virtual_rig(plan)
         if plan.what == "apparatus":
@@ -108,17 +114,26 @@ class SysidStage:
         for name, given in (("subtract_apparatus", self.plan.apparatus), ("knob_radius", self.plan.radius)):
             _check_names(name, given, there)
         fitted = list(self._fitted(trials, progress))
-        if not any(value.identifiable for one in fitted for value in one.fit.parameters.values()):
-            said = list(dict.fromkeys(flag for one in fitted for flag in one.flags))
-            more = f"; and {len(said) - MOST_SAID} more" if len(said) > MOST_SAID else ""
-            raise ComputationError(f"no trial can be used: {'; '.join(said[:MOST_SAID])}{more}")
+        if not any(
+            value.identifiable and name not in self.plan.fixed
+            for one in fitted
+            for name, value in one.fit.parameters.items()
+        ):
+            raise ComputationError(f"no trial can be used: {first_reasons(one.flags for one in fitted)}")
         return self._trials_table(fitted), self._conditions_table(fitted)
 
     def _fitted(self, trials: list[Trial], progress: Progress) -> Iterator[Fitted]:
         plan = self.plan.prepare
-        raw = Preparation(average=plan.average, decimate=1, differentiate=False, window_s=plan.window_s)
+        motion = self.plan.motion
+        both: dict[str, Any] = {"average": plan.average, "window_s": plan.window_s, "span_s": plan.span_s}
+        raw = Preparation(decimate=1, differentiate=False, **both, **motion._asdict())
+        # Of a pulse the torque is left square, as the dissertation does.
         smooth = Preparation(
-            average=plan.average, decimate=plan.decimate, interpolate=plan.interpolate, window_s=plan.window_s
+            decimate=plan.decimate,
+            interpolate=plan.interpolate,
+            smooth_torque=motion.continuous,
+            **both,
+            **motion._asdict(),
         )
         kinds = {name: smooth if name in DERIVATIVES else raw for name in self.plan.estimators}
         motions = {how: conditions(trials, how, counts_per_rev=self.counts) for how in dict.fromkeys(kinds.values())}
@@ -130,7 +145,8 @@ class SysidStage:
                 progress(done := done + 1, total)
 
     def _one(self, name: str, one: Prepared) -> Fitted:
-        trial = one.trials[0] if not self.plan.prepare.average and one.trials else None
+        averaged = self.plan.prepare.average and not self.plan.motion.continuous
+        trial = one.trials[0] if not averaged and one.trials else None
         if one.motion is None or any(WRONG_SIGN in flag for flag in one.flags):
             empty = {key: Estimate(nan, nan, False) for key in columns.ALWAYS}
             return Fitted(one, trial, Fit(name, {}, nan), empty, {}, one.flags)
@@ -213,6 +229,8 @@ class SysidStage:
             key = (condition.experiment, condition.subject, condition.grip_target_n, one.fit.estimator)
             people.setdefault(key, []).append(one)
         rows = [self._person(key, group) for key, group in people.items()]
+        for row, remark in zip(rows, disagreements(rows), strict=True):
+            row["flags"] = "; ".join(part for part in (row["flags"], remark) if part)
         every: dict[tuple[str, float, str], list[Row]] = {}
         for row in rows:
             every.setdefault((row["experiment"], row["grip_target_n"], row["estimator"]), []).append(row)

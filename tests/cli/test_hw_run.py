@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.hardware.order import trials_of
-from hknob_cli.recordings.columns import REQUIRED
+from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.read import read
 from tests.conftest import EXPERIMENTS
 from tests.hardware.campaigns import SPEC, planned
@@ -71,7 +71,7 @@ def test_samples_are_a_recording(done) -> None:
     path = folder / "out" / "samples.parquet"
     schema = pq.read_schema(path)
     more = ("sample_rate_hz", "counts_per_rev", "sample", "device_time_us", "angle_counts", "running")
-    assert tuple(schema.names) == (*REQUIRED, *more)
+    assert tuple(schema.names) == (*(column.name for column in (*KEYS, *SAMPLES)), *more)
     assert all(schema.field(name).metadata[b"meaning"] for name in schema.names)
     assert schema.field("device_time_us").metadata[b"unit"] == b"us"
     recorded = read([path])

@@ -109,7 +109,11 @@ SPOILT = {
     "angle in degrees": (spoil.angle_in_degrees, 0, "is it in degrees?"),
     "torque in thousandths": (spoil.torque_in_millis, 0, "is it in mN*m?"),
     "time in thousandths": (spoil.time_in_millis, 1, "is time in ms?"),
-    "columns swapped": (spoil.swap_columns, 1, "no trial can be used: trial 1: 0 samples before the pulse"),
+    "columns swapped": (
+        spoil.swap_columns,
+        1,
+        "no trial can be used: trial 1 left out: the pulse has begun before",
+    ),
     "no motion": (spoil.lose_motion, 1, "the angle does not move in the pulse"),
     "wrong sign": (spoil.reverse_torque, 1, "against the torque"),
     "saturated": (spoil.saturate_angle, 0, "angle at the end of its range"),

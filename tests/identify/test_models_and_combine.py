@@ -50,14 +50,14 @@ def test_the_apparatus_is_subtracted_with_its_error() -> None:
 def test_models_at_the_skin() -> None:
     found = at_the_skin({"stiffness": Estimate(0.04, 0.01), "coulomb": Estimate(1e-3, 1e-4)}, 8.9e-3)
     assert found["stiffness"].value == pytest.approx(0.04 / 8.9e-3**2)
-    assert found["coulomb"] == pytest.approx((1e-3 / 8.9e-3, 1e-4 / 8.9e-3, True))
+    assert found["coulomb"] == pytest.approx((1e-3 / 8.9e-3, 1e-4 / 8.9e-3, True, 0.0))
     with pytest.raises(UsageError, match="radius must be > 0, got 0"):
         at_the_skin({}, 0.0)
 
 
 def test_blocks_give_a_mean_and_its_error() -> None:
     found = over_blocks([Estimate(1.0, 0.01), Estimate(2.0, 0.01), Estimate(3.0, 0.01), Estimate(math.nan, math.nan)])
-    assert found == pytest.approx((2.0, 1.0 / math.sqrt(3.0), True))
+    assert found == pytest.approx((2.0, 1.0 / math.sqrt(3.0), True, 0.0))
     assert over_blocks([Estimate(1.0, 0.01)]) == Estimate(1.0, 0.01)
     assert not over_blocks([]).identifiable
     assert student(0.95, 2) == pytest.approx(4.302653, rel=1e-6)

@@ -147,11 +147,11 @@ BROKEN = {
     "half a block": ("pinch,1,2", "pinch,1.5,2", "row 4: block: must be a whole number >= 0, got 1.5"),
     "negative trial": ("pinch,1,2", "pinch,1,-2", "row 4: trial: must be a whole number >= 0, got -2"),
     "no subject": ("7,pinch", ",pinch", "row 6: subject: must be text or a whole number, got nothing"),
-    "degrees": ("0.2,0,0.2", "0.2,0,400", "row 3: angle_rad: must be within 100 rad, got 400: is it in degrees"),
-    "millinewtonmetres": ("0.1,0.01", "0.1,-12", "row 2: torque_nm: must be within 10 N m, got -12: is it in mN m?"),
+    "degrees": ("0.2,0,0.2", "0.2,0,4e6", "row 3: angle_rad: must be within 1e+06 rad, got 4e+06: is it in degrees"),
+    "millinewtonmetres": ("0.1,0.01", "0.1,-2e6", "row 2: torque_nm: must be within 1e+06 N m, got -2e+06: is it"),
     "milliseconds": ("0.72,0.2", "0.72,100", "row 3: time_s: step of 99.9 s; must be <= 1 s: is it in ms?"),
     "negative target": ("0.72", "-1", "row 1: grip_target_n: must be >= 0 N, got -1"),
-    "grams": ("0.2,0.7", "0.2,1448", "row 3: grip_n: must be within 1000 N, got 1448: is it in mN or grams?"),
+    "grams": ("0.2,0.7", "0.2,1e7", "row 3: grip_n: must be within 1e+06 N, got 1e+07: is it in mN or grams?"),
     "split": (ROWS[4], ROWS[0].replace("0.0", "0.3"), "row 5: trial: trial 1 of block 1 of subject 'S1', experiment"),
     "too few cells": (ROWS[3], "S1,pinch", "row 4: has 2 cells; must have 9, as the header"),
     "too many cells": (ROWS[3], ROWS[3] + ",1", "row 4: has 10 cells; must have 9, as the header"),
@@ -168,7 +168,7 @@ def test_broken_csv(name: str, file) -> None:
     path = file(TEXT.replace(old, new))
     lines = faults_of(path)
     assert any(line.startswith(f"{path}: {message}") for line in lines), lines
-    assert len(lines) == (2 if name == "column twice" else 1), lines
+    assert len(lines) == 1, lines
 
 
 @pytest.mark.parametrize(
@@ -211,7 +211,7 @@ def test_at_most_twenty_are_listed(file) -> None:
 
 
 def test_one_wrong_unit_is_one_fault(file) -> None:
-    rows = [f"S1,pinch,1,{n},0.72,{i / 100},20,0.1,0.7" for n in range(30) for i in range(5)]
+    rows = [f"S1,pinch,1,{n},0.72,{i / 100},2e7,0.1,0.7" for n in range(30) for i in range(5)]
     (line,) = faults_of(file("\n".join([HEADER, *rows])))
     assert "is it in mN m?" in line
 
@@ -226,7 +226,7 @@ def test_a_trial_in_two_files(file) -> None:
 
 def test_faults_of_several_files(file) -> None:
     lines = faults_of(file("", "a.csv"), file("x\n1\n", "b.csv"), file(name="c.csv"), file(TEXT[:-4] + "z\n", "d.csv"))
-    assert [Path(line.split(":")[0]).name for line in lines] == ["a.csv", *["b.csv"] * 9, *["d.csv"] * 4]
+    assert [Path(line.split(":")[0]).name for line in lines] == ["a.csv", *["b.csv"] * 3, *["d.csv"] * 4]
 
 
 def test_files_that_cannot_be_read(file, tmp_path: Path) -> None:
