@@ -90,7 +90,7 @@ class HwRunWork(Work):
             campaign = Campaign(
                 job.plan,
                 archive,
-                partial(opened, job.plan),
+                partial(opened, job.plan, alarm=say),
                 who_of(job.plan),
                 operator=operator,
                 say=say,

@@ -34,7 +34,8 @@ def decode(body: bytes) -> Message | None:
         message = unpack_answer(kind, body[2:]) if kind & 0x80 else unpack_command(kind, body[2:])
     except (struct.error, ValueError):
         return None
-    return message if is_finite(message) else None
+    # A command with what is no number is none; of an answer whose checksum is right, what is no number can be said.
+    return message if kind & 0x80 or is_finite(message) else None
 
 
 def is_finite(message: Message) -> bool:

@@ -6,6 +6,8 @@ The caller feeds bytes as they come and sends what is due, and says what time it
 from collections import deque
 from collections.abc import Callable
 
+import numpy as np
+
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
@@ -13,8 +15,11 @@ from hknob_cli.hardware.wire.block_order import BlockOrder
 from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
+from hknob_cli.hardware.wire.host_clock import HostClock
 from hknob_cli.hardware.wire.messages import decode, encode
 from hknob_cli.hardware.wire.sending import Sending
+from hknob_cli.hardware.wire.torque_off import AfterRelease, shows_torque, wrong_state
+from hknob_cli.hardware.wire.unread import Unread, unread_of
 
 ALIVE_EVERY_S = 0.01
 SILENCE_S = 0.1
@@ -37,6 +42,11 @@ class Session:
         self.versions: set[int] = set()
         self.echoed = False
         self.rejected = 0
+        self.own_time = False
+        self.clock = HostClock()
+        self.released: AfterRelease | None = None
+        self._arrived_at = 0.0
+        self._unread = Unread(0, 0)
         self._decoder = Decoder()
         self._nonce = first_nonce
         self._sending: Sending | None = None
@@ -55,9 +65,14 @@ class Session:
         return self._decoder.damaged + self.rejected
 
     @property
-    def is_unread(self) -> bool:
-        """Whether something came that is no frame, or has not ended as one does: text has no zero byte."""
-        return self.damaged > 0 or self._decoder.is_amid
+    def is_amid(self) -> bool:
+        """Whether bytes came since the last zero byte: text has none."""
+        return self._decoder.is_amid
+
+    @property
+    def unread(self) -> Unread:
+        """What came so far and could not be read."""
+        return unread_of(self._decoder, self.rejected)
 
     @property
     def is_stopped(self) -> bool:
@@ -77,6 +92,7 @@ class Session:
             self.ready.clear()
             self.failure = self._event = self._probe = None
             self._order = BlockOrder(boot=self.boot or 0, run=nonce, patience_s=self.silence_s)
+            self.clock, self._unread, self.released = HostClock(), self.unread, None
             self._alive_at = self._heard_at = self._taken_at = self._now
         if kind is Kind.RELEASE:
             # No more ALIVE from here on: should RELEASE not arrive, the watchdog acts.
@@ -98,9 +114,10 @@ class Session:
             self.failure = why
             self._send(lambda nonce: Plain(Kind.RELEASE, nonce))
 
-    def feed(self, data: bytes, *, now: float) -> None:
-        """Bytes that came; never raises."""
+    def feed(self, data: bytes, *, now: float, arrived_s: float | None = None) -> None:
+        """Bytes that came; never raises. ``arrived_s``: when they did, by a clock that never stops, as ``now`` may."""
         self._now = now
+        self._arrived_at = now if arrived_s is None else arrived_s
         for body in self._decoder.feed(data):
             match decode(body):
                 case Ack() as ack:
@@ -141,6 +158,8 @@ class Session:
         self._nonce = (self._nonce + 1) & 0xFFFFFFFF
         command = make(self._nonce)
         self._sending = Sending(nonce=self._nonce, kind=command.kind, data=frame(encode(command)))
+        if command.kind is Kind.RELEASE:
+            self.released = AfterRelease(boot=self.boot)
         return self._nonce, command.kind
 
     def _unanswered(self, make: Callable[[int], Command]) -> bytes:
@@ -161,8 +180,14 @@ class Session:
         self.answer = ack
         if sending.kind is Kind.HELLO:
             self.boot = ack.boot
-            if isinstance(ack.said, About) and ack.said.simulated:
-                self.silence_s = SIMULATED_SILENCE_S
+            if isinstance(ack.said, About):
+                self.silence_s = SIMULATED_SILENCE_S if ack.said.simulated else SILENCE_S
+                self.own_time = ack.said.own_time
+        if sending.kind is Kind.RELEASE and self.released is not None:
+            self.released.answer(ack)
+        elif wrong := wrong_state(ack):
+            self.fail(wrong)
+            return
         if sending.kind is Kind.ARM and ack.status is not Status.DONE:
             self._order = None
         if ack.status is not Status.DONE:
@@ -178,16 +203,29 @@ class Session:
             self._heard_at = self._now
 
     def _take_samples(self, samples: Samples) -> None:
-        if self._order is None or self.failure is not None:
+        if self.released is not None:
+            self.released.samples(samples)
+        order = self._order
+        if order is None or self.failure is not None:
             return
-        before = self._order.dropped
+        before, ordered = order.dropped, []
         try:
-            self.ready.extend(self._order.take(samples, now=self._now))
+            ordered = order.take(samples, now=self._now)
         except DeviceError as error:
             self.fail(f"the samples do not hold together: {error}")
-        if self._order.dropped == before:
+        for block in ordered:
+            if wrong := not_a_number(block):
+                self.fail(wrong)
+                break
+            self.ready.append(block)
+        if len(ordered) == 1:  # more are those that waited until a gap was filled
+            self.clock.note(arrived_s=self._arrived_at, told_s=float(ordered[0].time_us[-1]) * 1e-6)
+        if order.dropped == before:
             self._heard_at = self._now
+            self._unread = self.unread
             self._probe = None
+        elif self.is_stopped and order.is_beyond(samples) and shows_torque(samples.samples):
+            self.fail("the target acknowledged STOP, but goes on sampling with the wall on")
 
     def _take_event(self, event: Event) -> None:
         order = self._order
@@ -206,10 +244,14 @@ class Session:
                 self.failure = self._trip_text(self._event, order)
         elif overdue:
             first, count = order.gap or (order.expected, 1)
-            self.fail(f"blocks {first} to {first + count - 1} were lost, and did not come when asked for again")
+            what = self.unread.since(self._unread).text
+            lost = f"blocks {first} to {first + count - 1} were lost, and did not come when asked for again"
+            self.fail(f"{lost}; {what}" if what else lost)
         elif not self.is_stopped and self.state is not State.IDLE:
             if self._sending is None or self._sending.nonce == self._probe:
                 self._watch_silence()
+            if not self.own_time and (wrong := self.clock.fault()):
+                self.fail(wrong)
             if self._now - self._taken_at > READER_PATIENCE_S.get(self.state, float("inf")):
                 self.fail(f"nobody took the samples for {READER_PATIENCE_S[self.state]:g} s: the torque was released")
 
@@ -218,6 +260,8 @@ class Session:
         if silent > self.silence_s:
             answers = self._probe is not None and self._answered_probe
             told = "it answers, but is not sampling." if answers else "is it on, and is the cable in?"
+            if what := self.unread.since(self._unread).text:
+                told = f"but {what}"
             self.fail(f"no samples came for {silent * 1e3:.0f} ms: {told} The target's watchdog takes the torque off")
         elif silent > self.silence_s / 2 and self._probe is None:
             # Asked who it is, a target that has restarted shows itself by another boot.
@@ -228,3 +272,12 @@ class Session:
         lost = "" if order.complete else f"; its samples from block {order.expected} on were lost"
         at = f"at sample {event.index}, {event.time_us * 1e-6:.4f} s after arming"
         return f"the target took its torque off {at}: {TRIP_TEXT[event.fault]}{lost}"
+
+
+def not_a_number(block: Block) -> str:
+    """What is no number in a block whose checksum is right: the target's own doing; empty if nothing is."""
+    for what, values in (("torque", block.torque_nm), ("grip force", block.grip_n)):
+        bad = ~np.isfinite(values)
+        if bad.any():
+            return f"the target sent a {what} that is not a number, at sample {block.first + int(bad.argmax())}"
+    return ""
