@@ -28,6 +28,7 @@ TORQUE = {
     Torque.UNSEEN: "RELEASE was not answered: see to it that the torque is off, the target's watchdog should do it",
     Torque.ON: "THE TORQUE IS STILL ON: switch the amplifier off by hand",
 }
+UNSAFE = "find out why before anybody touches the knob"
 IN_VAIN = "without a device the same command would end so again: change the spec"
 
 
@@ -91,6 +92,8 @@ class Campaign:
 
     def _check_ranges(self, device: Device) -> None:
         """Raise `UsageError` if the device cannot do one of the trials: better before the first than hours later."""
+        if device.identity.no_grip_cell and self._plan.course.has_grip:
+            raise UsageError(f"the device '{device.identity.name}' has no grip cell; write 'grip: none' into the spec")
         for trial in self.trials:
             faults = faults_of_settings(settings_of(self._plan, trial), device.identity)
             if faults:
@@ -181,7 +184,7 @@ class Campaign:
             kept = f"what was recorded of it is in {journal.path}"
         place = self._place(trial)
         if isinstance(error, DeviceError):
-            then = GO_ON if self._plan.is_source else IN_VAIN
+            then = UNSAFE if torque is Torque.ON else GO_ON if self._plan.is_source else IN_VAIN
             raise DeviceError(f"{place}: {error}; {TORQUE[torque]}; {kept}; {then}") from error
         if isinstance(error, KeyboardInterrupt):
             self._say(f"{place}: {TORQUE[torque]}; {kept}; {GO_ON}")

@@ -70,8 +70,9 @@ def fault_of(number: Counts, time_us: Counts, settings: Settings, *, overruns: i
     said = overruns >= int((missed > 0).sum())
     if simulated and said:
         return ""
+    taken = int(number[-1] - number[0])
     how = "and says so" if said else "and does not say so"
     return (
-        f"the loop did not run at {rate:g} Hz: it took {number.size} samples in {ticks[-1] + 1} periods, which is "
-        f"{rate * number.size / (ticks[-1] + 1):.4g} Hz, {how} (at most {MOST_OFF:.0%} may be left out)"
+        f"the loop did not run at {rate:g} Hz: it took {taken} samples in {ticks[-1]} periods, which is "
+        f"{rate * taken / ticks[-1]:.4g} Hz, {how} (at most {MOST_OFF:.0%} may be left out)"
     )

@@ -74,7 +74,7 @@ def letting_go(device: Device) -> Iterator[None]:
                 device.release()
         finally:
             if device.torque is Torque.ON:
-                raise DeviceError(f"{before}the device was told to release, and its torque is still on")
+                raise DeviceError(f"{before}the device was told to release, and did not")
 
 
 def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operator: Operator) -> Outcome:

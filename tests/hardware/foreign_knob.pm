@@ -30,7 +30,8 @@ sub simulate {
 
 sub zero {
     my ($self, $angle) = @_;
-    $self->{zero} += $angle - $self->angle if $self->{period};
+    $self->{x} //= $self->{numbers}[4];
+    $self->{zero} += $angle - $self->angle;
     return 0;
 }
 

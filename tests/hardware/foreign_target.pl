@@ -1,10 +1,11 @@
 #!/usr/bin/perl
 # A target in another language, written from docs/wire.md alone: frames, commands, sample clock and a simulated knob.
 #
-#   perl foreign_target.pl [--fault NAME] [--no-grip-cell] [--native N]
+#   perl foreign_target.pl [--fault NAME] [--no-grip-cell] [--native N] [--slack FACTOR]
 #
 # Serves one host at a time on a TCP port of this computer alone, prints the port's URL as its first line, and ends when
-# its standard input does. --fault: one of the faults in %FAULTS, each a thing that a real target might do wrong.
+# its standard input does. --fault: one of the faults in %FAULTS, each a thing that a real target might do wrong. --slack:
+# by how much longer it waits for the host than it should, where the computer is busy with other things.
 use strict;
 use warnings;
 use FindBin;
@@ -31,8 +32,9 @@ my %FAULTS = map { $_ => 1 } qw(
     half-torque other-counts wrong-sign no-torque-limit stale-torque
     nan-torque nan-grip all-crcs-wrong block-crcs-wrong
     nan-echo other-echo restarts falls-silent repeats-samples trips-by-speed);
-my ($fault, $no_grip_cell, $native) = ("", 0, 16384);
-GetOptions("fault=s" => \$fault, "no-grip-cell" => \$no_grip_cell, "native=i" => \$native) or die "options\n";
+my ($fault, $no_grip_cell, $native, $slack) = ("", 0, 16384, 1);
+GetOptions("fault=s" => \$fault, "no-grip-cell" => \$no_grip_cell, "native=i" => \$native, "slack=f" => \$slack)
+    or die "options\n";
 die "no such fault: $fault\n" if $fault && !$FAULTS{$fault};
 
 # Frames: COBS of body and CRC-32, and a zero byte.
@@ -278,8 +280,8 @@ sub go_on {
     }
     if ($self{state} == ARMED || $self{state} == RUNNING) {
         my $kept = (@{ $self{made} } - $self{forgotten}) * $self{settings}[7] * $self{settings}[0] * 1e-9;
-        trip(WATCHDOG, $self{taken}) if !$keeps && $now - $self{heard_at} > $self{settings}[6] * 1e-6;
-        trip(NO_ROOM, $self{taken}) if !$keeps && $self{state} != TRIPPED && $kept > ROOM_S;
+        trip(WATCHDOG, $self{taken}) if !$keeps && $now - $self{heard_at} > $slack * $self{settings}[6] * 1e-6;
+        trip(NO_ROOM, $self{taken}) if !$keeps && $self{state} != TRIPPED && $kept > $slack * ROOM_S;
     }
     if ($self{state} == TRIPPED && $now - $self{event_at} >= EVENT_EVERY_S) {
         $self{event_at} = $now;

@@ -270,6 +270,8 @@ class Session:
 
     def _trip_text(self, event: Event, order: BlockOrder) -> str:
         lost = "" if order.complete else f"; its samples from block {order.expected} on were lost"
+        if lost and (what := self.unread.since(self._unread).text):
+            lost += f": {what}"
         at = f"at sample {event.index}, {event.time_us * 1e-6:.4f} s after arming"
         return f"the target took its torque off {at}: {TRIP_TEXT[event.fault]}{lost}"
 
