@@ -17,8 +17,6 @@ _SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not 
 # the target, and the 24 bits that travel, make some 1e-6.
 LAW_SHARE = 1e-4
 LAW_LIMIT_SHARE = 1e-6
-# Blocks that were under way when START was answered have no flag yet; samples of a second are more than those.
-FLAG_PATIENCE_S = 1.0
 
 
 class Watch:
@@ -32,7 +30,7 @@ class Watch:
         self._wired = wired
         self._told_to_start = False
         self._on = False
-        self._unflagged = 0
+        self._unflagged = False
         self._coarse: int | None = None
         self.gaps = 0
 
@@ -77,13 +75,8 @@ class Watch:
             raise DeviceError(f"the device said at sample {block.first - 1} that the wall is off, and went on sampling")
         self._refuse(lost, block, "the device says that the wall is off, and goes on sampling")
         self._on = self._on or bool(on.any())
-        # With the wall seen on, a last sample without the flag may be that of a trip: nothing may follow it.
-        self._unflagged = int(not on[-1]) if self._on else self._unflagged + on.size * self._told_to_start
-        if not self._on and self._unflagged * self._settings.interval_s > FLAG_PATIENCE_S:
-            raise DeviceError(
-                f"the device was told to switch the wall on, and no sample of {FLAG_PATIENCE_S:g} s since then says "
-                f"that it is on, at sample {block.first + on.size - 1}"
-            )
+        # A last sample without the flag may be that of a trip: nothing may follow it.
+        self._unflagged = self._on and not on[-1]
 
     def _check_law(self, block: Block) -> None:
         """The torque follows from the angle, the stiffness, the counts and the limit that the device took."""

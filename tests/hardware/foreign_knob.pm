@@ -30,7 +30,7 @@ sub simulate {
 
 sub zero {
     my ($self, $angle) = @_;
-    $self->{x} //= $self->{numbers}[4];
+    @$self{qw(x samples)} = ($self->{numbers}[4], undef);    # nobody holds it: it rests where it will when armed
     $self->{zero} += $angle - $self->angle;
     return 0;
 }

@@ -459,7 +459,7 @@ def test_the_host_can_make_the_present_angle_zero(target: ScriptedTarget) -> Non
     assert (answer.status, answer.said) == (Status.DONE, -7)
     begun(target, State.ARMED)
     target.angle = 5010
-    for _ in range(4):
+    for _ in range(5):
         target.sample()
     found = samples_of(target.tell(Alive(3, 0)))
     assert found[0].samples.angle_counts.tolist()[-1] == 3

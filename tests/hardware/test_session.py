@@ -389,3 +389,24 @@ def test_a_clock_that_is_half_as_fast_ends_the_trial_unless_it_is_simulated() ->
         wire.go(1.0)
         said = wire.session.failure or ""
         assert ("the target's clock is 50.0% slow by this computer's" in said) != own_time
+
+
+def test_a_wall_that_is_never_said_to_be_on_ends_the_trial() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    wire.do(Kind.START)
+    wire.target._started = None
+    wire.go(0.1)
+    assert wire.session.failure is not None
+    assert "the target acknowledged START, and does not say that the wall is on, at sample " in wire.session.failure
+    assert wire.target.state is State.IDLE
+
+
+def test_a_wall_that_is_on_from_the_next_sample_is_right_however_many_blocks_are_unread() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(3.0, reading=False)
+    wire.do(Kind.START)
+    wire.go(0.5)
+    assert wire.session.failure is None

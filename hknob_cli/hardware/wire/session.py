@@ -47,6 +47,7 @@ class Session:
         self.released: AfterRelease | None = None
         self._arrived_at = 0.0
         self._unread = Unread(0, 0)
+        self._on_from: int | None = None  # block from which on all samples have the wall on
         self._decoder = Decoder()
         self._nonce = first_nonce
         self._sending: Sending | None = None
@@ -93,6 +94,7 @@ class Session:
             self.failure = self._event = self._probe = None
             self._order = BlockOrder(boot=self.boot or 0, run=nonce, patience_s=self.silence_s)
             self.clock, self._unread, self.released = HostClock(), self.unread, None
+            self._on_from = None
             self._alive_at = self._heard_at = self._taken_at = self._now
         if kind is Kind.RELEASE:
             # No more ALIVE from here on: should RELEASE not arrive, the watchdog acts.
@@ -201,6 +203,8 @@ class Session:
             self._taken_at = self._now
         if sending.kind is Kind.ARM:
             self._heard_at = self._now
+        if sending.kind is Kind.START:
+            self._on_from = ack.blocks + 1  # the block of this number may have begun before
 
     def _take_samples(self, samples: Samples) -> None:
         if self.released is not None:
@@ -213,8 +217,11 @@ class Session:
             ordered = order.take(samples, now=self._now)
         except DeviceError as error:
             self.fail(f"the samples do not hold together: {error}")
-        for block in ordered:
-            if wrong := not_a_number(block):
+        for number, block in enumerate(ordered, order.expected - len(ordered)):
+            wrong = not_a_number(block)
+            if not wrong and self._on_from is not None and number >= self._on_from and not block.running[0]:
+                wrong = f"the target acknowledged START, and does not say that the wall is on, at sample {block.first}"
+            if wrong:
                 self.fail(wrong)
                 break
             self.ready.append(block)
