@@ -6,9 +6,8 @@ The caller feeds bytes as they come and sends what is due, and says what time it
 from collections import deque
 from collections.abc import Callable
 
-import numpy as np
-
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.clock_drift import MOST_DRIFT
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.block_order import BlockOrder
@@ -16,7 +15,7 @@ from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Statu
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.host_clock import HostClock
-from hknob_cli.hardware.wire.messages import decode, encode
+from hknob_cli.hardware.wire.messages import decode, encode, not_a_number
 from hknob_cli.hardware.wire.sending import Sending
 from hknob_cli.hardware.wire.torque_off import AfterRelease, shows_torque, wrong_state
 from hknob_cli.hardware.wire.unread import Unread, unread_of
@@ -25,6 +24,8 @@ ALIVE_EVERY_S = 0.01
 SILENCE_S = 0.1
 # A target without a knob shares a computer with other programs, and has no torque to fear for.
 SIMULATED_SILENCE_S = 1.0
+# Of the time from ARM to the answer to START the samples after that are told: by clocks that differ, and read late.
+ON_LATE_S, ON_SLOWER = 0.02, 1.0 + MOST_DRIFT
 # Without anybody who takes samples the torque is not left on: the program may hang. Armed, it is memory that is saved.
 READER_PATIENCE_S = {State.ARMED: 60.0, State.RUNNING: 2.0}
 
@@ -47,7 +48,8 @@ class Session:
         self.released: AfterRelease | None = None
         self._arrived_at = 0.0
         self._unread = Unread(0, 0)
-        self._on_from: int | None = None  # block from which on all samples have the wall on
+        self._arm_sent_at = 0.0
+        self._on_after: tuple[int, float] | None = None  # blocks and seconds of the run after which the wall is on
         self._decoder = Decoder()
         self._nonce = first_nonce
         self._sending: Sending | None = None
@@ -94,7 +96,7 @@ class Session:
             self.failure = self._event = self._probe = None
             self._order = BlockOrder(boot=self.boot or 0, run=nonce, patience_s=self.silence_s)
             self.clock, self._unread, self.released = HostClock(), self.unread, None
-            self._on_from = None
+            self._arm_sent_at, self._on_after = self._arrived_at, None
             self._alive_at = self._heard_at = self._taken_at = self._now
         if kind is Kind.RELEASE:
             # No more ALIVE from here on: should RELEASE not arrive, the watchdog acts.
@@ -204,7 +206,8 @@ class Session:
         if sending.kind is Kind.ARM:
             self._heard_at = self._now
         if sending.kind is Kind.START:
-            self._on_from = ack.blocks + 1  # the block of this number may have begun before
+            # The block of that number may have begun before; and a target that is behind takes what it has left out.
+            self._on_after = ack.blocks, ON_LATE_S + ON_SLOWER * (self._arrived_at - self._arm_sent_at)
 
     def _take_samples(self, samples: Samples) -> None:
         if self.released is not None:
@@ -218,10 +221,7 @@ class Session:
         except DeviceError as error:
             self.fail(f"the samples do not hold together: {error}")
         for number, block in enumerate(ordered, order.expected - len(ordered)):
-            wrong = not_a_number(block)
-            if not wrong and self._on_from is not None and number >= self._on_from and not block.running[0]:
-                wrong = f"the target acknowledged START, and does not say that the wall is on, at sample {block.first}"
-            if wrong:
+            if wrong := not_a_number(block) or self._off_after_start(number, block):
                 self.fail(wrong)
                 break
             self.ready.append(block)
@@ -233,6 +233,15 @@ class Session:
             self._probe = None
         elif self.is_stopped and order.is_beyond(samples) and shows_torque(samples.samples):
             self.fail("the target acknowledged STOP, but goes on sampling with the wall on")
+
+    def _off_after_start(self, number: int, block: Block) -> str:
+        """What is wrong with a block that was begun after START was answered; empty if nothing is."""
+        if self._on_after is None or block.running[0]:
+            return ""
+        blocks, seconds = self._on_after
+        if number <= blocks or (block.time_us[0] * 1e-6 <= seconds and not self.own_time):
+            return ""
+        return f"the target acknowledged START, and does not say that the wall is on, at sample {block.first}"
 
     def _take_event(self, event: Event) -> None:
         order = self._order
@@ -281,12 +290,3 @@ class Session:
             lost += f": {what}"
         at = f"at sample {event.index}, {event.time_us * 1e-6:.4f} s after arming"
         return f"the target took its torque off {at}: {TRIP_TEXT[event.fault]}{lost}"
-
-
-def not_a_number(block: Block) -> str:
-    """What is no number in a block whose checksum is right: the target's own doing; empty if nothing is."""
-    for what, values in (("torque", block.torque_nm), ("grip force", block.grip_n)):
-        bad = ~np.isfinite(values)
-        if bad.any():
-            return f"the target sent a {what} that is not a number, at sample {block.first + int(bad.argmax())}"
-    return ""
