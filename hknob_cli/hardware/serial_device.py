@@ -250,6 +250,8 @@ class SerialDevice:
             raise DeviceError(f"{self.url}: the target took other values, and was not armed: {'; '.join(differing)}")
 
     def _do(self, kind: Kind) -> None:
+        if kind in (Kind.START, Kind.STOP):  # of a trial that has failed, its reason: the target has been released
+            self._raise_failure(self._running())
         self._command(lambda nonce: Plain(kind, nonce), kind.name.lower())
 
     def _command(self, make: Callable[[int], Command], verb: str) -> Ack:
