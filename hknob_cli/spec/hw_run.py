@@ -176,6 +176,9 @@ class HwRunSpec(Part):
 
 def validate_hw_run(source: Source) -> HwRunPlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
+    grip = source.value.get("grip", "none")
+    if not isinstance(grip, dict) and grip != "none":
+        raise SpecError([source.fault(("grip",), "must be 'none', or a mapping with target and band")])
     grid = source.value.get("grid")
     if isinstance(grid, dict) and "design" in grid:
         text = "must be absent: trials are run for every combination of the axes"
@@ -183,7 +186,9 @@ def validate_hw_run(source: Source) -> HwRunPlan:
     try:
         spec = HwRunSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError(faults_of(source, HwRunSpec, error)) from None
+        # A mapping is no 'none', and what is wrong within it says more.
+        wrong = faults_of(source, HwRunSpec, error)
+        raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
     axes, faults = _axes(source, spec)
     grip = None if spec.grip == "none" else spec.grip
     faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]

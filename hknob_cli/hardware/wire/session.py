@@ -49,6 +49,7 @@ class Session:
         self._arrived_at = 0.0
         self._unread = Unread(0, 0)
         self._arm_sent_at = 0.0
+        self._off_once = False
         self._on_after: tuple[int, float] | None = None  # blocks and seconds of the run after which the wall is on
         self._decoder = Decoder()
         self._nonce = first_nonce
@@ -96,7 +97,7 @@ class Session:
             self.failure = self._event = self._probe = None
             self._order = BlockOrder(boot=self.boot or 0, run=nonce, patience_s=self.silence_s)
             self.clock, self._unread, self.released = HostClock(), self.unread, None
-            self._arm_sent_at, self._on_after = self._arrived_at, None
+            self._arm_sent_at, self._on_after, self._off_once = self._arrived_at, None, False
             self._alive_at = self._heard_at = self._taken_at = self._now
         if kind is Kind.RELEASE:
             # No more ALIVE from here on: should RELEASE not arrive, the watchdog acts.
@@ -240,6 +241,9 @@ class Session:
             return ""
         blocks, seconds = self._on_after
         if number <= blocks or (block.time_us[0] * 1e-6 <= seconds and not self.own_time):
+            return ""
+        if len(block.running) == 1 and not self._off_once:  # it may have tripped there: then nothing follows
+            self._off_once = True
             return ""
         return f"the target acknowledged START, and does not say that the wall is on, at sample {block.first}"
 
