@@ -412,23 +412,27 @@ def test_a_wall_that_is_on_from_the_next_sample_is_right_however_many_blocks_are
     assert wire.session.failure is None
 
 
-def test_a_trip_at_the_first_sample_of_a_block_is_told_as_a_trip() -> None:
+def test_a_trip_at_the_first_sample_after_start_is_told_as_a_trip() -> None:
     """That sample has no wall any more, and is alone in its block; were there another, it would be no trip."""
     wire = Wire()
     wire.arm()
     wire.go(0.1)
     wire.do(Kind.START)
-    wire.go(0.2)
+    wire.target._started = None
+    while wire.session._on_after is None:
+        wire.step()
     made = wire.target.blocks[-1]
     last = made.samples
+    later = 1_000_000  # us, after START by any clock
     alone = last._replace(
         first=last.first + len(last.time_us),
-        time_us=last.time_us[-1:] + 250,
+        time_us=last.time_us[-1:] + later,
         angle_counts=last.angle_counts[-1:],
         torque_nm=np.zeros(1),
         grip_n=last.grip_n[-1:],
         running=np.zeros(1, bool),
     )
+    wire.session._on_after = (0, wire.session._on_after[1])
     wire.session._take_samples(made._replace(block=made.block + 1, samples=alone))
     assert wire.session.failure is None
     again = alone._replace(first=alone.first + 1, time_us=alone.time_us + 250)

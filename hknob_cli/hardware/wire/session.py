@@ -237,7 +237,9 @@ class Session:
 
     def _off_after_start(self, number: int, block: Block) -> str:
         """What is wrong with a block that was begun after START was answered; empty if nothing is."""
-        if self._on_after is None or block.running[0]:
+        if block.running.any():
+            self._on_after = None  # a wall that is lost after it was seen is another fault
+        if self._on_after is None:
             return ""
         blocks, seconds = self._on_after
         if number <= blocks or (block.time_us[0] * 1e-6 <= seconds and not self.own_time):
