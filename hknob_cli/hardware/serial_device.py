@@ -80,6 +80,8 @@ class SerialDevice:
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Send settings, and the simulated knob to a target that has one; compare what it took with them."""
         self._agreed = False
+        if seen := self._seen():  # after the release of the trial before, and only now
+            raise DeviceError(f"{self.url}: {seen}")
         out_of_range = faults(settings, self.identity)
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
