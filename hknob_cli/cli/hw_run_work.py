@@ -18,7 +18,7 @@ from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.drivers import check_persons, opened, who_of
 from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, spec_digest
 from hknob_cli.hardware.tables import campaign_tables
-from hknob_cli.report.hw_run import describe_hw_run, hw_run_text
+from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
 from hknob_cli.spec.campaign import REPLAY, SERIAL
 from hknob_cli.spec.named_file import digest_of, inside
@@ -90,7 +90,7 @@ class HwRunWork(Work):
             campaign = Campaign(
                 job.plan,
                 archive,
-                partial(opened, job.plan),
+                partial(opened, job.plan, alarm=say),
                 who_of(job.plan),
                 operator=operator,
                 say=say,
@@ -130,8 +130,8 @@ class HwRunWork(Work):
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
-        missed = sum(tables[2]["missed_ticks"].to_pylist())
-        return {**describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n), "missed_ticks": missed}
+        summary = describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n)
+        return {**summary, **describe_clock(tables[2])}
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """Tables over sample rate and resolution."""

@@ -26,6 +26,7 @@ _SAID = {
     "buzz": "buzzing: hold it",
     "rest": "at rest: hold it",
 }
+_WITHOUT_CELL = {"zero": "hands off", "grip": "hold the knob"}
 
 
 def gauge(grip_n: float | None, target_n: float, band_n: float) -> str:
@@ -83,13 +84,14 @@ class Watching(Operator):
         text = Text()
         text.append(f"trial {trial.number}/{view.trials}", style="bold")
         text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts  ")
-        said = _SAID.get(view.state, view.state)
+        said = (_SAID if plan.has_grip else {**_SAID, **_WITHOUT_CELL}).get(view.state, view.state)
         said += ", then press space" if view.state == HANDS_OFF and self._attended else ""
         text.append(said, style="green" if view.state == "buzz" else "yellow")
         text.append(f"  {view.state_s:.1f} s of {plan.buzz_s[1]:g}\n" if view.state == "buzz" else "\n")
-        text.append(f"grip {force} N  ")
-        text.append(gauge(view.grip_n, plan.grip_target_n, plan.grip_band_n), style="green" if held else "red")
-        text.append(f"  target {plan.grip_target_n:g} N\n")
+        if plan.has_grip:
+            text.append(f"grip {force} N  ")
+            text.append(gauge(view.grip_n, plan.grip_target_n, plan.grip_band_n), style="green" if held else "red")
+            text.append(f"  target {plan.grip_target_n:g} N\n")
         text.append(f"torque {1e3 * view.torque_nm:7.2f} mN m   time {view.running_s:5.1f} s")
         if self._attended:
             space = "space: begin" if view.state == HANDS_OFF else "space: end   r: again"

@@ -10,7 +10,7 @@ from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
 from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
-from hknob_cli.hardware.port import Block, Device
+from hknob_cli.hardware.port import Block, Device, Torque
 from hknob_cli.hardware.ranges import faults_of_settings
 from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.simulated import Simulated
@@ -23,6 +23,12 @@ Opened = Callable[[ExitStack], Device]
 Who = Callable[[Trial], Simulated]
 Said = Callable[[str], None]
 GO_ON = "run the same command again to go on with it"
+TORQUE = {
+    Torque.OFF: "torque released",
+    Torque.UNSEEN: "RELEASE was not answered: see to it that the torque is off, the target's watchdog should do it",
+    Torque.ON: "THE TORQUE IS STILL ON: switch the amplifier off by hand",
+}
+UNSAFE = "find out why before anybody touches the knob"
 IN_VAIN = "without a device the same command would end so again: change the spec"
 
 
@@ -86,6 +92,8 @@ class Campaign:
 
     def _check_ranges(self, device: Device) -> None:
         """Raise `UsageError` if the device cannot do one of the trials: better before the first than hours later."""
+        if device.identity.no_grip_cell and self._plan.course.has_grip:
+            raise UsageError(f"the device '{device.identity.name}' has no grip cell; write 'grip: none' into the spec")
         for trial in self.trials:
             faults = faults_of_settings(settings_of(self._plan, trial), device.identity)
             if faults:
@@ -139,7 +147,7 @@ class Campaign:
             )
             outcome = run_trial(device, task, keep, self._operator)
         except BaseException as error:
-            self._broken_off(journal, trial, error)
+            self._broken_off(journal, trial, error, device.torque)
             raise
         journal.close()
         return self._finish(trial, key, identity.name, identity.native_counts, blocks, outcome)
@@ -158,12 +166,14 @@ class Campaign:
             zero_n=zero_of(samples),
             device=name,
             native_counts=native_counts,
+            drift=outcome.drift.share if outcome.drift else None,
+            drift_uncertainty=outcome.drift.uncertainty if outcome.drift else None,
         )
         self._archive.finish(recorded)
         self.recorded += 1
         return recorded
 
-    def _broken_off(self, journal: Journal, trial: Trial, error: BaseException) -> None:
+    def _broken_off(self, journal: Journal, trial: Trial, error: BaseException, torque: Torque) -> None:
         """Keep what there is of a trial, and say where; the error of the device says it itself."""
         with contextlib.suppress(OSError):
             journal.close()
@@ -174,10 +184,10 @@ class Campaign:
             kept = f"what was recorded of it is in {journal.path}"
         place = self._place(trial)
         if isinstance(error, DeviceError):
-            then = GO_ON if self._plan.is_source else IN_VAIN
-            raise DeviceError(f"{place}: {error}; torque released; {kept}; {then}") from error
+            then = UNSAFE if torque is Torque.ON else GO_ON if self._plan.is_source else IN_VAIN
+            raise DeviceError(f"{place}: {error}; {TORQUE[torque]}; {kept}; {then}") from error
         if isinstance(error, KeyboardInterrupt):
-            self._say(f"{place}: torque released; {kept}; {GO_ON}")
+            self._say(f"{place}: {TORQUE[torque]}; {kept}; {GO_ON}")
 
     def _place(self, trial: Trial) -> str:
         return f"trial {trial.number} of {len(self.trials)} ({str(trial).partition('(')[2]}"

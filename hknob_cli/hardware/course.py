@@ -82,7 +82,7 @@ class Course:
         self._note_steps(span, steps)
         self.grip_n = float(block.grip_n[on].mean()) - self.zero_n
         if self.settled_sample is None:
-            held = abs(self.grip_n - self._plan.grip_target_n) <= self._plan.grip_band_n
+            held = not self._plan.has_grip or abs(self.grip_n - self._plan.grip_target_n) <= self._plan.grip_band_n
             self._held_s = self._held_s + span if held else 0.0
             self.phase = Phase.GRIP
             if held and self._held_s >= self._plan.settle_s:

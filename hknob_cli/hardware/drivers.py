@@ -12,11 +12,15 @@ from hknob_cli.hardware.port import Device
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.spec.campaign import REPLAY, VIRTUAL, HwRunPlan
 
+USUAL_GRIP_N = 0.71  # Chapter 8's target
 Who = Callable[[Trial], Simulated]
 
 
-def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
-    """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` where there is none."""
+def opened(plan: HwRunPlan, stack: ExitStack, *, alarm: Callable[[str], None] = lambda _text: None) -> Device:
+    """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` where there is none.
+
+    ``alarm`` is told of torque that stays on.
+    """
     device = plan.device
     if device.driver == VIRTUAL:
         from hknob_cli.hardware.virtual import VirtualDevice
@@ -33,7 +37,7 @@ def opened(plan: HwRunPlan, stack: ExitStack) -> Device:
         from hknob_cli.hardware.run_target import run_target
 
         url = stack.enter_context(run_target(device.target or "host", _build_folder(stack)))
-    return stack.enter_context(SerialDevice(url, baud=device.baud))
+    return stack.enter_context(SerialDevice(url, baud=device.baud, zero_angle=device.zero_angle, alarm=alarm))
 
 
 def _build_folder(stack: ExitStack) -> Path:
@@ -56,7 +60,8 @@ def who_of(plan: HwRunPlan) -> Who:
     knob = Knob(*plan.knob)
     person = Person(
         push_nm=plan.person.push_nm,
-        grip_target_n=plan.course.grip_target_n,
+        # Somebody holds a simulated knob, whether or not there is a cell that shows how firmly.
+        grip_target_n=plan.course.grip_target_n or USUAL_GRIP_N,
         wandering_push=plan.person.wandering_push,
         grip_wander=plan.person.grip_wander,
     )

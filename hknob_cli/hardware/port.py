@@ -5,6 +5,7 @@ are the device's. The order of calls is: `configure`, `arm`, `read` while nobody
 enough, `stop`, `read` until None; `release` ends anything, at any time, and is called whatever is raised.
 """
 
+from enum import Enum
 from types import TracebackType
 from typing import Any, NamedTuple, Protocol, Self
 
@@ -21,6 +22,8 @@ class Identity(NamedTuple):
     """What a device says it is; ``native_counts`` per revolution of its own encoder; ``boot`` differs after a restart.
 
     ``simulated``: it has no knob but the simulated one of `Simulated`. ``shortest_period_ns`` of its sample clock.
+    ``no_grip_cell``: its grip force is 0 and means nothing. ``own_time``: its clock is simulated too, and may run
+    faster or slower than any other. ``knows_zero``: it can make the present angle zero.
     """
 
     name: str
@@ -28,6 +31,29 @@ class Identity(NamedTuple):
     shortest_period_ns: int
     simulated: bool
     boot: int
+    no_grip_cell: bool = False
+    own_time: bool = False
+    knows_zero: bool = False
+
+
+class Torque(str, Enum):
+    """What is known of the torque after a release: off, not seen, or said by the device to be on."""
+
+    OFF = "off"
+    UNSEEN = "unseen"
+    ON = "on"
+
+
+class Drift(NamedTuple):
+    """By which share a device's clock is fast, by this computer's clock, and how far that may be wrong."""
+
+    share: float
+    uncertainty: float
+
+    @property
+    def at_least(self) -> float:
+        """The share that the clocks differ by, even if all of the uncertainty were on their side."""
+        return max(0.0, abs(self.share) - self.uncertainty)
 
 
 class Settings(NamedTuple):
@@ -76,6 +102,14 @@ class Device(Protocol):
     @property
     def identity(self) -> Identity:
         """Who answers."""
+
+    @property
+    def torque(self) -> Torque:
+        """What is known of the torque since the last `release`."""
+
+    @property
+    def drift(self) -> Drift | None:
+        """The device's clock against this computer's in the last trial; None for a device in its own time."""
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Send a trial's settings, and compare what the target says it took with them, value by value.

@@ -8,7 +8,7 @@ from typing import Self
 import numpy as np
 
 from hknob_cli.errors import DeviceError, UsageError
-from hknob_cli.hardware.port import Block, Identity, Settings
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.takes import Take, is_of_wall, read_takes
 
@@ -37,6 +37,16 @@ class ReplayDevice:
     def identity(self) -> Identity:
         """Who answers: nobody any more; ``native_counts`` are those of the recording's encoder."""
         return self._identity
+
+    @property
+    def torque(self) -> Torque:
+        """Off: there is no motor."""
+        return Torque.OFF
+
+    @property
+    def drift(self) -> Drift | None:
+        """None: it has no clock."""
+        return None
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:  # noqa: ARG002 - was somebody
         """Find the recording for a trial's settings. Raises `DeviceError`, with what is there, if there is none."""

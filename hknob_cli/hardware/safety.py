@@ -1,23 +1,42 @@
-"""The host's own watch over a trial: what is sent must be within the limits, and in order."""
+"""The host's own watch over a trial: what is sent must be within the limits, in order, and as was agreed.
+
+Of a device at a wire, where `Watch` is told ``wired``, the wall's flag and the torque must also be those that follow
+from the commands and from the settings that it took.
+"""
 
 import math
 
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.port import Array, Block, Settings
+from hknob_cli.hardware.wall_law import wall_torque
 
 _SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
+# By how much a reported torque may differ from the wall's: a share of its parts, and of the limit. Single precision on
+# the target, and the 24 bits that travel, make some 1e-6.
+LAW_SHARE = 1e-4
+LAW_LIMIT_SHARE = 1e-6
 
 
 class Watch:
     """Checks blocks as they come; ``gaps`` counts samples whose index is missing."""
 
-    def __init__(self, settings: Settings, native_counts: int) -> None:
+    def __init__(self, settings: Settings, native_counts: int, *, wired: bool = False) -> None:
         self._settings = settings
+        self._native = native_counts
         self._count_rad = 2.0 * math.pi / native_counts
         self._last: tuple[int, int, int] | None = None  # index, time and angle of the last sample
+        self._wired = wired
+        self._told_to_start = False
+        self._on = False
+        self._unflagged = False
+        self._coarse: int | None = None
         self.gaps = 0
+
+    def start(self) -> None:
+        """From now on the wall may be on: the device was told to switch it on."""
+        self._told_to_start = True
 
     def check(self, block: Block) -> None:
         """Look at a block. Raises `DeviceError` naming what is beyond its limit, and at which sample."""
@@ -28,18 +47,68 @@ class Watch:
         self._refuse(~np.isfinite(block.grip_n), block, "the grip force is not a number")
         what = f"the torque is beyond the limit of {limit:g} N m"
         self._refuse(np.abs(block.torque_nm) > limit * _SLACK, block, what)
-        index, time_us, angle = self._last or (block.first - 1, int(block.time_us[0]), int(block.angle_counts[0]))
+        index, time_us, angle = self._last or (block.first - 1, int(block.time_us[0]) - 1, int(block.angle_counts[0]))
         self.gaps += max(0, block.first - index - 1)
         passed = np.diff(block.time_us, prepend=time_us) * 1e-6
         self._refuse(passed < 0.0, block, "the device's clock runs backwards")
+        self._refuse(passed == 0.0, block, repeated_time(self._settings))
         moved = np.abs(np.diff(block.angle_counts, prepend=angle)) * self._count_rad
         # A sample that is late is not told from a fast knob by its index: the speed is over the time that passed.
         most = self._settings.speed_limit_rad_s * np.maximum(passed, self._settings.interval_s)
         what = f"the knob is faster than the limit of {self._settings.speed_limit_rad_s:g} rad/s"
         self._refuse(moved > most * _SLACK + self._count_rad, block, what)
+        if self._wired:
+            self._check_flags(block)
+            self._check_law(block)
         last = block.first + len(block.time_us) - 1
         self._last = last, int(block.time_us[-1]), int(block.angle_counts[-1])
+
+    def _check_flags(self, block: Block) -> None:
+        """The wall is on from START on, and not before; a sample without the flag after that is the last, of a trip."""
+        on = block.running
+        if not self._told_to_start:
+            self._refuse(on, block, "the device says that the wall is on, and was not told to switch it on")
+        before = np.concatenate([[self._on], on[:-1]])
+        lost = before & ~on
+        lost[-1] = False
+        if self._on and self._unflagged:
+            raise DeviceError(f"the device said at sample {block.first - 1} that the wall is off, and went on sampling")
+        self._refuse(lost, block, "the device says that the wall is off, and goes on sampling")
+        self._on = self._on or bool(on.any())
+        # A last sample without the flag may be that of a trip: nothing may follow it.
+        self._unflagged = self._on and not on[-1]
+
+    def _check_law(self, block: Block) -> None:
+        """The torque follows from the angle, the stiffness, the counts and the limit that the device took."""
+        settings = self._settings
+        wall = wall_torque(block.angle_counts, settings, self._native, before=self._coarse)
+        self._coarse = int(wall.coarse[-1])
+        expected: Array = np.where(block.running, wall.torque_nm, 0.0)
+        allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm
+        bad = np.abs(block.torque_nm - expected) > allowed
+        if not bad.any():
+            return
+        i = int(np.argmax(bad))
+        angle, torque = int(block.angle_counts[i]), float(block.torque_nm[i])
+        at = f"at sample {block.first + i}, {angle} counts of {self._native}"
+        if not block.running[i]:
+            raise DeviceError(f"the torque is {torque * 1e3:.4g} mN m where the wall is off, {at}")
+        times = f", {torque / expected[i]:.3g} times as much" if expected[i] else ""
+        raise DeviceError(
+            f"the torque is not that of the wall: {torque * 1e3:.4g} mN m, where {settings.wall_stiffness:g} N m/rad "
+            f"with {settings.wall_damping:g} N m s/rad at {settings.counts_per_rev} counts, at most "
+            f"{settings.torque_limit_nm:g} N m, give {expected[i] * 1e3:.4g}{times}, {at}"
+        )
 
     def _refuse(self, bad: np.ndarray[tuple[int], np.dtype[np.bool_]], block: Block, what: str) -> None:
         if bad.any():
             raise DeviceError(f"{what}, at sample {block.first + int(np.argmax(bad))}")
+
+
+def repeated_time(settings: Settings) -> str:
+    """What is wrong where two samples have the same time."""
+    period = settings.period_ns * 1e-3
+    return (
+        f"the device's clock gives two samples the same time: it must be told to 1 us, and a period is {period:g} us "
+        f"(a clock of 1 ms is too coarse)"
+    )

@@ -9,29 +9,48 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Identity, Settings
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
 from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.undisturbed import undisturbed
 from hknob_cli.hardware.wire.answers import About, Ack
-from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, VERSION, Kind, State, Status
-from hknob_cli.hardware.wire.commands import Command, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
+from hknob_cli.hardware.wire.commands import Command, Configure, Plain, Simulate, Zero
 from hknob_cli.hardware.wire.echo import differences
 from hknob_cli.hardware.wire.opening import open_port
 from hknob_cli.hardware.wire.pump import Pump
 from hknob_cli.hardware.wire.ranges import faults
 from hknob_cli.hardware.wire.session import Session
+from hknob_cli.hardware.wire.unread import nobody_text
 
 BAUD = 921_600
+# After RELEASE was answered the line is listened to for two of the longest blocks: what goes on sampling shows itself.
+LISTEN_S = 0.1
+# Where the torque stays RELEASE is sent again, and said again, until the port closes.
+INSIST_S, INSIST_EVERY_S, SAY_EVERY_S = 3.0, 0.1, 1.0
+TORQUE_ON = "THE TORQUE IS STILL ON: switch the amplifier off by hand"
 
 
 class SerialDevice:
     """A target behind a serial port; a context manager, whose methods may be called from any thread.
 
     ``url``: a port's name, or `socket://`, `rfc2217://`, ...; ``patience_s``: how long it may take to answer at first
-    (a board may restart when its port is opened). Messages of every `DeviceError` begin with the URL.
+    (a board may restart when its port is opened); ``zero_angle``: the angle of the knob when the port is opened becomes
+    0; ``alarm`` is told, at once and again, of torque that stays. Messages of every `DeviceError` begin with the URL.
     """
 
-    def __init__(self, url: str, *, baud: int = BAUD, patience_s: float = 3.0) -> None:
+    def __init__(
+        self,
+        url: str,
+        *,
+        baud: int = BAUD,
+        patience_s: float = 3.0,
+        zero_angle: bool = False,
+        alarm: Callable[[str], None] = lambda _text: None,
+    ) -> None:
         self.url = url
+        self._zero_angle = zero_angle
+        self._alarm = alarm
+        self._torque = Torque.UNSEEN
         self._baud = baud
         self._patience_s = patience_s
         self._identity: Identity | None = None
@@ -48,9 +67,21 @@ class SerialDevice:
             raise DeviceError(f"{self.url}: the port is not open")
         return self._identity
 
+    @property
+    def torque(self) -> Torque:
+        """What is known of the torque since the last `release`."""
+        return self._torque
+
+    @property
+    def drift(self) -> Drift | None:
+        """The target's clock against this computer's in the last trial; None for a target in its own time."""
+        return None if self.identity.own_time else self._session.clock.drift()
+
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Send settings, and the simulated knob to a target that has one; compare what it took with them."""
         self._agreed = False
+        if seen := self._seen():  # after the release of the trial before, and only now
+            raise DeviceError(f"{self.url}: {seen}")
         out_of_range = faults(settings, self.identity)
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
@@ -92,12 +123,35 @@ class SerialDevice:
                 pump.changed.wait(0.05 if left <= 0 else min(left, 0.05))
 
     def release(self) -> None:
-        """Torque off, whatever state it is in; never raises. Without a link, the target's watchdog does it."""
+        """Torque off, whatever state it is in; never raises. Without a link, the target's watchdog does it.
+
+        `torque` then says what the target answered, and what its samples show.
+        """
         pump = self._pump
-        if pump is not None and pump.broken is None:
+        if pump is None:
+            return
+        why = self._release(pump)
+        if why:
+            self._alarm(f"{self.url}: {TORQUE_ON}. {why}")
+
+    def _release(self, pump: Pump) -> str:
+        """Send RELEASE and look what becomes of it; why the torque is on, empty where it is not or cannot be seen."""
+        answer, seen = None, ""
+        if pump.broken is None:
             with contextlib.suppress(DeviceError):
                 # In place of any command under way, so not under its lock.
-                self._ask(pump, lambda nonce: Plain(Kind.RELEASE, nonce))
+                answer = self._ask(pump, lambda nonce: Plain(Kind.RELEASE, nonce))
+        if answer is not None:
+            until = time.monotonic() + LISTEN_S
+            with pump.changed:
+                while not (seen := self._seen()) and pump.broken is None and (left := until - time.monotonic()) > 0:
+                    pump.changed.wait(left)
+        self._torque = Torque.ON if seen else Torque.OFF if answer is not None else Torque.UNSEEN
+        return seen
+
+    def _seen(self) -> str:
+        released = self._session.released
+        return released.seen if released is not None else ""
 
     def __enter__(self) -> Self:
         """Open the port and ask who is there. Raises DeviceError; nothing is left open then."""
@@ -107,7 +161,14 @@ class SerialDevice:
         try:
             self._pump.start()
             self._identity = self._greet(self._pump)
-            self._do(Kind.RELEASE)  # whatever an earlier program left behind
+            self.release()  # whatever an earlier program left behind
+            if self._torque is Torque.UNSEEN:
+                raise DeviceError(f"{self.url}: the target did not answer when told to release")
+            if self._torque is Torque.ON:
+                self._insist(self._pump)
+                raise DeviceError(f"{self.url}: {TORQUE_ON}. {self._seen()}")
+            if self._zero_angle:
+                self._make_zero()
         except BaseException:
             self._close()
             raise
@@ -116,11 +177,36 @@ class SerialDevice:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Release, end the thread, close the port."""
+        """Release, end the thread, close the port. Raises `DeviceError` where the torque stays on."""
+        pump = self._pump
         try:
-            self.release()
+            with undisturbed():
+                why = self._release(pump) if pump is not None else ""
+                if why and pump is not None:
+                    self._insist(pump)
         finally:
             self._close()
+            if self._torque is Torque.ON:
+                raise error if isinstance(error, DeviceError) else DeviceError(f"{self.url}: {TORQUE_ON}")
+
+    def _insist(self, pump: Pump) -> None:
+        """RELEASE again and again for `INSIST_S`, said again every second, unless the torque goes off at last."""
+        begin = said = time.monotonic()
+        while self._torque is Torque.ON and pump.broken is None and (now := time.monotonic()) < begin + INSIST_S:
+            why = self._release(pump)
+            if why and now - said >= SAY_EVERY_S:
+                said = now
+                self._alarm(f"{self.url}: {TORQUE_ON}. {why}; RELEASE is sent again")
+            time.sleep(INSIST_EVERY_S)
+
+    def _make_zero(self) -> None:
+        if not self.identity.knows_zero:
+            raise DeviceError(
+                f"{self.url}: zero_angle: the target '{self.identity.name}' does not know ZERO (docs/wire.md)"
+            )
+        said = self._command(lambda nonce: Zero(nonce, 0), "make the present angle zero").said
+        if said != 0:
+            raise DeviceError(f"{self.url}: zero_angle: the target was told angle 0, and took {said}")
 
     def _close(self) -> None:
         pump, port, self._pump, self._port = self._pump, self._port, None, None
@@ -142,22 +228,23 @@ class SerialDevice:
                     shortest_period_ns=ack.said.shortest_period_ns,
                     simulated=ack.said.simulated,
                     boot=ack.boot,
+                    no_grip_cell=ack.said.no_grip_cell,
+                    own_time=ack.said.own_time,
+                    knows_zero=ack.said.knows_zero,
                 )
             if time.monotonic() >= until:
                 raise DeviceError(f"{self.url}: {self._nobody()}")
 
     def _nobody(self) -> str:
         session = self._session
-        if session.versions:
-            spoken = ", ".join(map(str, sorted(session.versions)))
-            return (
-                f"the target speaks version {spoken} of the protocol, this program version {VERSION}: renew one of them"
-            )
-        if session.echoed:
-            return "the port sends back what it is sent: it is a loop or a terminal, not a target"
-        if session.is_unread:
-            return f"what comes from this port is not the protocol (docs/wire.md); is {self._baud} its baud rate?"
-        return f"nobody answered within {self._patience_s:g} s: is the target on, and does it run the firmware?"
+        return nobody_text(
+            session.unread,
+            versions=session.versions,
+            echoed=session.echoed,
+            amid=session.is_amid,
+            baud=self._baud,
+            patience_s=self._patience_s,
+        )
 
     def _agree(self, sent: Settings | Simulated, make: Callable[[int], Command]) -> None:
         differing = differences(sent, self._command(make, "take the settings of a trial").said)
@@ -165,13 +252,19 @@ class SerialDevice:
             raise DeviceError(f"{self.url}: the target took other values, and was not armed: {'; '.join(differing)}")
 
     def _do(self, kind: Kind) -> None:
+        if kind in (Kind.START, Kind.STOP):  # of a trial that has failed, its reason: the target has been released
+            self._raise_failure(self._running())
         self._command(lambda nonce: Plain(kind, nonce), kind.name.lower())
 
     def _command(self, make: Callable[[int], Command], verb: str) -> Ack:
         """Send a command and wait for its answer. Raises DeviceError if there is none, or it is a refusal."""
         pump = self._running()
         with self._one_command:
+            before = self._session.failure
             ack = self._ask(pump, make)
+        if self._session.failure != before:
+            with pump.changed:
+                self._raise_failure(pump)
         if ack is None:
             with pump.changed:
                 self._raise_failure(pump)

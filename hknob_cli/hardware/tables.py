@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from hknob_cli.errors import MISSHAPEN
 from hknob_cli.hardware.course import Ended
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.timing import audit
@@ -13,16 +14,27 @@ from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.measure.pitch import pitch_hz
 from hknob_cli.measure.recorded import TrialMeasures, measure_trial
 from hknob_cli.measure.torque_rises import torque_rises_hz
+from hknob_cli.recordings.files import first_line
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.hw_run_columns import TIMING, TRIALS
 from hknob_cli.spec.campaign import CoursePlan
 
 
 def campaign_tables(done: list[Recorded], course: CoursePlan) -> tuple[pa.Table, pa.Table, pa.Table]:
-    """Samples, trials and timing of finished trials, in the order they were run."""
+    """Samples, trials and timing of finished trials, in the order they were run.
+
+    A trial that cannot be measured has a row without measures, which says why.
+    """
     samples = pa.concat_tables([one.table for one in done]).combine_chunks()
-    trials = build_table(TRIALS, [trial_row(one, course) for one in done])
+    trials = build_table(TRIALS, [_row(one, course) for one in done])
     return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
+
+
+def _row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
+    try:
+        return trial_row(one, course)
+    except MISSHAPEN as error:
+        return _unmeasured(one, f"cannot be measured: {first_line(error)}")
 
 
 def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
@@ -40,10 +52,7 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
     )
     torque_hz = _torque_hz(column, measured)
     return {
-        "order": one.trial.number,
-        "block": one.trial.block,
-        "sample_rate_hz": one.trial.sample_rate_hz,
-        "counts_per_rev": one.trial.counts_per_rev,
+        **_place(one),
         "sustained": measured.sustained,
         "p2p_rad": measured.p2p_rad,
         "rms_rad": measured.rms_rad,
@@ -57,9 +66,9 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "spectral_hz": measured.spectral_hz,
         "cycle_hz": measured.cycle_hz,
         "torque_hz": torque_hz,
-        "grip_mean_n": measured.grip_mean_n,
-        "grip_std_n": measured.grip_std_n,
-        "grip_zero_n": one.zero_n,
+        "grip_mean_n": measured.grip_mean_n if course.has_grip else None,
+        "grip_std_n": measured.grip_std_n if course.has_grip else None,
+        "grip_zero_n": one.zero_n if course.has_grip else None,
         "wall_torque_nm": measured.wall_torque_nm,
         "ended": one.ended,
         "settled_s": _settled_s(one),
@@ -69,9 +78,36 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "samples": one.table.num_rows,
         "gaps": one.gaps,
         "overruns": one.overruns,
-        "fault": "; ".join(_doubts(one, measured)),
+        "fault": "; ".join(_doubts(one, measured, course)),
         "device": one.device,
         "native_counts": one.native_counts,
+    }
+
+
+def _unmeasured(one: Recorded, why: str) -> dict[str, Any]:
+    """The row of a trial without its measures."""
+    return {
+        **dict.fromkeys(column.name for column in TRIALS),
+        **_place(one),
+        "sustained": False,
+        "ended": one.ended,
+        "samples": one.table.num_rows,
+        "gaps": one.gaps,
+        "overruns": one.overruns,
+        "fault": why,
+        "device": one.device,
+        "native_counts": one.native_counts,
+    }
+
+
+def _place(one: Recorded) -> dict[str, Any]:
+    """Where a trial is in the campaign."""
+    trial = one.trial
+    return {
+        "order": trial.number,
+        "block": trial.block,
+        "sample_rate_hz": trial.sample_rate_hz,
+        "counts_per_rev": trial.counts_per_rev,
     }
 
 
@@ -90,11 +126,11 @@ def _settled_s(one: Recorded) -> float | None:
     return (one.settled_sample - start) / one.trial.sample_rate_hz
 
 
-def _doubts(one: Recorded, measured: TrialMeasures) -> list[str]:
+def _doubts(one: Recorded, measured: TrialMeasures, course: CoursePlan) -> list[str]:
     """What is doubtful about a trial, in words."""
     found = []
     if one.settled_sample is None:
-        found.append("the grip was never held in its band")
+        found.append("the grip was never held in its band" if course.has_grip else "it ended before it had settled")
     elif one.ended == Ended.LONGEST:
         found.append("neither buzz nor rest lasted until it was too long")
     if measured.sustained and measured.p2p_rad == 0.0:
@@ -111,11 +147,9 @@ def _doubts(one: Recorded, measured: TrialMeasures) -> list[str]:
 def timing_row(one: Recorded) -> dict[str, Any]:
     """One trial's sample clock, audited."""
     number, time_us = (one.table[name].to_numpy() for name in ("sample", "device_time_us"))
-    trial = one.trial
     return {
-        "order": trial.number,
-        "block": trial.block,
-        "sample_rate_hz": trial.sample_rate_hz,
-        "counts_per_rev": trial.counts_per_rev,
-        **audit(number, time_us, period_ns=period_ns(trial.sample_rate_hz), overruns=one.overruns)._asdict(),
+        **_place(one),
+        **audit(number, time_us, period_ns=period_ns(one.trial.sample_rate_hz), overruns=one.overruns)._asdict(),
+        "host_drift": one.drift,
+        "host_drift_uncertainty": one.drift_uncertainty,
     }

@@ -16,6 +16,7 @@ import pyarrow.csv as pc
 
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Array, Counts, Flags, Settings
+from hknob_cli.hardware.wall_law import wall_torque
 from hknob_cli.recordings.files import RecordingFile, first_line
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
@@ -91,13 +92,8 @@ def is_of_wall(take: Take, settings: Settings) -> bool:
     A recording in which the knob was never inside the wall fits any.
     """
     on = np.flatnonzero(take.running)
-    coarse = np.floor_divide(take.angle_counts * settings.counts_per_rev, take.native_counts)
-    step = np.diff(coarse, prepend=coarse[:1])
-    quantum = tau / settings.counts_per_rev
-    torque = -settings.wall_stiffness * coarse * quantum
-    torque = torque - settings.wall_damping * step * quantum / settings.interval_s
-    torque = np.clip(torque, -settings.torque_limit_nm, settings.torque_limit_nm)
-    expected, found = np.where(coarse < 0, torque, 0.0)[on], take.torque_nm[on]
+    expected = wall_torque(take.angle_counts, settings, take.native_counts, before=None).torque_nm[on]
+    found = take.torque_nm[on]
     acts = (expected != 0.0) | (found != 0.0)
     if not acts.any():
         return True

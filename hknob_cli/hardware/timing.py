@@ -67,7 +67,7 @@ def audit(number: Counts, time_us: Counts, *, period_ns: int, overruns: int) -> 
         return plain
     jitter = np.abs(following - period)
     percentiles = [float(value) for value in np.percentile(jitter, PERCENTILES)]
-    missed = _missed_ticks(number, time_us, period_ns)
+    missed = int(missed_at(number, time_us, period_ns).sum())
     ticks = int(number[-1] - number[0]) + missed
     return plain._replace(
         interval_mean_s=float(np.clip(following.mean(), following.min(), following.max())),  # rounding aside
@@ -84,8 +84,10 @@ def audit(number: Counts, time_us: Counts, *, period_ns: int, overruns: int) -> 
     )
 
 
-def _missed_ticks(number: Counts, time_us: Counts, period_ns: int) -> int:
-    """Ticks without a sample: how often the earliest of the next samples falls behind by a period more.
+def missed_at(number: Counts, time_us: Counts, period_ns: int) -> Counts:
+    """Ticks without a sample before each sample but the first, array (n - 1,).
+
+    That is how often the earliest of the next samples falls behind by a period more.
 
     One late sample does not move the earliest; the clock that goes on without samples does. Some parts in 10⁴ by which
     two clocks differ do not add up to a period over so few samples.
@@ -93,7 +95,7 @@ def _missed_ticks(number: Counts, time_us: Counts, period_ns: int) -> int:
     behind = time_us * 1000 - number * period_ns
     ahead = np.concatenate([behind, np.full(_AHEAD - 1, behind[-1])])
     earliest = np.lib.stride_tricks.sliding_window_view(ahead, _AHEAD).min(axis=1)
-    return int(np.maximum(0, np.rint(np.diff(earliest) / period_ns)).sum())
+    return np.asarray(np.maximum(0, np.rint(np.diff(earliest) / period_ns)), dtype=np.int64)
 
 
 def jitter_of(number: Counts, time_us: Counts, *, period_ns: int) -> Array:

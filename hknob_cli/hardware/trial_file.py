@@ -30,7 +30,8 @@ _COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
 class Recorded(NamedTuple):
     """A trial that is on the disk: its samples as a table, and what is known of it beside.
 
-    ``ended`` and ``settled_sample`` as in an `Outcome`; ``device``: what it calls itself.
+    ``ended`` and ``settled_sample`` as in an `Outcome`; ``device``: what it calls itself; ``drift`` of its clock by the
+    computer's, with its uncertainty, None for one in its own time.
     """
 
     trial: Trial
@@ -42,6 +43,8 @@ class Recorded(NamedTuple):
     zero_n: float
     device: str
     native_counts: int
+    drift: float | None = None
+    drift_uncertainty: float | None = None
 
     @property
     def is_sane(self) -> bool:
@@ -55,6 +58,7 @@ class Recorded(NamedTuple):
             and self.native_counts > 0
             and isinstance(self.zero_n, float)
             and math.isfinite(self.zero_n)
+            and all(one is None or isinstance(one, float) for one in (self.drift, self.drift_uncertainty))
         )
 
 

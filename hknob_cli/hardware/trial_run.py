@@ -1,24 +1,29 @@
 """One trial on a device: configured, armed, zeroed, started, watched, stopped, and let go whatever happens."""
 
 import contextlib
-import signal
-import threading
+import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.clock_drift import drift_fault
 from hknob_cli.hardware.course import Course, Ended
 from hknob_cli.hardware.operator import Operator, View, Wish
 from hknob_cli.hardware.order import Trial
-from hknob_cli.hardware.port import Block, Device, Settings
+from hknob_cli.hardware.port import Block, Device, Drift, Settings, Torque
 from hknob_cli.hardware.safety import Watch
+from hknob_cli.hardware.sample_clock import SampleClock
 from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.undisturbed import undisturbed
 from hknob_cli.spec.campaign import CoursePlan
 
 # A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
 # Shorter, it would take a pause of this computer's own for silence.
 PATIENCE_S = 3.0
-_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+# By how much a phase may last longer than its samples say, by this computer's clock: blocks may be on their way.
+LATE_S = 3.0
+# A clock that is simulated may be slower than any real one: under an emulator, on a busy computer, several times.
+OWN_TIME_SLOWER, OWN_TIME_LATE_S = 20.0, 60.0
 
 
 class RepeatTrialError(Exception):
@@ -26,11 +31,15 @@ class RepeatTrialError(Exception):
 
 
 class Outcome(NamedTuple):
-    """How a trial went: why it ended, the first sample at which the grip counts as held, indices that are missing."""
+    """How a trial went: why it ended, the first sample at which the grip counts as held, indices that are missing.
+
+    ``drift`` of the device's clock by this computer's, None where the device is in its own time.
+    """
 
     ended: Ended
     settled_sample: int | None
     gaps: int
+    drift: Drift | None = None
 
 
 class Task(NamedTuple):
@@ -49,32 +58,23 @@ class Task(NamedTuple):
 
 @contextlib.contextmanager
 def letting_go(device: Device) -> Iterator[None]:
-    """Release the device on every way out; signals wait until that is done."""
-    try:
-        yield
-    finally:
-        with _undisturbed():
-            device.release()
+    """Release the device on every way out; signals wait until that is done.
 
-
-@contextlib.contextmanager
-def _undisturbed() -> Iterator[None]:
-    """Put off what interrupts, where this thread would hear it.
-
-    By handlers: a mask is this thread's alone, and another, of a driver or a library, would take the signal for it.
+    Raises `DeviceError` where the device still has torque, whatever else was raised.
     """
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    heard: list[int] = []
-    before = {kind: signal.signal(kind, lambda number, _frame: heard.append(number)) for kind in _INTERRUPTING}
+    before = ""
     try:
         yield
+    except DeviceError as error:
+        before = f"{error}; "
+        raise
     finally:
-        for kind, handler in before.items():
-            signal.signal(kind, signal.SIG_DFL if handler is None else handler)
-        for number in dict.fromkeys(heard):
-            signal.raise_signal(number)
+        try:
+            with undisturbed():
+                device.release()
+        finally:
+            if device.torque is Torque.ON:
+                raise DeviceError(f"{before}the device was told to release, and did not")
 
 
 def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operator: Operator) -> Outcome:
@@ -85,39 +85,76 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
     """
     with letting_go(device):
         device.configure(task.settings, task.simulated)
-        watch = Watch(task.settings, device.identity.native_counts)
+        watch = Watch(task.settings, device.identity.native_counts, wired=task.live)
+        clock = SampleClock(task.settings, simulated=device.identity.simulated)
         course = Course(task.course, task.settings.interval_s)
+
+        def take(block: Block) -> None:
+            keep(block)
+            watch.check(block)
+            if task.live:
+                clock.take(block)
+
         device.arm()
+        bound = Bound(task.course.zero_s, "reading the empty grip cell", device, live=task.live)
         while not course.zeroed:
             block = _next(device, live=task.live)
             if block is None:  # a recording that begins with the start
                 break
-            keep(block)
-            watch.check(block)
+            take(block)
             course.follow(block)
+            bound.check()
             _heed(operator.look(_view(task, course)))
         device.start()
-        ended = _follow(device, task, course, watch, keep, operator)
+        watch.start()
+        bound = Bound(task.course.longest_s, "the trial", device, live=task.live)
+        ended = _follow(device, task, course, take, bound, operator)
         device.stop()
+        bound = Bound(0.0, "reading what is left", device, live=task.live)
         while (rest := device.read(PATIENCE_S)) is not None:
-            keep(rest)
-            watch.check(rest)
-    return Outcome(ended, course.settled_sample, watch.gaps)
+            take(rest)
+            bound.check()
+        clock.judge()
+        drift = device.drift if task.live else None
+        if task.live and (wrong := drift_fault(drift)):
+            raise DeviceError(wrong)
+    return Outcome(ended, course.settled_sample, watch.gaps, drift)
+
+
+class Bound:
+    """A bound on a phase of a trial by this computer's clock, whatever the device's samples say."""
+
+    def __init__(self, seconds: float, what: str, device: Device, *, live: bool) -> None:
+        """``live``: samples come by a clock; others have no bound but their own."""
+        self._what = what
+        self._began = time.monotonic()
+        own = device.identity.own_time
+        longest = OWN_TIME_SLOWER * seconds + OWN_TIME_LATE_S if own else seconds + LATE_S
+        self._longest = longest if live else float("inf")
+
+    def check(self) -> None:
+        """Raise `DeviceError` where the phase has lasted too long."""
+        lasted = time.monotonic() - self._began
+        if lasted > self._longest:
+            raise DeviceError(
+                f"{self._what} has taken {lasted:.1f} s by this computer's clock, and the samples do not say that "
+                f"it is over (at most {self._longest:.1f} s)"
+            )
 
 
 def _follow(
-    device: Device, task: Task, course: Course, watch: Watch, keep: Callable[[Block], None], operator: Operator
+    device: Device, task: Task, course: Course, take: Callable[[Block], None], bound: Bound, operator: Operator
 ) -> Ended:
     """Take blocks until the trial has ended."""
     while True:
         block = _next(device, live=task.live)
         if block is None:
             return Ended.OVER
-        keep(block)
-        watch.check(block)
+        take(block)
         ended = course.follow(block)
         if ended is not None:
             return ended
+        bound.check()
         if _heed(operator.look(_view(task, course))) is Wish.END:
             return Ended.OPERATOR
 

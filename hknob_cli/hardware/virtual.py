@@ -10,7 +10,7 @@ from typing import NoReturn, Self
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.port import Block, Identity, Settings
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.virtual_loop import VirtualLoop
@@ -50,6 +50,16 @@ class VirtualDevice:
     def state(self) -> State:
         """Idle, armed, running or tripped."""
         return self._state
+
+    @property
+    def torque(self) -> Torque:
+        """Off: there is no motor."""
+        return Torque.OFF
+
+    @property
+    def drift(self) -> Drift | None:
+        """None: it has no clock."""
+        return None
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Take a trial's settings, and who holds the knob. Raises `DeviceError` if a value is out of range."""

@@ -36,6 +36,7 @@ class VirtualLoop:
         self._began: float | None = None  # when the wall was switched on, in periods
         self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
         self._last = 0.0
+        self._told_us = -1
 
     def block(self, *, running: bool) -> Block:
         """The next samples: as many as a block has, or fewer if it trips."""
@@ -113,7 +114,12 @@ class VirtualLoop:
         # Whole periods and the rest apart: a product of floats would round some exact times down by one.
         whole = np.floor(begins).astype(np.int64)
         rest = ((begins - whole) * self._settings.period_ns).astype(np.int64)
-        return (whole * self._settings.period_ns + rest) // 1000
+        found = (whole * self._settings.period_ns + rest) // 1000
+        # A sample that follows at once on a late one may be in the same microsecond: times rise all the same.
+        rank = np.arange(found.size)
+        found = np.maximum.accumulate(np.maximum(found, self._told_us + 1) - rank) + rank
+        self._told_us = int(found[-1])
+        return np.asarray(found, dtype=np.int64)
 
 
 def _sum(sines: tuple[Sine, ...], t: Array) -> Array:

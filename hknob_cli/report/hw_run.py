@@ -31,6 +31,14 @@ def describe_hw_run(trials: pa.Table, *, target_n: float) -> dict[str, Any]:
     }
 
 
+def describe_clock(timing: pa.Table) -> dict[str, Any]:
+    """The sample clock of a campaign: ticks left out; how fast it is, by the trial that tells it best."""
+    rows = [row for row in timing.to_pylist() if row["host_drift"] is not None]
+    best = min(rows, key=lambda row: float(row["host_drift_uncertainty"])) if rows else None
+    found = {name: best[name] if best else None for name in ("host_drift", "host_drift_uncertainty")}
+    return {"missed_ticks": sum(timing["missed_ticks"].to_pylist()), **found}
+
+
 def cells_of(rows: list[Row]) -> list[Row]:
     """One row for each cell of the grid, as a page has them, in the order of the table on the terminal."""
     return sorted(cell_rows(rows), key=lambda cell: (cell[COUNTS], cell[RATE]))
@@ -39,11 +47,13 @@ def cells_of(rows: list[Row]) -> list[Row]:
 def hw_run_text(summary: dict[str, Any]) -> str:
     """Tables over resolution and sample rate; a list where there is no grid of them."""
     rows, cells, grip = summary["trials"], summary["cells"], summary["grip"]
+    held = f"grip {_spread(grip['mean_n'], grip['std_n'])} N, target {short(grip['target_n'])}"
+    held = held if grip["target_n"] else "no grip cell"
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     lines = [
         f"{summary['name']}: {len(rows)} trial{'s' if len(rows) != 1 else ''}, "
         f"{summary['sustained']} with sustained buzz; "
-        f"grip {_spread(grip['mean_n'], grip['std_n'])} N, target {short(grip['target_n'])}{stale}"
+        f"{held}{stale}"
     ]
     across = len({cell[RATE] for cell in cells})
     if len(cells) <= MAX_ROWS and across <= 24:
@@ -53,7 +63,7 @@ def hw_run_text(summary: dict[str, Any]) -> str:
             ("frequency_hz", 1.0, "frequency, Hz (cycles per second, as a sweep counts them)"),
         ):
             lines += ["", *matrix(cells, AXES, column, scale=scale, title=title, mark=_mark)]
-        lines += ["", *grip_table(cells)]
+        lines += ["", *grip_table(cells)] if grip["target_n"] else []
     lines += ["", *_clock(summary), *_doubts(rows)]
     return "\n".join(line.rstrip() for line in lines)
 
@@ -121,7 +131,16 @@ def _clock(summary: dict[str, Any]) -> list[str]:
     missed = summary["missed_ticks"]
     skipped = f", which left out {missed} tick{'s' if missed != 1 else ''} of the clock" if missed else ""
     late = f"{summary['overruns']} late in the loop{skipped}"
-    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {late}"]
+    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {late}", *_drift(summary)]
+
+
+def _drift(summary: dict[str, Any]) -> list[str]:
+    """How fast the device's clock is, where this computer's was beside it."""
+    share, unsure = summary.get("host_drift"), summary.get("host_drift_uncertainty")
+    if share is None or unsure is None:
+        return []
+    how = "fast" if share > 0.0 else "slow"
+    return [f"the device's clock is {abs(share):.2%} {how} by this computer's, sure to {unsure:.2%}"]
 
 
 def _doubts(rows: list[Row]) -> list[str]:

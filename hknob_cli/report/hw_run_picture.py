@@ -76,6 +76,10 @@ def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
     """Grip of each trial in the order they were run, with its standard deviation within the trial."""
     ax = figure.subplots()
     shown = [row for row in trials if row["grip_mean_n"] is not None]
+    if not shown:
+        ax.text(0.5, 0.5, "the knob has no grip cell", ha="center", va="center", transform=ax.transAxes)
+        ax.set_axis_off()
+        return
     ax.axhline(target_n, color="0.4", linewidth=1.0, linestyle="--", label=f"target {target_n:g} N")
     ax.errorbar(
         [row["order"] for row in shown],

@@ -48,9 +48,14 @@ def campaign_cells(trials: Sequence[Row]) -> pa.Table:
 def cell_rows(trials: Sequence[Row]) -> list[Row]:
     """The same as rows. A trial whose buzz is not sustained is in no size and in no pitch."""
     cells: dict[tuple[float, int], list[Row]] = {}
-    for row in sorted(trials, key=lambda row: (row[RATE], row[COUNTS])):
+    for row in sorted(filter(_is_measured, trials), key=lambda row: (row[RATE], row[COUNTS])):
         cells.setdefault((row[RATE], row[COUNTS]), []).append(row)
     return [_cell(rate, counts, same) for (rate, counts), same in cells.items()]
+
+
+def _is_measured(trial: Row) -> bool:
+    """Whether a trial has measures: one that could not be measured is in no cell."""
+    return trial["p2p_rad"] is not None
 
 
 def _cell(rate: float, counts: int, same: list[Row]) -> Row:

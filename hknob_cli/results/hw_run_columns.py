@@ -84,4 +84,16 @@ TIMING = (
     Column("missed_ticks", _WHOLE, "1", "ticks of the clock at which no sample was taken"),
     Column("overruns", _WHOLE, "1", "samples for which the device's loop was late"),
     Column("backwards", _WHOLE, "1", "times that do not rise"),
+    Column(
+        "host_drift",
+        _REAL,
+        "1",
+        "share by which the device's clock is fast by this computer's; null for a device in its own time",
+    ),
+    Column(
+        "host_drift_uncertainty",
+        _REAL,
+        "1",
+        "how far that may be wrong: blocks are late, and not all alike",
+    ),
 )

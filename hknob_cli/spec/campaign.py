@@ -7,13 +7,17 @@ SERIAL, VIRTUAL, REPLAY = "serial", "virtual", "replay"
 
 
 class DevicePlan(NamedTuple):
-    """Which driver, and where: ``url`` of a port, or the reference ``target`` to build and run, or ``recordings``."""
+    """Which driver, and where: ``url`` of a port, or the reference ``target`` to build and run, or ``recordings``.
+
+    ``zero_angle``: the angle of the knob when the port is opened becomes 0, the wall's edge.
+    """
 
     driver: str
     url: str | None = None
     baud: int = 921_600
     target: Literal["host", "qemu"] | None = None
     recordings: tuple[Path, ...] = ()
+    zero_angle: bool = False
 
 
 class CoursePlan(NamedTuple):
@@ -22,6 +26,7 @@ class CoursePlan(NamedTuple):
     The grip cell is zeroed over ``zero_s`` before the start. The grip is taken as held once it was within
     ``grip_band_n`` of ``grip_target_n`` for ``settle_s``. From then on buzz is recorded for ``buzz_s`` (at least, at
     most), and rest is believed after the first of these two; ``longest_s`` after the start the trial ends in any case.
+    Without a grip cell ``grip_target_n`` is 0, and the trial counts as settled ``settle_s`` after the start.
     """
 
     grip_target_n: float
@@ -30,6 +35,11 @@ class CoursePlan(NamedTuple):
     settle_s: float
     buzz_s: tuple[float, float]
     longest_s: float
+
+    @property
+    def has_grip(self) -> bool:
+        """Whether there is a grip cell, and a force to hold."""
+        return self.grip_target_n > 0.0
 
 
 class LimitPlan(NamedTuple):

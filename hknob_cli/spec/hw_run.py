@@ -55,13 +55,23 @@ class DeviceSpec(Part):
         Field(description="a simulated knob; recordings played back; a target at the other end of a port"),
     ] = "virtual"
     url: Annotated[
-        str | None, Field(min_length=1, description="port of a serial device, as pyserial names it: /dev/ttyACM0")
+        str | None,
+        Field(
+            min_length=1,
+            description="port of a serial device, as pyserial names it: /dev/ttyACM0, COM3, socket://127.0.0.1:5555",
+        ),
     ] = None
     baud: Annotated[int | None, Field(strict=True, ge=1200, le=20_000_000, description="null: 921600")] = None
     target: Annotated[
         Literal["host", "qemu"] | None,
         Field(description="instead of url: build the reference target and run it, as a process or in QEMU"),
     ] = None
+    zero_angle: Annotated[
+        bool,
+        Field(
+            description="with url: the angle at which the knob is when the port is opened becomes 0, the wall's edge"
+        ),
+    ] = False
     recordings: Annotated[
         list[Annotated[str, Field(min_length=1)]] | None,
         Field(min_length=1, description="files to replay, or folders of hw-run, relative to this file"),
@@ -148,7 +158,10 @@ class HwRunSpec(Part):
     device: Annotated[DeviceSpec, Field(default_factory=DeviceSpec)]
     wall: Annotated[WallSpec, Field(default_factory=WallSpec)]
     grid: Annotated[TrialGridSpec, Field(default_factory=TrialGridSpec)]
-    grip: Annotated[GripSpec, Field(default_factory=GripSpec)]
+    grip: Annotated[
+        GripSpec | Literal["none"],
+        Field(default_factory=GripSpec, description="none: the knob has no grip cell, and trials settle by time alone"),
+    ]
     trial: Annotated[CourseSpec, Field(default_factory=CourseSpec)]
     limits: Annotated[LimitSpec, Field(default_factory=LimitSpec)]
     order: Annotated[Literal["random", "grid"], Field(description="in which trials are run")] = "random"
@@ -163,6 +176,9 @@ class HwRunSpec(Part):
 
 def validate_hw_run(source: Source) -> HwRunPlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
+    grip = source.value.get("grip", "none")
+    if not isinstance(grip, dict) and grip != "none":
+        raise SpecError([source.fault(("grip",), "must be 'none', or a mapping with target and band")])
     grid = source.value.get("grid")
     if isinstance(grid, dict) and "design" in grid:
         text = "must be absent: trials are run for every combination of the axes"
@@ -170,8 +186,11 @@ def validate_hw_run(source: Source) -> HwRunPlan:
     try:
         spec = HwRunSpec.model_validate(source.value)
     except ValidationError as error:
-        raise SpecError(faults_of(source, HwRunSpec, error)) from None
+        # A mapping is no 'none', and what is wrong within it says more.
+        wrong = faults_of(source, HwRunSpec, error)
+        raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
     axes, faults = _axes(source, spec)
+    grip = None if spec.grip == "none" else spec.grip
     faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]
     if faults:
         raise SpecError(faults)
@@ -186,13 +205,14 @@ def validate_hw_run(source: Source) -> HwRunPlan:
             baud=spec.device.baud or DevicePlan._field_defaults["baud"],
             target=spec.device.target,
             recordings=tuple(folder / name for name in spec.device.recordings or ()),
+            zero_angle=spec.device.zero_angle,
         ),
         wall_stiffness=spec.wall.stiffness,
         wall_damping=spec.wall.damping,
         axes=axes,
         course=CoursePlan(
-            grip_target_n=spec.grip.target,
-            grip_band_n=spec.grip.band,
+            grip_target_n=grip.target if grip else 0.0,
+            grip_band_n=grip.band if grip else 0.0,
             zero_s=spec.trial.zero,
             settle_s=spec.trial.settle,
             buzz_s=spec.trial.buzz,
@@ -241,6 +261,10 @@ def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
             found.append((("device", name), f"must be absent: it is for the driver {driver}"))
     if device.baud is not None and device.target is not None:
         found.append((("device", "baud"), "must be absent with target, which has no port to set"))
+    if device.zero_angle and device.url is None:
+        found.append(
+            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
+        )
     for name in ("knob", "person"):
         if getattr(spec, name) is not None and device.driver == REPLAY:
             found.append(((name,), "must be absent: what is replayed was recorded"))
@@ -258,7 +282,7 @@ def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
     if spec.trial.longest < spec.trial.settle + least:
         text = f"must be >= {spec.trial.settle + least:g}, settle and the least buzz, got {spec.trial.longest:g}"
         found.append((("trial", "longest"), text))
-    if spec.grip.band >= spec.grip.target:
+    if spec.grip != "none" and spec.grip.band >= spec.grip.target:
         found.append((("grip", "band"), f"must be < the target of {spec.grip.target:g}, got {spec.grip.band:g}"))
     for i, rate in enumerate(axes.get(RATE, ())):
         if rate < 1.0 or rate > 1e6:

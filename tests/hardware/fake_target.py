@@ -44,6 +44,7 @@ class Manners:
     alter: Callable[[Any], Any] = lambda values: values  # of what it says it took
     mute: bool = False
     simulated: bool = True
+    outside: bool = False  # the wall, where the made-up angles are: it has no torque there, as was agreed
     late_s: float = 0.0
     version: int = 1
     trip: tuple[int, Trip] | None = None  # once this block is made
@@ -189,6 +190,8 @@ class FakeTarget:
         assert self.settings is not None
         number, first = len(self.blocks), sum(len(each.samples.time_us) for each in self.blocks)
         samples = made_up(first, count, self.settings.period_ns * 1e-3, started=self._started)
+        if self.manners.outside:
+            samples = samples._replace(torque_nm=np.zeros(count))
         if number == self.manners.backwards_at:
             samples = samples._replace(time_us=samples.time_us[::-1].copy())
         if number == self.manners.shifted_at:

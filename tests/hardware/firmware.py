@@ -60,6 +60,7 @@ class CCommand(c.Structure):
         ("nonce", c.c_uint32),
         ("first", c.c_uint32),
         ("count", c.c_uint16),
+        ("angle", c.c_int32),
         ("settings", CSettings),
         ("simulated", CSimulated),
     )

@@ -11,7 +11,7 @@ from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.simulated import Simulated, Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero
 from hknob_cli.hardware.wire.frame import frame
 from hknob_cli.hardware.wire.messages import Message, encode
 
@@ -60,6 +60,20 @@ def ack(nonce: int, of: Kind, **differing: Any) -> Ack:
     return Ack(nonce, of, Status.DONE, State.IDLE, Trip.NONE, BOOT, 0)._replace(**differing)
 
 
+def without_zeros(count: int) -> Block:
+    """Samples all of whose bytes differ from zero, but the lowest of the first angle."""
+    index = np.arange(count)
+    value = float(np.float32(1.1))
+    angle = np.where(index == 0, -256, -1 - index)
+    return Block(
+        0x01010101, 0x11111111 + index, angle, np.full(count, value), np.full(count, value), index >= 0, 0x01010101
+    )
+
+
+# From the second byte of the first angle to the last of the CRC 254 bytes that are not zero: the frame ends in a full
+# run, which no further byte of stuffing follows.
+ENDING_IN_254 = Samples(BOOT, 5, 0x01010101, without_zeros(15))
+
 GOLDEN: dict[str, Message] = {
     "hello": Plain(Kind.HELLO, 1),
     "configure": Configure(2, SETTINGS),
@@ -71,7 +85,12 @@ GOLDEN: dict[str, Message] = {
     "release": Plain(Kind.RELEASE, 0xFFFFFFFF),
     "alive": Alive(9, 256),
     "again": Again(10, 3, 2),
+    "zero": Zero(11, -1024),
     "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
+    "ack_of_hello_of_a_knob": ack(
+        1, Kind.HELLO, said=About(16384, 250000, simulated=False, name="knob", no_grip_cell=True, knows_zero=True)
+    ),
+    "ack_of_zero": ack(11, Kind.ZERO, said=-1024),
     "ack_of_configure": ack(2, Kind.CONFIGURE, said=SETTINGS),
     "ack_of_configure_refused": ack(2, Kind.CONFIGURE, status=Status.OUT_OF_RANGE),
     "ack_of_simulate": ack(4, Kind.SIMULATE, said=WITH_SINES),
@@ -83,7 +102,14 @@ GOLDEN: dict[str, Message] = {
     "ack_of_release": ack(0xFFFFFFFF, Kind.RELEASE),
     "block_of_2": Samples(BOOT, 5, 0, block(2)),
     "block_of_48": Samples(BOOT, 5, 7, block(48, first=336, overruns=1, start_us=84_000)),
+    "block_ending_in_254": ENDING_IN_254,
     "event": Event(BOOT, 5, Trip.WATCHDOG, 673, 168_250, 17),
+}
+
+
+RULES = {
+    48: "(84000+250i,-1-3i,i*f32(0.001),0.5+0.25i,i>0)",
+    15: "(286331153+i,-256 if i=0 else -1-i,f32(1.1),f32(1.1),1)",
 }
 
 
@@ -108,7 +134,7 @@ def samples(of: Block) -> list[str]:
     """Samples one by one, or by their rule where they are many."""
     count = len(of.time_us)
     if count > 2:
-        return [f"count={count}", "sample_i=(84000+250i,-1-3i,i*f32(0.001),0.5+0.25i,i>0)"]
+        return [f"count={count}", f"sample_i={RULES[count]}"]
     rows = zip(of.time_us, of.angle_counts, of.torque_nm, of.grip_n, of.running, strict=True)
     texts = (f"({time},{angle},{torque:.9g},{float(grip)!r},{int(on)})" for time, angle, torque, grip, on in rows)
     return [f"count={count}", *(f"sample{index}={text}" for index, text in enumerate(texts))]

@@ -7,7 +7,7 @@
 #include "board.h"
 #include "plant.h"
 
-const struct identity board_identity = {640000u, 40000u, true, "scripted"};
+const struct identity board_identity = {640000u, 40000u, SIMULATED, "scripted"};
 
 uint64_t scripted_now, scripted_call_at = BOARD_NEVER;
 int32_t scripted_angle;

@@ -111,3 +111,15 @@ def test_a_clock_that_runs_backwards_is_a_fault(within: bool) -> None:
     wrong = times[::-1] if within else np.zeros_like(times)
     with pytest.raises(DeviceError, match="clock runs backwards near sample 5"):
         blocks.take(spoilt._replace(samples=spoilt.samples._replace(time_us=wrong)), now=0.0)
+
+
+@pytest.mark.parametrize("within", [True, False])
+def test_a_time_that_is_repeated_is_a_fault(within: bool) -> None:
+    blocks = order()
+    first = sent(0)
+    blocks.take(first, now=0.0)
+    spoilt = sent(1)
+    times = spoilt.samples.time_us.copy()
+    times[0 if not within else 3] = first.samples.time_us[-1] if not within else times[2]
+    with pytest.raises(DeviceError, match=r"two samples have the same time near sample 5: .* 1 us"):
+        blocks.take(spoilt._replace(samples=spoilt.samples._replace(time_us=times)), now=0.0)

@@ -1,5 +1,6 @@
 """The target's states: what docs/wire.md says a target does, sample by sample, in a time that the test tells."""
 
+import itertools
 import math
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 from hknob_cli.hardware.simulated import Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero
 from tests.hardware.firmware import MS, ScriptedTarget, events_of, samples_of
 from tests.hardware.golden import SETTINGS, WITH_SINES
 
@@ -53,7 +54,7 @@ def take(target: ScriptedTarget, count: int) -> list[Samples]:
 
 def test_who_it_is(target: ScriptedTarget) -> None:
     answer = target.plain(Kind.HELLO)
-    assert answer.said == About(NATIVE, 40_000, simulated=True, name="scripted")
+    assert answer.said == About(NATIVE, 40_000, simulated=True, name="scripted", knows_zero=True)
     assert answer[2:7] == (Status.DONE, State.IDLE, Trip.NONE, 7, 0)
 
 
@@ -450,3 +451,40 @@ def test_the_lock_is_never_taken_twice_nor_kept(target: ScriptedTarget) -> None:
     target.plain(Kind.RELEASE)
     assert target.locks < 100_000_000
     assert target.locks % 2 == 0
+
+
+def test_the_host_can_make_the_present_angle_zero(target: ScriptedTarget) -> None:
+    target.angle = 5000
+    answer = target.command(Zero(300, -7))
+    assert (answer.status, answer.said) == (Status.DONE, -7)
+    begun(target, State.ARMED)
+    target.angle = 5010
+    for _ in range(5):
+        target.sample()
+    found = samples_of(target.tell(Alive(3, 0)))
+    assert found[0].samples.angle_counts.tolist()[-1] == 3
+    assert target.command(Zero(301, 0)).status is Status.NOT_NOW
+    target.plain(Kind.RELEASE)
+    target.angle = 2**31 - 1  # beyond what can be told: its end is
+    target.command(Zero(302, 2**31 - 1))
+    begun(target, State.ARMED)
+    target.angle = -(2**31)
+    for _ in range(5):
+        target.sample()
+    assert samples_of(target.tell(Alive(4, 0)))[0].samples.angle_counts.tolist()[-1] == -(2**31)
+
+
+def test_it_says_that_it_knows_zero(target: ScriptedTarget) -> None:
+    about = target.plain(Kind.HELLO).said
+    assert (about.simulated, about.knows_zero, about.no_grip_cell, about.own_time) == (True, True, False, False)
+
+
+def test_times_rise_even_within_a_microsecond(target: ScriptedTarget) -> None:
+    """A sample nearly a period late, and the next one at once."""
+    begun(target, State.ARMED)
+    target.sample(late_ns=PERIOD - 300)
+    for _ in range(6):
+        target.sample()
+    times = [time for block in samples_of(target.tell(Alive(3, 0))) for time in block.samples.time_us.tolist()]
+    assert all(later > before for before, later in itertools.pairwise(times))
+    assert 1 in np.diff(times)

@@ -58,7 +58,7 @@ def test_no_other_version_or_type_is_taken(name: str) -> None:
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
-def test_floats_must_be_numbers(bad: float) -> None:
+def test_floats_that_are_sent_must_be_numbers_and_of_those_that_come_it_can_be_said_which_is_not(bad: float) -> None:
     with pytest.raises(ValueError, match="finite"):
         encode(Configure(1, SETTINGS._replace(wall_stiffness=bad)))
     with pytest.raises(ValueError, match="finite"):
@@ -67,12 +67,15 @@ def test_floats_must_be_numbers(bad: float) -> None:
     for offset in (8, 12):  # torque and grip of the first sample
         spoilt = bytearray(body)
         spoilt[23 + offset : 27 + offset] = struct.pack("<f", bad)
-        assert decode(bytes(spoilt)) is None
+        assert np.isfinite(decode(bytes(spoilt)).samples.torque_nm[0]) == (offset == 12)
     spoilt = bytearray(body)
     spoilt[31:35] = bytes.fromhex("0100807f")  # a NaN that signals, which numpy would warn of
-    assert decode(bytes(spoilt)) is None
+    assert np.isnan(decode(bytes(spoilt)).samples.torque_nm[0])
     body = bytearray(encode(GOLDEN["ack_of_simulate"]))
     body[-8:] = struct.pack("<d", bad)
+    assert not math.isfinite(decode(bytes(body)).said.grip_sines[0].phase)
+    body = bytearray(encode(GOLDEN["simulate"]))
+    body[6:14] = struct.pack("<d", bad)
     assert decode(bytes(body)) is None
 
 

@@ -41,7 +41,7 @@ class Clock(Session):
         super().__init__(first_nonce=0)
         self.times: list[float] = []
 
-    def feed(self, data: bytes, *, now: float) -> None:
+    def feed(self, data: bytes, *, now: float, arrived_s: float) -> None:
         self.times.append(now)
 
 

@@ -46,7 +46,12 @@ def test_a_trial_within_its_limits_passes() -> None:
         ({"angle_counts": [0, 0, 0, 82]}, "the knob is faster than the limit of 50 rad/s, at sample 13"),
         ({"angle_counts": [-82, -82, -82, -82]}, "the knob is faster than the limit of 50 rad/s, at sample 10"),
         ({"time_us": [10_000, 11_000, 10_999, 13_000]}, "the device's clock runs backwards, at sample 12"),
-        ({"time_us": [8_000, 11_000, 12_000, 13_000]}, "the device's clock runs backwards, at sample 10"),
+        ({"time_us": [4_000, 11_000, 12_000, 13_000]}, "the device's clock runs backwards, at sample 10"),
+        (
+            {"time_us": [10_000, 10_000, 12_000, 13_000]},
+            "the device's clock gives two samples the same time: it must be told to 1 us, and a period is 1000 us "
+            "(a clock of 1 ms is too coarse), at sample 11",
+        ),
     ],
 )
 def test_what_is_beyond_is_named(changes: dict[str, Any], said: str) -> None:

@@ -300,3 +300,141 @@ def test_after_release_the_watchdog_is_left_to_do_its_work() -> None:
     before = len(wire.target.heard)
     wire.go(0.5)
     assert wire.target.heard[before:] == [Kind.RELEASE] * 6
+
+
+def test_a_target_that_is_in_another_state_than_it_was_told_ends_the_trial() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    plain = wire.target._carry_out
+
+    def lying(message: Any, now: float) -> Any:
+        found = plain(message, now)
+        wire.target.state = State.ARMED
+        return found
+
+    wire.target._carry_out = lying  # type: ignore[method-assign]
+    wire.do(Kind.START)
+    assert wire.session.failure == "the target acknowledged START, but says that it is armed, and not running"
+
+
+def test_blocks_that_go_on_after_stop_end_the_trial() -> None:
+    wire = Wire()
+    wire.arm()
+    trial(wire)
+    made = wire.target.blocks[-1]
+    wire.session.feed(wire.target._send(made), now=wire.now)
+    assert wire.session.failure is None  # one that it has is no new one
+    wire.session.feed(wire.target._send(made._replace(block=made.block + 1)), now=wire.now)
+    assert wire.session.failure == "the target acknowledged STOP, but goes on sampling with the wall on"
+
+
+def test_blocks_that_go_on_after_release_are_seen_and_those_under_way_are_let_pass() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.do(Kind.START)
+    wire.go(0.1)
+    made = wire.target.blocks[-1]
+    wire.session.command(lambda nonce: Plain(Kind.RELEASE, nonce))
+    wire.session.feed(wire.target._send(made), now=wire.now)
+    wire.go(0.1)
+    assert wire.session.released is not None
+    assert (wire.session.released.acknowledged, wire.session.released.seen) == (True, "")
+    wire.session.feed(wire.target._send(made._replace(boot=9)), now=wire.now)
+    assert wire.session.released.seen == ""  # of somebody else
+    wire.session.feed(wire.target._send(made), now=wire.now)
+    assert wire.session.released.seen == "the target acknowledged RELEASE, but goes on sending samples with the wall on"
+
+
+def test_what_is_no_number_is_called_so_and_nothing_of_it_is_handed_on() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.05)
+    got = len(wire.got)
+    made = wire.target.blocks[-1]
+    grip = made.samples.grip_n.copy()
+    grip[7] = np.nan
+    number = made.block + 1
+    first = made.samples.first + SETTINGS.block_samples
+    times = made.samples.time_us + SETTINGS.block_samples * SETTINGS.period_ns // 1000
+    spoilt = made.samples._replace(first=first, time_us=times, grip_n=grip)
+    wire.session._take_samples(made._replace(block=number, samples=spoilt))
+    assert wire.session.failure == f"the target sent a grip force that is not a number, at sample {first + 7}"
+    wire.go(0.1)
+    assert len(wire.got) == got
+
+
+def test_frames_with_a_wrong_checksum_are_counted_and_named() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.05)
+    plain = wire.target.manners.out
+    wire.target.manners.out = lambda data: (
+        plain(data[:-2] + bytes([data[-2] % 254 + 1, 0])) if len(data) > 100 else data
+    )
+    wire.go(0.3)
+    assert wire.session.failure is not None
+    assert "came with a wrong checksum: does the target make its CRC-32 as docs/wire.md says" in wire.session.failure
+
+
+def test_a_clock_that_is_half_as_fast_ends_the_trial_unless_it_is_simulated() -> None:
+    for own_time in (False, True):
+        wire = Wire()
+        wire.arm()
+        wire.session.own_time = own_time
+        plain = wire.target.go_on
+        wire.target.go_on = lambda now, plain=plain: plain(now / 2.0)  # type: ignore[method-assign]
+        wire.target._armed_at = wire.now / 2.0
+        wire.target.slack = 1e9
+        wire.go(1.0)
+        said = wire.session.failure or ""
+        assert ("the target's clock is 50.0% slow by this computer's" in said) != own_time
+
+
+def test_a_wall_that_is_never_said_to_be_on_ends_the_trial() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    wire.do(Kind.START)
+    wire.target._started = None
+    wire.go(0.1)
+    assert wire.session.failure is not None
+    assert "the target acknowledged START, and does not say that the wall is on, at sample " in wire.session.failure
+    assert wire.target.state is State.IDLE
+
+
+def test_a_wall_that_is_on_from_the_next_sample_is_right_however_many_blocks_are_unread() -> None:
+    wire = Wire()
+    wire.arm()
+    wire.go(3.0, reading=False)
+    wire.do(Kind.START)
+    wire.go(0.5)
+    assert wire.session.failure is None
+
+
+def test_a_trip_at_the_first_sample_after_start_is_told_as_a_trip() -> None:
+    """That sample has no wall any more, and is alone in its block; were there another, it would be no trip."""
+    wire = Wire()
+    wire.arm()
+    wire.go(0.1)
+    wire.do(Kind.START)
+    wire.target._started = None
+    while wire.session._on_after is None:
+        wire.step()
+    made = wire.target.blocks[-1]
+    last = made.samples
+    later = 1_000_000  # us, after START by any clock
+    alone = last._replace(
+        first=last.first + len(last.time_us),
+        time_us=last.time_us[-1:] + later,
+        angle_counts=last.angle_counts[-1:],
+        torque_nm=np.zeros(1),
+        grip_n=last.grip_n[-1:],
+        running=np.zeros(1, bool),
+    )
+    wire.session._on_after = (0, wire.session._on_after[1])
+    wire.session._take_samples(made._replace(block=made.block + 1, samples=alone))
+    assert wire.session.failure is None
+    again = alone._replace(first=alone.first + 1, time_us=alone.time_us + 250)
+    wire.session._take_samples(made._replace(block=made.block + 2, samples=again))
+    assert "does not say that the wall is on" in (wire.session.failure or "")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.simulated import Sine
 from hknob_cli.hardware.virtual import State, VirtualDevice
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
@@ -129,3 +130,11 @@ def test_too_fast_a_knob_trips_within_the_sample() -> None:
             call()
     device.release()
     device.arm()
+
+
+def test_times_rise_after_every_overrun() -> None:
+    """A sample that follows at once on a late one may be in the same microsecond, where a period is no whole number."""
+    told = settings(30_000, 512)
+    nuisances = Nuisances(late_share=0.5, seed=1)
+    found = virtual_trial(told, duration_s=0.3, nuisances=nuisances)
+    assert (np.diff(found.time_us) > 0).all()

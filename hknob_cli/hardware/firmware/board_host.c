@@ -23,7 +23,7 @@
 #include "simulated_knob.h"
 #include "target.h"
 
-const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 40000u, true, "hknob host"};
+const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 40000u, SIMULATED, "hknob host"};
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t due_changed;

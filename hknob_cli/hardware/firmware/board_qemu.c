@@ -32,7 +32,7 @@
 /* A word that whoever starts QEMU fills in anew: -device loader,addr=0x203ffff0,data=NUMBER,data-len=4. */
 #define BOOT_WORD REGISTER(0x203ffff0u)
 
-const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 250000u, true, "hknob qemu m3"};
+const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 250000u, SIMULATED | OWN_TIME, "hknob qemu m3"};
 
 static uint64_t due = BOARD_NEVER;
 

@@ -5,9 +5,9 @@
 #include "target.h"
 
 /* Counts per revolution of the encoder as the machine counts them, four per line; a period that the sample, with all
-   that board_angle() and board_torque() do, surely fits into twice; not simulated; a name of at most 15 letters.
+   that board_angle() and board_torque() do, surely fits into twice; no flag, or NO_GRIP_CELL; a name of at most 15 letters.
    RECORD_SAMPLES (record.h) times this period must be at least 100 ms. */
-const struct identity board_identity = {4096u, 250000u, false, "my knob"};
+const struct identity board_identity = {4096u, 250000u, 0u, "my knob"};
 
 /* Another number after every start: from a random number generator, a battery-backed clock, or a counter kept in flash.
    With nothing of the kind the host cannot tell a restart from a long silence. */
@@ -33,7 +33,9 @@ void board_call_at(uint64_t time_ns)
 }
 
 /* The encoder's count, 32 bits or widened to them, latched once. 0 is the wall's edge: set it when the knob is at its
-   mark. Turning outwards counts up; swap the encoder's lines if it does not. */
+   mark, or let the host do it (ZERO). Turning outwards counts up; swap the encoder's lines if it does not. An absolute
+   encoder tells where it is within one turn: add the difference to the reading before, taken between plus and minus half
+   a turn, to a count of your own, so that the angle goes on across the place where the reading starts anew. */
 int32_t board_angle(void)
 {
     return 0;

@@ -80,6 +80,24 @@ static uint8_t fault_of(int32_t angle, double torque, uint64_t now)
     return torque - torque != 0.0 ? FAULT_NOT_A_NUMBER : NO_FAULT;
 }
 
+/* The board's angle from the zero that the host has set, at the end of what can be told where it is beyond. */
+static int32_t angle_now(void)
+{
+    int64_t angle = board_angle() + loop.zero_counts;
+    return angle < INT32_MIN ? INT32_MIN : angle > INT32_MAX ? INT32_MAX : (int32_t)angle;
+}
+
+/* Times rise: a sample that follows at once on a late one, in the same microsecond, is told one later. */
+static uint32_t time_of(uint32_t index, uint64_t now)
+{
+    uint32_t time_us = (uint32_t)((now - loop.armed_ns) / 1000u);
+    if (index > 0u && time_us == loop.told_us) {
+        time_us++;
+    }
+    loop.told_us = time_us;
+    return time_us;
+}
+
 void target_sample(void)
 {
     const struct settings *s = &loop.settings;
@@ -95,7 +113,7 @@ void target_sample(void)
         trip(FAULT_NO_ROOM, index, now);
         return;
     }
-    int32_t angle = board_angle();
+    int32_t angle = angle_now();
     int64_t count = wall_decimate(angle, s->counts_per_rev, board_identity.native_counts);
     if (index == 0u) {
         loop.angle_before = angle;
@@ -112,7 +130,7 @@ void target_sample(void)
         torque = 0.0;
     }
     board_torque(torque);
-    struct sample sample = {(uint32_t)((now - loop.armed_ns) / 1000u), angle, (float)torque, (float)board_grip_n(),
+    struct sample sample = {time_of(index, now), angle, (float)torque, (float)board_grip_n(),
                             loop.state == RUNNING && fault == NO_FAULT ? WALL_ON : 0u};
     record_add(&loop.record, &sample, loop.overruns);
     if (fault != NO_FAULT) {

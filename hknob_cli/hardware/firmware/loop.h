@@ -13,12 +13,14 @@ struct loop {
     struct settings settings;
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
+    int64_t zero_counts; /* added to the board's angle */
     struct record record;
     /* The sample's own. */
     double quantum_rad, native_rad, interval_s;
     uint64_t armed_ns, due_ns, before_ns;
     int64_t count_before;
     int32_t angle_before;
+    uint32_t told_us; /* time of the sample before */
 };
 
 extern struct loop loop;

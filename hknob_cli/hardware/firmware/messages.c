@@ -119,6 +119,12 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
         }
         read_settings(&command->settings, &r);
         return true;
+    case ZERO:
+        if (count != 10u) {
+            return false;
+        }
+        command->angle = (int32_t)(uint32_t)get(&r, 4u);
+        return true;
     case SIMULATE:
         return read_simulated(&command->simulated, &r, count);
     default:
@@ -176,9 +182,14 @@ size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 {
     at = put(body, at, i->native_counts, 4u);
     at = put(body, at, i->shortest_period_ns, 4u);
-    at = put(body, at, i->simulated ? 1u : 0u, 1u);
+    at = put(body, at, i->flags | (unsigned)KNOWS_ZERO, 1u);
     memcpy(body + at, i->name, NAME_BYTES);
     return at + NAME_BYTES;
+}
+
+size_t zero_write(uint8_t *body, size_t at, int32_t angle)
+{
+    return put(body, at, (uint32_t)angle, 4u);
 }
 
 size_t settings_write(uint8_t *body, size_t at, const struct settings *s)

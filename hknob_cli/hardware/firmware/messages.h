@@ -12,7 +12,7 @@
 #define NAME_BYTES 16u
 
 enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
-       AGAIN = 0x08, SIMULATE = 0x10, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+       AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
 enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
 enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
 enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
@@ -42,13 +42,17 @@ struct command {
     uint32_t nonce;
     uint32_t first; /* of ALIVE: the block expected; of AGAIN: the first */
     uint16_t count; /* of AGAIN */
+    int32_t angle;  /* of ZERO */
     struct settings settings;
     struct simulated simulated;
 };
 
+/* What a target is and can do, in its answer to HELLO. The target itself adds KNOWS_ZERO. */
+enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8 };
+
 struct identity {
     uint32_t native_counts, shortest_period_ns;
-    bool simulated;
+    uint8_t flags;
     char name[NAME_BYTES];
 };
 
@@ -85,6 +89,7 @@ size_t block_write(uint8_t *body, const struct block *block);
 /* What follows in the body: after an answer with its length so far, after a block once per sample. The new length. */
 size_t identity_write(uint8_t *body, size_t at, const struct identity *identity);
 size_t settings_write(uint8_t *body, size_t at, const struct settings *settings);
+size_t zero_write(uint8_t *body, size_t at, int32_t angle);
 size_t simulated_write(uint8_t *body, size_t at, const struct simulated *simulated);
 size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
 

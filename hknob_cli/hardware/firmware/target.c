@@ -18,6 +18,7 @@ static struct {
     uint32_t boot, run, last_nonce;
     uint32_t sent, again, again_end; /* next block to send first; blocks to send again */
     uint64_t event_due_ns;
+    int32_t zero;
     struct simulated simulated;
     struct command command;
     struct frame_receiver receiver;
@@ -64,7 +65,7 @@ static uint8_t configure(const struct settings *settings)
 
 static uint8_t simulate(const struct simulated *simulated)
 {
-    if (!board_identity.simulated) {
+    if ((board_identity.flags & SIMULATED) == 0u) {
         return NOT_KNOWN;
     }
     if (loop.state != IDLE) {
@@ -75,6 +76,16 @@ static uint8_t simulate(const struct simulated *simulated)
         self.simulated = *simulated;
     }
     return status;
+}
+
+static uint8_t zero(int32_t angle)
+{
+    if (loop.state != IDLE) {
+        return NOT_NOW;
+    }
+    loop.zero_counts = (int64_t)angle - board_angle();
+    self.zero = angle;
+    return DONE;
 }
 
 static uint8_t release(void)
@@ -93,6 +104,8 @@ static uint8_t carry_out(const struct command *c)
         return configure(&c->settings);
     case SIMULATE:
         return simulate(&c->simulated);
+    case ZERO:
+        return zero(c->angle);
     case ARM:
         return arm(c->nonce);
     case START:
@@ -149,6 +162,8 @@ static size_t answer(void)
         count = identity_write(self.body, count, &board_identity);
     } else if (self.last_type == CONFIGURE && self.last_status == DONE) {
         count = settings_write(self.body, count, &loop.settings);
+    } else if (self.last_type == ZERO && self.last_status == DONE) {
+        count = zero_write(self.body, count, self.zero);
     } else if (self.last_type == SIMULATE && self.last_status == DONE) {
         count = simulated_write(self.body, count, &self.simulated);
     }

@@ -9,6 +9,7 @@ from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import (
+    ZERO,
     pack_settings,
     pack_simulated,
     unpack_settings,
@@ -23,6 +24,7 @@ EVENT = struct.Struct("<IIBIII")
 
 MOST_SAMPLES = 48
 SIMULATED_FLAG = RUNNING_FLAG = 1
+NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG = 2, 4, 8
 
 
 class About(NamedTuple):
@@ -32,6 +34,9 @@ class About(NamedTuple):
     shortest_period_ns: int
     simulated: bool
     name: str
+    no_grip_cell: bool = False
+    own_time: bool = False
+    knows_zero: bool = False
 
 
 class Ack(NamedTuple):
@@ -44,7 +49,7 @@ class Ack(NamedTuple):
     fault: Trip
     boot: int
     blocks: int
-    said: About | Settings | Simulated | None = None
+    said: About | Settings | Simulated | int | None = None
 
     @property
     def kind(self) -> Kind:
@@ -113,10 +118,14 @@ def unpack_answer(kind: Kind, data: bytes) -> Answer:
     return _unpack_block(data)
 
 
-def _pack_said(said: About | Settings | Simulated | None) -> bytes:
+def _pack_said(said: About | Settings | Simulated | int | None) -> bytes:
     match said:
         case About():
-            return HELLO.pack(*said[:3], said.name.encode("ascii"))
+            flags = said.simulated * SIMULATED_FLAG + said.no_grip_cell * NO_GRIP_CELL_FLAG
+            flags += said.own_time * OWN_TIME_FLAG + said.knows_zero * KNOWS_ZERO_FLAG
+            return HELLO.pack(said.native_counts, said.shortest_period_ns, flags, said.name.encode("ascii"))
+        case int():
+            return ZERO.pack(said)
         case Settings():
             return pack_settings(said)
         case Simulated():
@@ -124,17 +133,28 @@ def _pack_said(said: About | Settings | Simulated | None) -> bytes:
     return b""
 
 
-def _unpack_said(of: int, status: Status, data: bytes) -> About | Settings | Simulated | None:
+def _unpack_said(of: int, status: Status, data: bytes) -> About | Settings | Simulated | int | None:
     if of == Kind.HELLO:
         native_counts, shortest_period_ns, flags, name = HELLO.unpack(data)
         text = name.rstrip(b"\0").decode("ascii")
         if not text.isprintable():
             raise ValueError("name")
-        return About(native_counts, shortest_period_ns, bool(flags & SIMULATED_FLAG), text)
+        return About(
+            native_counts,
+            shortest_period_ns,
+            simulated=bool(flags & SIMULATED_FLAG),
+            name=text,
+            no_grip_cell=bool(flags & NO_GRIP_CELL_FLAG),
+            own_time=bool(flags & OWN_TIME_FLAG),
+            knows_zero=bool(flags & KNOWS_ZERO_FLAG),
+        )
     if status is Status.DONE and of == Kind.CONFIGURE:
         return unpack_settings(data)
     if status is Status.DONE and of == Kind.SIMULATE:
         return unpack_simulated(data)
+    if status is Status.DONE and of == Kind.ZERO:
+        (angle,) = ZERO.unpack(data)
+        return int(angle)
     if data:
         raise ValueError("length")
     return None
@@ -145,7 +165,7 @@ def _unpack_block(data: bytes) -> Samples:
     if not 1 <= count <= MOST_SAMPLES or len(data) != BLOCK.size + count * SAMPLE.itemsize:
         raise ValueError("length")
     rows = np.frombuffer(data, SAMPLE, offset=BLOCK.size)
-    with np.errstate(invalid="ignore"):  # a NaN that signals; what is no number is refused when all is unpacked
+    with np.errstate(invalid="ignore"):  # a NaN that signals; what is no number ends the trial, by its name
         torque_nm, grip_n = rows["torque_nm"].astype(np.float64), rows["grip_n"].astype(np.float64)
     samples = Block(
         first,

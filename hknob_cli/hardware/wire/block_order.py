@@ -3,6 +3,8 @@
 No clock and no port: the caller says what time it is, in seconds of any clock.
 """
 
+import numpy as np
+
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.wire.answers import Samples
@@ -47,8 +49,7 @@ class BlockOrder:
         """Blocks that can be handed on now. Raises DeviceError if their samples do not follow on each other."""
         number = message.block
         other = (message.boot, message.run) != (self.boot, self.run)
-        beyond = self.total is not None and number >= self.total
-        if other or beyond or number < self.expected or number in self._ahead:
+        if other or self.is_beyond(message) or number < self.expected or number in self._ahead:
             self.dropped += 1
             return []
         if number < self.expected + MOST_AHEAD:
@@ -62,6 +63,11 @@ class BlockOrder:
         self._seen = max(self._seen, self.expected)
         self._time_gap(now, progress=bool(ordered))
         return ordered
+
+    def is_beyond(self, message: Samples) -> bool:
+        """Whether a block is of this run, and of more than the target said it had made when it ended."""
+        ours = (message.boot, message.run) == (self.boot, self.run)
+        return ours and self.total is not None and message.block >= self.total
 
     def end(self, total: int, *, now: float) -> None:
         """The target has made ``total`` blocks, and will make no more."""
@@ -92,5 +98,10 @@ class BlockOrder:
         times = block.time_us
         if times[0] < self._time_us or (times[1:] < times[:-1]).any():
             raise DeviceError(f"the target's clock runs backwards near sample {block.first}")
+        if (np.diff(times) == 0).any() or (self._sample and times[0] == self._time_us):
+            raise DeviceError(
+                f"two samples have the same time near sample {block.first}: the target must tell times to 1 us, and a "
+                "clock of 1 ms is too coarse"
+            )
         self._sample += len(times)
         self._time_us = int(times[-1])

@@ -16,6 +16,7 @@ class Kind(IntEnum):
     RELEASE = 0x06
     ALIVE = 0x07
     AGAIN = 0x08
+    ZERO = 0x09
     SIMULATE = 0x10
     ACK = 0x81
     BLOCK = 0x82

@@ -13,6 +13,7 @@ KNOB = struct.Struct("<9dBB")
 SINE = struct.Struct("<3d")
 ALIVE = struct.Struct("<I")
 AGAIN = struct.Struct("<IH")
+ZERO = struct.Struct("<i")
 
 PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE)
 
@@ -73,7 +74,19 @@ class Again(NamedTuple):
         return Kind.AGAIN
 
 
-Command = Plain | Configure | Simulate | Alive | Again
+class Zero(NamedTuple):
+    """The present angle is ``angle`` from now on, in counts of the target's encoder."""
+
+    nonce: int
+    angle: int
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.ZERO
+
+
+Command = Plain | Configure | Simulate | Alive | Again | Zero
 
 
 def pack_settings(settings: Settings) -> bytes:
@@ -118,6 +131,8 @@ def pack_command(command: Command) -> bytes:
             return nonce + ALIVE.pack(command.expected)
         case Again():
             return nonce + AGAIN.pack(command.first, command.count)
+        case Zero():
+            return nonce + ZERO.pack(command.angle)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -132,6 +147,8 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return Alive(nonce, *ALIVE.unpack(rest))
     if kind is Kind.AGAIN:
         return Again(nonce, *AGAIN.unpack(rest))
+    if kind is Kind.ZERO:
+        return Zero(nonce, *ZERO.unpack(rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

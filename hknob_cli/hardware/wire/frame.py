@@ -4,6 +4,8 @@ import zlib
 
 from cobs import cobs
 
+from hknob_cli.hardware.wire.codes import VERSION, Kind
+
 MOST_BODY_BYTES = 1024
 CRC_BYTES = 4
 # COBS adds at most one byte in 254, rounded up.
@@ -29,15 +31,25 @@ def body_of(stuffed: bytes) -> bytes | None:
     return bytes(body)
 
 
+def is_message(stuffed: bytes) -> bool:
+    """Whether a frame would be an answer, whatever its CRC is: it decodes, to the version and the type of one."""
+    try:
+        checked = cobs.decode(stuffed)
+    except cobs.DecodeError:
+        return False
+    return len(checked) > 2 + CRC_BYTES and checked[0] == VERSION and Kind.ACK <= checked[1] <= Kind.EVENT
+
+
 class Decoder:
     """Finds the frames in bytes as they come, in pieces of any size.
 
     Holds no more than one frame's bytes: what is longer cannot be a frame, and is skipped up to the next zero byte.
-    ``damaged`` counts what was dropped.
+    ``damaged`` counts what was dropped; ``bad_crc`` those of them that would be an answer but for their checksum.
     """
 
     def __init__(self) -> None:
         self.damaged = 0
+        self.bad_crc = 0
         self._begun = bytearray()
         self._skipping = False
 
@@ -61,6 +73,7 @@ class Decoder:
                 body = None if self._skipping else body_of(bytes(self._begun))
                 if body is None:
                     self.damaged += 1
+                    self.bad_crc += not self._skipping and is_message(bytes(self._begun))
                 else:
                     bodies.append(body)
             self._begun.clear()

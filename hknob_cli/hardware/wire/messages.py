@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 
-from hknob_cli.hardware.port import Settings
+from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
 from hknob_cli.hardware.wire.codes import VERSION, Kind
@@ -34,7 +34,8 @@ def decode(body: bytes) -> Message | None:
         message = unpack_answer(kind, body[2:]) if kind & 0x80 else unpack_command(kind, body[2:])
     except (struct.error, ValueError):
         return None
-    return message if is_finite(message) else None
+    # A command with what is no number is none; of an answer whose checksum is right, what is no number can be said.
+    return message if kind & 0x80 or is_finite(message) else None
 
 
 def is_finite(message: Message) -> bool:
@@ -49,3 +50,12 @@ def is_finite(message: Message) -> bool:
             block = message.samples
             return bool(np.isfinite(block.torque_nm).all() and np.isfinite(block.grip_n).all())
     return True
+
+
+def not_a_number(block: Block) -> str:
+    """What is no number in a block whose checksum is right: the target's own doing; empty if nothing is."""
+    for what, values in (("torque", block.torque_nm), ("grip force", block.grip_n)):
+        bad = ~np.isfinite(values)
+        if bad.any():
+            return f"the target sent a {what} that is not a number, at sample {block.first + int(bad.argmax())}"
+    return ""

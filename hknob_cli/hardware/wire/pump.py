@@ -45,7 +45,7 @@ class Pump:
                 now = time.monotonic()
                 attended, before = attended + min(now - before, LONGEST_STEP_S), now
                 with self.changed:
-                    self._session.feed(data, now=attended)
+                    self._session.feed(data, now=attended, arrived_s=now)
                     due = self._session.due(attended)
                     self.changed.notify_all()
                 self._write(due)
