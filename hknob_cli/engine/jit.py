@@ -38,6 +38,7 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
+SETS = (*MOTION, "sets.known", "sets.ball", "sets.arc", "sets.polygon")
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
@@ -53,6 +54,7 @@ GROUPS = {
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
+    "sets": (SETS, "arc.follow_arcs"),
     "pulse": (PULSE, "pulse.follow_linear"),
 }
 
