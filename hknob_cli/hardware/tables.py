@@ -10,6 +10,7 @@ from hknob_cli.hardware.course import Ended
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.timing import audit
 from hknob_cli.hardware.trial_file import Recorded
+from hknob_cli.measure.pitch import pitch_hz
 from hknob_cli.measure.recorded import TrialMeasures, measure_trial
 from hknob_cli.measure.torque_rises import torque_rises_hz
 from hknob_cli.results.arrays import build_table
@@ -37,6 +38,7 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         least_s=course.buzz_s[0],
         settle_s=course.settle_s,
     )
+    torque_hz = _torque_hz(column, measured)
     return {
         "order": one.trial.number,
         "block": one.trial.block,
@@ -45,9 +47,16 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "sustained": measured.sustained,
         "p2p_rad": measured.p2p_rad,
         "rms_rad": measured.rms_rad,
-        "frequency_hz": measured.frequency_hz,
+        "frequency_hz": pitch_hz(
+            p2p_rad=measured.p2p_rad,
+            cycle_hz=measured.cycle_hz,
+            torque_hz=torque_hz,
+            native_counts=one.native_counts,
+            counts_per_rev=one.trial.counts_per_rev,
+        ),
+        "spectral_hz": measured.spectral_hz,
         "cycle_hz": measured.cycle_hz,
-        "torque_hz": _torque_hz(column, measured),
+        "torque_hz": torque_hz,
         "grip_mean_n": measured.grip_mean_n,
         "grip_std_n": measured.grip_std_n,
         "grip_zero_n": one.zero_n,

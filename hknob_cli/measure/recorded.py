@@ -19,7 +19,7 @@ class TrialMeasures(NamedTuple):
     ``steady``: first and last sample of the steady part, counted from the first sample of the trial; without a
     sustained buzz the last second in which the wall was on. ``p2p_rad``: mean local maximum minus mean local minimum,
     peaks between samples by a spline; ``p2p_samples_rad``: of the samples alone; ``rms_rad`` about the mean;
-    ``frequency_hz``: highest peak of the spectrum; ``cycle_hz``: local maxima per second; ``grip_zero_n``: what the
+    ``spectral_hz``: highest peak of the spectrum; ``cycle_hz``: local maxima per second; ``grip_zero_n``: what the
     grip cell showed before the start, subtracted from its mean; ``wall_torque_nm``: mean torque of the wall, which is
     what person and hand push, on average.
     """
@@ -31,7 +31,7 @@ class TrialMeasures(NamedTuple):
     p2p_rad: float
     p2p_samples_rad: float
     rms_rad: float
-    frequency_hz: float
+    spectral_hz: float
     cycle_hz: float
     grip_mean_n: float
     grip_std_n: float
@@ -92,7 +92,7 @@ def measure_trial(
         p2p_rad=swing.p2p,
         p2p_samples_rad=samples.p2p,
         rms_rad=float(angle.std()),
-        frequency_hz=principal_frequency(time, angle_rad[part]),
+        spectral_hz=principal_frequency(time, angle_rad[part]),
         cycle_hz=swing.cycle_hz,
         grip_mean_n=float(grip_n[part].mean()) - zero,
         grip_std_n=float(grip_n[part].std()),
@@ -118,7 +118,7 @@ def _at_rest(part: tuple[int, int], time_s: Array, torque_nm: Array, grip_n: Arr
         p2p_rad=0.0,
         p2p_samples_rad=0.0,
         rms_rad=0.0,
-        frequency_hz=0.0,
+        spectral_hz=0.0,
         cycle_hz=0.0,
         grip_mean_n=float(grip_n[held].mean()) - zero if time_s.size else 0.0,
         grip_std_n=float(grip_n[held].std()) if time_s.size else 0.0,

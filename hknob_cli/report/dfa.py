@@ -80,6 +80,7 @@ def statistics_lines(name: str, groups: dict[str, Any]) -> list[str]:
     """Differences from a sweep over the grid, in percent, as the dissertation states them."""
     titles = {
         "p2p_difference": "peak to peak",
+        "p2p_max_difference": "peak to peak, to the largest cycle",
         "amplitude_difference": "its half against peak to peak",
         "frequency_difference": "frequency",
     }

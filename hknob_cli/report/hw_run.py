@@ -6,8 +6,8 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.hardware.course import Ended
 from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
+from hknob_cli.results.campaign_cells import cell_rows
 from hknob_cli.spec.plan import COUNTS, RATE
 
 Row = dict[str, Any]
@@ -30,20 +30,8 @@ def describe_hw_run(trials: pa.Table, *, target_n: float) -> dict[str, Any]:
 
 
 def cells_of(rows: list[Row]) -> list[Row]:
-    """One row for each cell of the grid, in its order: means over the repeats, and how many buzzed, and rested."""
-    cells: dict[tuple[int, float], list[Row]] = {}
-    for row in sorted(rows, key=lambda row: (row[COUNTS], row[RATE])):
-        cells.setdefault((row[COUNTS], row[RATE]), []).append(row)
-    found = []
-    for (counts, rate), same in cells.items():
-        buzzing = [row for row in same if row["sustained"]]
-        at_rest = sum(row["ended"] == Ended.REST.value and not row["sustained"] for row in same)
-        cell = {RATE: rate, COUNTS: counts, "trials": len(same), "sustained": len(buzzing), "at_rest": at_rest}
-        for name in ("p2p_rad", "rms_rad", "frequency_hz"):
-            cell[name] = fmean(row[name] for row in buzzing) if buzzing else 0.0
-        grips = [row["grip_mean_n"] for row in same if row["grip_mean_n"] is not None]
-        found.append({**cell, "grip_mean_n": fmean(grips) if grips else None})
-    return found
+    """One row for each cell of the grid, as a page has them, in the order of the table on the terminal."""
+    return sorted(cell_rows(rows), key=lambda cell: (cell[COUNTS], cell[RATE]))
 
 
 def hw_run_text(summary: dict[str, Any]) -> str:
@@ -58,14 +46,25 @@ def hw_run_text(summary: dict[str, Any]) -> str:
     across = len({cell[RATE] for cell in cells})
     if len(cells) <= MAX_ROWS and across <= 24:
         for column, scale, title in (
-            ("p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
+            *_sizes(cells),
             ("rms_rad", 1e3, "root mean square, mrad"),
-            ("frequency_hz", 1.0, "principal frequency, Hz"),
+            ("frequency_hz", 1.0, "frequency, Hz (cycles per second, as a sweep counts them)"),
         ):
             lines += ["", *matrix(cells, AXES, column, scale=scale, title=title, mark=_mark)]
         lines += ["", *grip_table(cells)]
     lines += ["", *_clock(summary), *_doubts(rows)]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def _sizes(cells: list[Row]) -> list[tuple[str, float, str]]:
+    """Tables of size: the trial that buzzes most, and the mean, where cells have several trials that buzz."""
+    what = "peak to peak, mrad (mean peak minus mean trough)"
+    if all(cell["sustained"] < 2 for cell in cells):
+        return [("p2p_rad", 1e3, what)]
+    return [
+        ("p2p_max_rad", 1e3, f"{what}, the trial that buzzes most"),
+        ("p2p_rad", 1e3, f"{what}, mean of the trials that buzz"),
+    ]
 
 
 def grip_table(cells: list[Row]) -> list[str]:
@@ -118,7 +117,11 @@ def _spread(value: float | None, std: float | None) -> str:
 
 
 def _clock(summary: dict[str, Any]) -> list[str]:
-    quench = [] if summary["sustained"] == len(summary["trials"]) else ["r the buzz was not sustained"]
+    quench = (
+        []
+        if summary["sustained"] == len(summary["trials"])
+        else ["r in some or all trials the buzz was not sustained; they are in no size or frequency"]
+    )
     missed = summary["missed_ticks"]
     skipped = f", which left out {missed} tick{'s' if missed != 1 else ''} of the clock" if missed else ""
     late = f"{summary['overruns']} late in the loop{skipped}"

@@ -46,20 +46,34 @@ def _maps(figure: "SubFigure", cells: list[Row], rates: list[float], counts: lis
     grid = {(cell[COUNTS], cell[RATE]): cell for cell in cells}
     axes = figure.subplots(1, 2, sharey=True)
     panels = (
-        ("p2p_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
-        ("frequency_hz", 1.0, "frequency, Hz"),
+        ("p2p_max_rad", 1e3, "peak to peak, mrad (mean peak minus mean trough)"),
+        ("frequency_at_max_hz", 1.0, "frequency, Hz"),
     )
+    several = any(cell["sustained"] > 1 for cell in cells)
     for ax, (column, scale, label) in zip(axes, panels, strict=True):
-        values = np.array([[scale * grid[count, rate][column] for rate in rates] for count in counts])
-        inks = colour_map(ax, values, label)
+        values = np.array(
+            [[scale * (grid[count, rate][column] or np.nan) for rate in rates] for count in counts], dtype=float
+        )
+        inks = colour_map(ax, values, f"{label}: the trial that buzzes most, and the mean" if several else label)
         ax.set_xticks(range(len(rates)), [f"{rate:.6g}" for rate in rates])
         ax.set_xlabel(axis_name(RATE))
         for i, j in np.ndindex(*values.shape):
             cell = grid[counts[i], rates[j]]
-            text = "\n".join(filter(None, [f"{values[i, j]:.3g}" if values[i, j] else "", quiet_text(cell)]))
+            value = values[i, j]
+            text = "\n".join(
+                filter(
+                    None, ["" if np.isnan(value) else f"{value:.3g}", _mean_text(cell, column, scale), quiet_text(cell)]
+                )
+            )
             ax.text(j, i, text, ha="center", va="center", fontsize=8, color=inks[i][j])
     axes[0].set_yticks(range(len(counts)), [f"{count}" for count in counts])
     axes[0].set_ylabel(axis_name(COUNTS))
+
+
+def _mean_text(cell: Row, column: str, scale: float) -> str:
+    """The mean beside the trial that buzzes most, where several do."""
+    mean = {"p2p_max_rad": "p2p_rad", "frequency_at_max_hz": "frequency_hz"}[column]
+    return f"mean {scale * cell[mean]:.3g}" if cell["sustained"] > 1 else ""
 
 
 def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:

@@ -11,7 +11,11 @@ LIMITS = {
     "gil_hulin": "Gil & Hulin",
     "niemeyer": "Niemeyer",
 }
-_DIFFERENCES = {"p2p_difference": "p2p", "frequency_difference": "frequency"}
+_DIFFERENCES = {
+    "p2p_difference": "p2p",
+    "p2p_max_difference": "p2p, to the largest",
+    "frequency_difference": "frequency",
+}
 
 Rows = list[dict[str, Any]]
 

@@ -23,10 +23,12 @@ class Column(NamedTuple):
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
 CELLS = (
-    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, weighted by basin; 0 at rest, null if all diverge"),
+    Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, mean of the trials that cycle; null where none does"),
+    Column("p2p_max_rad", _REAL, "rad", "p2p_rad of the largest attractor; 0 where all rest, null where unbounded"),
     Column("p2p_counts", _REAL, "count", "p2p_rad in encoder counts"),
-    Column("frequency_hz", _REAL, "Hz", "cycles per second, weighted by basin; 0 at rest"),
-    Column("rms_rad", _REAL, "rad", "root mean square about the orbit's mean over continuous time, weighted by basin"),
+    Column("frequency_hz", _REAL, "Hz", "cycles per second, mean of the trials that cycle; null where none does"),
+    Column("frequency_at_max_hz", _REAL, "Hz", "frequency_hz of the largest attractor; null where none cycles"),
+    Column("rms_rad", _REAL, "rad", "root mean square about the mean over time, mean of the trials that cycle"),
     Column("orbit_count", _WHOLE, "1", "distinct attractors found, cycles and rest points"),
     Column("certified_fraction", _REAL, "1", "part of the trials whose end is proven"),
     Column("at_rest_fraction", _REAL, "1", "part of the trials that come to rest"),

@@ -39,9 +39,13 @@ TRIALS = (
         "frequency_hz",
         _REAL,
         "Hz",
-        "principal frequency of the steady part, the highest peak of its spectrum; 0 at rest",
+        "cycles per second of the steady part, as a sweep counts them: cycle_hz, or torque_hz where the swing is below "
+        "ten counts of the device's own encoder, of which it misses maxima; 0 at rest",
     ),
-    Column("cycle_hz", _REAL, "Hz", "local maxima per second of the steady part, as a sweep counts cycles; 0 at rest"),
+    Column(
+        "spectral_hz", _REAL, "Hz", "principal frequency, the highest peak of the steady part's spectrum; 0 at rest"
+    ),
+    Column("cycle_hz", _REAL, "Hz", "local maxima per second of the steady part; 0 at rest"),
     Column("torque_hz", _REAL, "Hz", "rises of the torque per second, one a cycle below a count in size; 0 at rest"),
     Column("grip_mean_n", _REAL, "N", "mean grip force of the steady part"),
     Column("grip_std_n", _REAL, "N", "standard deviation of the grip force in the steady part"),

@@ -21,8 +21,10 @@ from hknob_cli.spec.plan import Axes, Cell, Scene
 
 COLUMNS = (
     Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak, mean of the trials that cycle"),
+    Column("sweep_p2p_max_rad", pa.float64(), "rad", "peak to peak of the sweep's largest cycle in the cell"),
     Column("sweep_frequency_hz", pa.float64(), "Hz", "the sweep's frequency, mean of the trials that cycle"),
     Column("p2p_difference", pa.float64(), "1", "(p2p_rad - sweep_p2p_rad) / sweep_p2p_rad"),
+    Column("p2p_max_difference", pa.float64(), "1", "(p2p_rad - sweep_p2p_max_rad) / sweep_p2p_max_rad"),
     Column(
         "amplitude_difference", pa.float64(), "1", "(p2p_rad / 2 - sweep_p2p_rad) / sweep_p2p_rad: unlike with unlike"
     ),
@@ -73,8 +75,7 @@ def _said(value: Any) -> str:
 
 
 _INSIDE = "_in_domain"
-_MAY_LACK = ("p2p_rad", "frequency_hz")  # columns of a sweep that have no value where nothing moves
-_SWEPT = (*_MAY_LACK, "diverged_fraction", "undecided_fraction", "at_rest_fraction")
+_COMPARED = ("p2p_rad", "p2p_max_rad", "frequency_hz")  # columns of a sweep; a cell has no value where nothing cycles
 
 
 class Against:
@@ -111,11 +112,16 @@ class Against:
 
     def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
         """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
-        p2p, frequency = cycling(self._cells.get(self._key(cell)))
+        row = self._cells.get(self._key(cell), {})
+        p2p, largest, frequency = (_above_0(row.get(name)) for name in _COMPARED)
+        if p2p is None or frequency is None:
+            p2p = largest = frequency = None
         return {
             "sweep_p2p_rad": p2p,
+            "sweep_p2p_max_rad": largest,
             "sweep_frequency_hz": frequency,
             "p2p_difference": _relative(p2p_rad, p2p),
+            "p2p_max_difference": _relative(p2p_rad, largest),
             "amplitude_difference": _relative(None if p2p_rad is None else 0.5 * p2p_rad, p2p),
             "frequency_difference": _relative(frequency_hz, frequency),
         }
@@ -129,28 +135,25 @@ def _read(path: Path) -> pa.Table:
 
 
 def _numbers(table: pa.Table, axes: list[str], path: Path) -> list[dict[str, Any]]:
-    """Rows of the axes and of what is compared, all numbers. Raises `UsageError` for a file that has others."""
+    """Rows of the axes and of what is compared, all numbers. Raises `UsageError` for a file that has others.
+
+    Cells of earlier versions, whose means took rest as 0, lack the largest peak to peak, and are refused.
+    """
     columns = {}
-    for name in (*axes, *_SWEPT):
+    for name in (*axes, *_COMPARED):
         try:
             columns[name] = table.column(name).cast(pa.float64())
         except (KeyError, pa.ArrowException):
-            raise UsageError(f"against: {path} has no column {name} of numbers, as a sweep has it") from None
-        if columns[name].null_count and name not in _MAY_LACK:
+            raise UsageError(f"against: {path} has no column {name} of numbers; run the sweep again") from None
+        if columns[name].null_count and name in axes:
             raise UsageError(f"against: {path} has cells without a {name}")
     rows: list[dict[str, Any]] = pa.table(columns).to_pylist()
     return rows
 
 
-def cycling(row: dict[str, Any] | None) -> tuple[float | None, float | None]:
-    """Mean peak to peak and frequency of the trials of a cell that cycle; the cell's own mean counts rest as 0."""
-    if row is None or any(row[name] is None or not isfinite(row[name]) for name in _MAY_LACK):
-        return None, None
-    bounded = 1.0 - row["diverged_fraction"] - row["undecided_fraction"]
-    cycling = bounded - row["at_rest_fraction"]
-    if cycling <= 1e-12:
-        return None, None
-    return row["p2p_rad"] * bounded / cycling, row["frequency_hz"] * bounded / cycling
+def _above_0(value: float | None) -> float | None:
+    """A size or frequency; None for a cell without a cycle."""
+    return value if value and isfinite(value) else None
 
 
 def _relative(value: float | None, reference: float | None) -> float | None:
@@ -172,9 +175,14 @@ class Statistics(NamedTuple):
 
 Groups = dict[str, Statistics | None]
 
-_QUANTITIES = ("p2p_difference", "amplitude_difference", "frequency_difference")
+_QUANTITIES = ("p2p_difference", "p2p_max_difference", "amplitude_difference", "frequency_difference")
 _STATISTICS = (
-    Column("quantity", pa.string(), "", "which difference; amplitude_difference is of half the prediction"),
+    Column(
+        "quantity",
+        pa.string(),
+        "",
+        "which difference; p2p_max: to the largest cycle; amplitude: of half the prediction",
+    ),
     Column("in_domain", pa.bool_(), "", "whether only cells in the domain are counted, or all"),
     Column("cells", pa.int64(), "1", "cells where both sides have a value"),
     Column("mean", pa.float64(), "1", "mean relative difference"),

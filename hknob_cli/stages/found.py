@@ -44,6 +44,19 @@ class Found(NamedTuple):
         sums: Array = np.bincount(self.cell, values, len(self.quantum_rad)).astype(np.float64)
         return sums
 
+    def largest(self, values: Array) -> Whole:
+        """Which attractor of each cell has the largest of ``values``, the first of equal ones.
+
+        The number is one past the last where a cell has none with a value.
+        """
+        most = np.full(len(self.quantum_rad), -np.inf)
+        known = np.isfinite(values)
+        np.maximum.at(most, self.cell[known], values[known])
+        found = np.flatnonzero(known & (values == most[self.cell]))[::-1]
+        which = np.full(len(self.quantum_rad), len(values), dtype=np.int64)
+        which[self.cell[found]] = found  # of several the last one written stays, which is the first
+        return which
+
 
 def in_columns(results: Sequence[CellResult]) -> Found:
     """The attractors of some cells."""

@@ -83,28 +83,38 @@ def lay_out_cells(
     columns: Sequence[Column] = CELLS,
     more: Mapping[str, Sequence[Any]] | None = None,
 ) -> pa.Table:
-    """One row per cell, from their attractors; ``axes``: their values on each axis, ``more``: further columns."""
+    """One row per cell, from their attractors; ``axes``: their values on each axis, ``more``: further columns.
+
+    Sizes and frequencies are of what cycles, by the trials that reach it. Trials whose motion is measured but not
+    proven count among them; rest does not: ``at_rest_fraction`` says how much of it there is.
+    """
     m = found.measures
-    cycles = (found.outcome == Outcome.CYCLE) | (found.outcome == Outcome.REST)
-    weights = found.trials * (cycles | np.isfinite(m.p2p_rad))
-    weight, trials = found.total(weights), found.total(found.trials)
+    known = np.isfinite(m.p2p_rad)
+    moving = known & (found.outcome != Outcome.REST)
+    bounded = moving | (found.outcome == Outcome.CYCLE) | (found.outcome == Outcome.REST)
+    weights, trials = found.trials * moving, found.total(found.trials)
+    weight = found.total(weights)
 
     def mean(values: Any) -> Array:
-        """Mean over a cell's attractors by the trials that reach them; NaN where none is bounded."""
+        """Mean over a cell's cycles by the trials that reach them; NaN where there is none."""
         means = np.full(len(weight), nan)
-        np.divide(found.total(weights * np.where(weights > 0, values, 0.0)), weight, out=means, where=weight > 0.0)
+        np.divide(found.total(weights * np.where(moving, values, 0.0)), weight, out=means, where=weight > 0.0)
         return means
 
     def part(which: NDArray[np.bool_]) -> Array:
         return found.total(found.trials * which) / trials
 
     p2p = mean(m.p2p_rad)
+    largest = found.largest(m.p2p_rad)
+    frequency = np.append(np.where(moving, m.frequency_hz, nan), nan)
     values = {
         "p2p_rad": p2p,
+        "p2p_max_rad": np.append(m.p2p_rad, nan)[largest],
         "p2p_counts": p2p / found.quantum_rad,
         "frequency_hz": mean(m.frequency_hz),
+        "frequency_at_max_hz": frequency[largest],
         "rms_rad": mean(m.rms_rad),
-        "orbit_count": found.total(weights > 0),
+        "orbit_count": found.total(bounded),
         "certified_fraction": part(found.reason == Reason.NONE),
         "at_rest_fraction": part(found.outcome == Outcome.REST),
         "diverged_fraction": part(found.outcome == Outcome.DIVERGED),

@@ -71,12 +71,13 @@ def made(tmp_path: Path) -> Made:
 
 
 def cell(rate: float, counts: int, p2p: float, frequency: float, **more: Any) -> dict[str, Any]:
-    """A row of cells.parquet."""
+    """A row of cells.parquet, whose cycles are all alike; ``p2p`` 0: none, for all trials rest."""
     return {
         "sample_rate_hz": float(rate),
         "counts_per_rev": counts,
-        "p2p_rad": p2p,
-        "frequency_hz": frequency,
+        "p2p_rad": p2p or None,
+        "p2p_max_rad": p2p,
+        "frequency_hz": frequency if p2p else None,
         **BOUNDED,
         **more,
     }

@@ -16,7 +16,7 @@ GRID = [(rate, counts) for rate in (1000.0, 4000.0) for counts in (256, 1024)]
 
 
 def trial(rate: float, counts: int, p2p: float, cycles: float, **more: Any) -> dict[str, Any]:
-    """A row of trials.parquet whose spectrum peaks elsewhere than at its cycles."""
+    """A row of trials.parquet whose spectrum peaks elsewhere than at its cycles; at rest where ``p2p`` is 0."""
     return {
         "sample_rate_hz": rate,
         "counts_per_rev": counts,
@@ -24,10 +24,9 @@ def trial(rate: float, counts: int, p2p: float, cycles: float, **more: Any) -> d
         "sustained": p2p > 0.0,
         "p2p_rad": p2p,
         "rms_rad": 0.35 * p2p,
-        "frequency_hz": 0.7 * cycles,
-        "cycle_hz": cycles,
-        "torque_hz": 2.0 * cycles,
-        "native_counts": 640_000,
+        "frequency_hz": cycles,
+        "spectral_hz": 0.7 * cycles,
+        "ended": "buzz" if p2p > 0.0 else "rest",
         "grip_mean_n": 0.7,
         "wall_torque_nm": 1e-3,
         **more,
@@ -78,30 +77,17 @@ def test_repeated_trials_are_averaged_and_those_at_rest_are_no_cycle(made: Made)
     evidence = made("knob", {"trials": rows}, stage="hw-run")
     (found,) = evidence["knob"].rows("cells")
     assert (found["trials"], found["at_rest_fraction"]) == (3, pytest.approx(1.0 / 3.0))
-    assert (found["p2p_rad"], found["frequency_hz"]) == (pytest.approx(4.0 / 3.0), pytest.approx(400.0 / 3.0))
+    assert (found["p2p_rad"], found["frequency_hz"], found["spectral_hz"]) == (2.0, 200.0, pytest.approx(140.0))
+    assert (found["p2p_max_rad"], found["frequency_at_max_hz"]) == (3.0, 300.0)
     pitch = {"result": "knob", "against": "sim", "quantity": "frequency"}
     assert compute("ratio", evidence, pitch) == pytest.approx(2.0)  # the mean of 100 and 300, over 100
 
 
-@pytest.mark.parametrize(("own_counts", "pitch"), [(9.9, 200.0), (10.1, 100.0)])
-def test_pitch_of_a_swing_too_small_to_see_is_that_of_the_torque(made: Made, own_counts: float, pitch: float) -> None:
-    row = trial(1000.0, 256, own_counts * 2.0 * pi / 640_000, 100.0)
-    (found,) = made("knob", {"trials": [row]}, stage="hw-run")["knob"].rows("cells")
-    assert found["frequency_hz"] == pytest.approx(pitch)
-
-
-def test_a_coarse_encoder_of_the_device_leaves_only_maxima(made: Made) -> None:
-    """Where the wall sees counts nearly as fine as the device's own, a swing of ten of these crosses several."""
-    row = trial(1000.0, 512, 1e-4, 100.0, native_counts=2048)
-    (found,) = made("knob", {"trials": [row]}, stage="hw-run")["knob"].rows("cells")
-    assert found["frequency_hz"] == pytest.approx(100.0)
-
-
 def test_a_campaign_of_an_earlier_version_says_what_it_lacks(made: Made) -> None:
     row = trial(1000.0, 256, 1.0, 100.0)
-    del row["cycle_hz"]
+    del row["spectral_hz"]
     evidence = made("knob", {"trials": [row]}, stage="hw-run")
-    with pytest.raises(MissingError, match=r"no column cycle_hz in trials of 'knob'"):
+    with pytest.raises(MissingError, match=r"no column spectral_hz in trials of 'knob'"):
         evidence["knob"].table("cells")
 
 

@@ -34,7 +34,7 @@ def evidence(made: Made) -> Any:
                 cell(100, 128, 1.0, 10.0),
                 cell(200, 128, 2.0, 20.0),
                 cell(400, 128, 0.0, 0.0, at_rest_fraction=1.0),
-                cell(800, 128, 1.0, 10.0, at_rest_fraction=0.5),
+                cell(800, 128, 2.0, 20.0, at_rest_fraction=0.5),
             ]
         },
     )

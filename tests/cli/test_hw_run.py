@@ -41,7 +41,7 @@ def test_what_is_printed(done) -> None:
     lines = said.stdout.splitlines()
     assert lines[0].startswith("bench: 4 trials, 4 with sustained buzz; grip 0.6")
     assert "peak to peak, mrad (mean peak minus mean trough)" in lines
-    assert "principal frequency, Hz" in lines
+    assert "frequency, Hz (cycles per second, as a sweep counts them)" in lines
     assert [line for line in lines if line.endswith("samples, 0 missing, 0 late in the loop")]
     for name in (*FILES, "hw_run.png", "timing.png"):
         assert f"wrote {folder / 'out' / name}" in lines

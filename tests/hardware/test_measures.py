@@ -45,7 +45,7 @@ def test_measures_of_proven_orbits(rate: int, counts: int, coulomb: float) -> No
     m = measured(got, tau / 2**25)
     orbit = nearest_orbit(rate, counts, coulomb, m.p2p_rad)
     if orbit is None:
-        assert (m.sustained, m.p2p_rad, m.rms_rad, m.frequency_hz, m.cycle_hz) == (False, 0.0, 0.0, 0.0, 0.0)
+        assert (m.sustained, m.p2p_rad, m.rms_rad, m.spectral_hz, m.cycle_hz) == (False, 0.0, 0.0, 0.0, 0.0)
         return
     assert m.sustained
     assert m.cycle_hz == pytest.approx(orbit.frequency_hz, abs=1.5 / m.steady_s)
@@ -58,7 +58,7 @@ def test_measures_of_proven_orbits(rate: int, counts: int, coulomb: float) -> No
         assert m.rms_rad == pytest.approx(orbit.rms_rad, rel=0.012)
         assert m.p2p_samples_rad < 1.001 * m.p2p_rad
     if orbit.cycles == 1:
-        assert m.frequency_hz == pytest.approx(orbit.frequency_hz, abs=0.02 / m.steady_s)
+        assert m.spectral_hz == pytest.approx(orbit.frequency_hz, abs=0.02 / m.steady_s)
 
 
 @pytest.mark.parametrize(("rate", "counts"), [(1000, 1024), (4000, 2048), (2000, 512)])
@@ -128,7 +128,7 @@ def test_rest_is_zero_and_not_sustained() -> None:
         (flat + 1e-2 * np.exp(-8 * t) * np.sin(tau * 60 * t), np.where(t < 0.6, np.sign(np.sin(tau * 60 * t)), 0.0)),
     ):
         m = measure_trial(t, angle, torque, np.where(running, 1.0, 0.3), running, step_rad=Q)
-        assert (m.sustained, m.p2p_rad, m.rms_rad, m.frequency_hz, m.cycle_hz, m.cycles) == (False, 0, 0, 0, 0, 0)
+        assert (m.sustained, m.p2p_rad, m.rms_rad, m.spectral_hz, m.cycle_hz, m.cycles) == (False, 0, 0, 0, 0, 0)
         assert m.grip_mean_n == pytest.approx(0.7)
         assert m.grip_zero_n == pytest.approx(0.3)
         assert m.steady == (1999, 2999)

@@ -7,8 +7,9 @@ import pyarrow as pa
 import pytest
 
 from hknob_cli.printed.tables import table
-from hknob_cli.report.hw_run import cells_of, grip_table, quiet_text
+from hknob_cli.report.hw_run import cells_of, describe_hw_run, grip_table, hw_run_text, quiet_text
 from hknob_cli.report.hw_run_picture import draw_hw_run
+from hknob_cli.results.campaign_cells import campaign_cells
 
 RATES = (455, 1000, 2000, 4000)
 
@@ -20,7 +21,9 @@ def trial(counts: int, rate: float, **values: Any) -> dict[str, Any]:
         "p2p_rad": 1e-3,
         "rms_rad": 4e-4,
         "frequency_hz": 80.0,
+        "spectral_hz": 79.0,
         "grip_mean_n": 0.7,
+        "wall_torque_nm": 1e-3,
     }
     return {"counts_per_rev": counts, "sample_rate_hz": float(rate), **plain, **values}
 
@@ -61,7 +64,29 @@ def test_cells_are_means_over_the_repeats_that_buzzed() -> None:
     one, other = cells_of(rows)
     assert (one["trials"], one["sustained"], one["p2p_rad"], one["frequency_hz"]) == (3, 2, 2e-3, 90.0)
     assert round(one["grip_mean_n"], 12) == 0.7
-    assert (other["trials"], other["sustained"], other["p2p_rad"], other["frequency_hz"]) == (1, 0, 0.0, 0.0)
+    assert (one["p2p_max_rad"], one["frequency_at_max_hz"]) == (3e-3, 100.0)
+    assert (other["trials"], other["sustained"], other["p2p_rad"], other["frequency_hz"]) == (1, 0, None, None)
+    assert (other["p2p_max_rad"], other["frequency_at_max_hz"]) == (0.0, None)
+
+
+def test_the_terminal_has_the_numbers_of_the_page() -> None:
+    """Of trials of which some are not sustained, and whose spectrum peaks elsewhere than at their cycles."""
+    rows = [
+        trial(256, 1000, p2p_rad=0.2e-3, frequency_hz=110.0, spectral_hz=90.0),
+        trial(256, 1000, p2p_rad=0.3e-3, frequency_hz=120.0, spectral_hz=95.0),
+        trial(256, 1000, sustained=False, ended="rest", p2p_rad=0.0, rms_rad=0.0, frequency_hz=0.0, spectral_hz=0.0),
+    ]
+    (cell,) = cells_of(rows)
+    (page,) = campaign_cells(rows).to_pylist()
+    assert page == pytest.approx(cell)
+    assert (cell["p2p_rad"], cell["frequency_hz"]) == (pytest.approx(0.25e-3), 115.0)
+    assert (cell["p2p_max_rad"], cell["frequency_at_max_hz"]) == (0.3e-3, 120.0)
+    more = {"overruns": 0, "gaps": 0, "samples": 10, "fault": "", "grip_std_n": 0.0, "order": 1}
+    summary = describe_hw_run(pa.Table.from_pylist([{**row, **more} for row in rows]), target_n=0.7)
+    text = hw_run_text({**summary, "name": "knob", "status": "done", "missed_ticks": 0})
+    values = [line.split()[-1] for line in text.splitlines() if line.split()[:1] == ["256"]]
+    assert values[:4] == ["0.3r", "0.25r", "0.4r", "115r"]
+    assert "cycles per second, as a sweep counts them" in text
 
 
 @pytest.mark.parametrize(

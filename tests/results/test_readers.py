@@ -15,8 +15,9 @@ from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import SPEC, loaded
 
 CELLS = {
-    "sample_rate_hz", "counts_per_rev", "p2p_rad", "p2p_counts", "frequency_hz", "rms_rad", "orbit_count",
-    "certified_fraction", "at_rest_fraction", "diverged_fraction",
+    "sample_rate_hz", "counts_per_rev", "p2p_rad", "p2p_max_rad", "p2p_counts", "frequency_hz", "frequency_at_max_hz",
+    "rms_rad", "orbit_count",
+    "certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction",
 }  # fmt: skip
 ORBITS = {
     "sample_rate_hz", "counts_per_rev", "orbit", "outcome", "period_samples", "cycles_per_period", "p2p_rad",

@@ -14,11 +14,9 @@ from hknob_cli.stages.compare import Against
 
 CELL: dict[str, Any] = {
     "sample_rate_hz": [1000.0],
-    "p2p_rad": [2e-3],
+    "p2p_rad": [4e-3],
+    "p2p_max_rad": [6e-3],
     "frequency_hz": [80.0],
-    "diverged_fraction": [0.0],
-    "undecided_fraction": [0.0],
-    "at_rest_fraction": [0.5],
 }
 AXES, GRID = ["sample_rate_hz"], [{"sample_rate_hz": 1000.0}]
 
@@ -33,8 +31,21 @@ def written(folder: Path, stage: str = "sweep", **columns: Any) -> str:
 
 def test_what_cycles_is_compared(tmp_path: Path) -> None:
     found = Against(written(tmp_path), AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
-    assert found["sweep_p2p_rad"] == pytest.approx(4e-3)  # the mean of all trials, half of them at rest
-    assert found["p2p_difference"] == pytest.approx(-0.25)
+    assert (found["sweep_p2p_rad"], found["p2p_difference"]) == (4e-3, pytest.approx(-0.25))
+    assert (found["sweep_p2p_max_rad"], found["p2p_max_difference"]) == (6e-3, pytest.approx(-0.5))
+    assert (found["sweep_frequency_hz"], found["frequency_difference"]) == (80.0, pytest.approx(0.25))
+
+
+def test_a_cell_in_which_all_trials_rest_is_not_compared(tmp_path: Path) -> None:
+    none = pa.array([None], pa.float64())
+    folder = written(tmp_path, p2p_rad=none, p2p_max_rad=[0.0], frequency_hz=none)
+    found = Against(folder, AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
+    assert set(found.values()) == {None}
+
+
+def test_cells_of_a_version_that_took_rest_as_0_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"cells.parquet has no column p2p_max_rad of numbers; run the sweep again"):
+        Against(written(tmp_path, p2p_max_rad=None), AXES, GRID)
 
 
 @pytest.mark.parametrize("value", [None, nan, inf])
@@ -46,7 +57,7 @@ def test_what_has_no_number_is_not_compared(tmp_path: Path, column: str, value: 
 
 
 def test_a_difference_too_large_for_a_number_is_none(tmp_path: Path) -> None:
-    folder = written(tmp_path, p2p_rad=[5e-324], at_rest_fraction=[0.0])
+    folder = written(tmp_path, p2p_rad=[5e-324])
     found = Against(folder, AXES, GRID).columns({"sample_rate_hz": 1000.0}, p2p_rad=3e-3, frequency_hz=100.0)
     assert found["p2p_difference"] is None
 
@@ -54,7 +65,7 @@ def test_a_difference_too_large_for_a_number_is_none(tmp_path: Path) -> None:
 @pytest.mark.parametrize("column", CELL)
 @pytest.mark.parametrize("values", [["x"], [[1.0]], None, [None]])
 def test_a_file_of_another_shape_is_told(tmp_path: Path, column: str, values: Any) -> None:
-    if values == [None] and column in ("p2p_rad", "frequency_hz"):
+    if values == [None] and column not in AXES:
         return
     with pytest.raises(UsageError, match=rf"against: .*cells.parquet has (no|cells without).*{column}"):
         Against(written(tmp_path, **{column: values}), AXES, GRID)

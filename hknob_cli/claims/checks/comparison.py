@@ -146,20 +146,14 @@ def _differences(
 
 def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:
     """The rows with the values of the sweep, or campaign, and the differences; what rests has none."""
-    from hknob_cli.stages.compare import Against, cycling
+    from hknob_cli.stages.compare import Against
 
     axes = evidence[result].axes
     recorded = evidence[against].table("cells") if evidence[against].stage == CAMPAIGN else None
     sweep = Against(str(evidence[against].folder), axes, rows, table=recorded)
-    own = Against(str(evidence[result].folder), axes, rows) if evidence[result].stage == "sweep" else None
     joined = []
     for row in rows:
         p2p, frequency = (row[name] or None for name in _NEEDS)
-        if own:
-            means = own.columns(row, p2p_rad=None, frequency_hz=None)
-            p2p, frequency = (means[f"sweep_{name}"] for name in _NEEDS)
-        elif "at_rest_fraction" in row:  # a campaign on a knob
-            p2p, frequency = cycling(row)
         joined.append({**row, **sweep.columns(row, p2p_rad=p2p, frequency_hz=frequency)})
     if all(row["sweep_p2p_rad"] is None for row in joined):
         raise MissingError(f"'{against}' cycles in no cell of '{result}'")

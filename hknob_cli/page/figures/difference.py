@@ -7,12 +7,10 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of
 from hknob_cli.results.evidence import Evidence, MissingError
-from hknob_cli.stages.compare import cycling, statistics
+from hknob_cli.stages.compare import statistics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-_MEANS = ("p2p_rad", "frequency_hz")  # of a sweep's cell they count rest as 0, which is no cycle to compare with
 
 
 @drawing
@@ -78,12 +76,8 @@ def differences(first: Grid, second: Grid, column: str, *, factor: float = 1.0) 
 
 
 def _value(cell: Row | None, column: str) -> float | None:
-    """A column's value; of a sweep, the mean of the trials that cycle. None without a cycle."""
-    if cell is None:
-        return None
-    if column in _MEANS and "at_rest_fraction" in cell:
-        return cycling(cell)[_MEANS.index(column)]
-    return float(cell[column]) if cell[column] is not None else None
+    """A column's value; None where there is none, as in a cell without a cycle."""
+    return None if cell is None or cell[column] is None else float(cell[column])
 
 
 def _aligned(first: Grid, second: Grid) -> list[list[Row | None]]:
