@@ -38,7 +38,12 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
-SETS = (*MOTION, "sets.known", "sets.ball", "sets.arc", "sets.polygon")
+SETS = (
+    *MOTION,
+    *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "lattice", "box")),
+    *ORBIT,
+    "budget",
+)
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",

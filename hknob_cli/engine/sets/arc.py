@@ -139,8 +139,9 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
         known: `sets.room.Known`, to be filled.
         loop: The cell, with damping and hand stiffness.
 
-    Returns ``(samples, arcs, undecided, shortest, covered)``: samples taken; arcs that ended; the phases that did not
-    end proven; the shortest arc; and the length of all arcs, which is 1 and what they overlap by.
+    Returns ``(samples, arcs, undecided, shortest, covered, cut)``: samples taken; arcs that ended; the phases that did
+    not end proven; the shortest arc; the length of all arcs, which is 1 and what they overlap by; and whether there was
+    room for all parts.
     """
     stack, rings, ring, spare, cuts = room.stack, room.rings, room.ring, room.spare, room.cuts
     weight = 1.0 / sqrt(loop.beta)
@@ -154,7 +155,7 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
     for k in range(delay):
         rings[k] = 0.0
     waiting = 1
-    taken, ended, undecided, shortest, covered = 0, 0, 0.0, 1.0, 0.0
+    taken, ended, undecided, shortest, covered, whole = 0, 0, 0.0, 1.0, 0.0, True
     most_waiting = len(stack) // ARC
     while waiting > 0:
         waiting -= 1
@@ -201,7 +202,7 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
             mid_x, mid_v = free_motion(middle, dx, dv, loop)
             parts = cut(low, high, x - mid_x, error + slack, dx, dv, cuts, loop)
             if parts < 0 or waiting + parts > most_waiting:
-                fate = UNPROVEN
+                fate, whole = UNPROVEN, False
             elif parts == 1:
                 run, next_test = (run + 1, next_test) if level == cuts[0] else (0, FIRST_REST_TEST)
                 level = cuts[0]
@@ -233,4 +234,4 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
             ended += 1
             covered += high - low
             shortest = min(shortest, high - low)
-    return taken, ended, undecided, shortest, covered
+    return taken, ended, undecided, shortest, covered, whole
