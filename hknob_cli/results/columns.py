@@ -60,6 +60,10 @@ ORBITS = (
 
 # Columns that only some scenes have: with friction; without damping, of the cells; without a sample clock.
 FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipates over one period"),)
+EVERY_START = (
+    Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
+    Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),

@@ -40,7 +40,7 @@ _DECIDING = (
 def takes_plain(plan: SweepPlan) -> bool:
     """Whether every cell of a sweep is plain, and all that is asked of it is in `plain_chunk`'s tables."""
     asked = plan.scene.controller or plan.perceive or plan.growth_s
-    if asked or plan.starts.phases > MOST_PHASES:
+    if asked or not plan.starts.sampled or plan.starts.phases > MOST_PHASES:
         return False
     return all(group_of(scene_at(plan.scene, cell)) == "plain" for cell in Cells(_telling(plan)))
 

@@ -7,8 +7,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.engine.attractors import Attractor, Search, StoppedError, attractor_of, ranked, whole
-from hknob_cli.engine.budget import OPEN, prospect
+from hknob_cli.engine.attractors import (
+    FATES,
+    Attractor,
+    NeedsCompilerError,
+    Search,
+    StoppedError,
+    attractor_of,
+    ranked,
+    whole,
+)
+from hknob_cli.engine.budget import OPEN, UNHELD, prospect
+from hknob_cli.engine.follow import UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import arc, box, lattice
@@ -39,6 +49,7 @@ class SetEngine:
     ) -> None:
         """Make ready; ``functions``: the compiled group "sets", by name; ``stopped``: asked whether to give up."""
         self.stopped = stopped
+        self.compiled = functions is not None
         self._functions = functions
         self._polygons: Any = None
 
@@ -71,15 +82,19 @@ class SetEngine:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=int(arcs), narrowest=narrowest)
 
-    def search_box(self, loop: Loop, states: Box, *, max_samples: int | None) -> Search | None:
-        """What every state of a box settles to, no command under way; None where sets cannot be followed.
+    def search_box(self, loop: Loop, states: Box, *, max_samples: int | None) -> Search:
+        """What every state of a box settles to, no command under way.
 
-        Raises `StoppedError` when told to stop.
+        Raises `NeedsCompilerError` in the interpreter, and `StoppedError` when told to stop.
         """
+        if not self._functions:
+            raise NeedsCompilerError("sets")
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
         fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
         if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
-            return None
+            if fate == OPEN:
+                fate = UNDAMPED if loop.alpha == 0.0 else UNHELD
+            return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
         if self._polygons is None:
             self._polygons = make_polygon_room(self._zeros)
         room, known, patience = self._polygons, make_known(self._zeros, 0), _patience(skip)
