@@ -230,7 +230,10 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                 fate = PARTED
         if fate == UNPROVEN:
             undecided += high - low
+            row = -1
         if fate != PARTED:
+            if 3 * ended + 3 <= len(room.ended):
+                room.ended[3 * ended], room.ended[3 * ended + 1], room.ended[3 * ended + 2] = low, high, row
             ended += 1
             covered += high - low
             shortest = min(shortest, high - low)

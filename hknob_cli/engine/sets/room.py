@@ -33,13 +33,17 @@ class Known(NamedTuple):
 
 
 class ArcRoom(NamedTuple):
-    """Work space of `sets.arc`: ``stack`` and ``rings`` of arcs that wait; ``ring``, ``spare`` of one; ``cuts`` its parts."""
+    """Work space of `sets.arc`: ``stack`` and ``rings`` of arcs that wait; ``ring``, ``spare`` of one; ``cuts`` its parts.
+
+    ``ended``: low and high phase, and row of the end, -1 without one, of the first arcs that ended.
+    """
 
     stack: Any
     rings: Any
     ring: Any
     spare: Any
     cuts: Any
+    ended: Any
 
 
 class PolygonRoom(NamedTuple):
@@ -82,6 +86,7 @@ def make_arc_room(zeros: Zeros, delay: int) -> ArcRoom:
         ring=zeros(delay),
         spare=zeros(delay),
         cuts=zeros(3 * PARTS),
+        ended=zeros(3 * ARCS),
     )
 
 
