@@ -20,16 +20,19 @@ class SweepWork(Work):
     """Limit cycles over a grid."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
-        """The grid, and the recordings where there are any."""
-        return "grid.png", *(["trajectories.png"] if job.plan.record else [])
+        """The grid, and recordings or maps of basins where there are any."""
+        more = {"trajectories.png": job.plan.record, "basins.png": job.plan.basins}
+        return "grid.png", *(name for name, asked in more.items() if asked)
 
     def files(self, job: Job) -> tuple[str, ...]:
-        """Cells, the orbits in them, and the recordings where they are asked for."""
-        return "cells.parquet", "orbits.parquet", *(["trajectories.parquet"] if job.plan.record else [])
+        """Cells, the orbits in them, and recordings or maps of basins where they are asked for."""
+        more = {"trajectories.parquet": job.plan.record, "basins.parquet": job.plan.basins}
+        return "cells.parquet", "orbits.parquet", *(name for name, asked in more.items() if asked)
 
     def others(self, job: Job) -> tuple[str, ...]:
-        """Recordings, where none are asked for."""
-        return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+        """Recordings and maps of basins, where none are asked for."""
+        recorded = () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+        return *recorded, *(() if job.plan.basins else ("basins.parquet", "basins.png"))
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The published thresholds, where levels above them are asked for."""
@@ -93,6 +96,11 @@ class SweepWork(Work):
             stiffness = job.plan.scene.wall.stiffness
             draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])
             drawn.append(paths[1])
+        if job.plan.basins:
+            from hknob_cli.report.basins_picture import draw_basins
+
+            draw_basins(tables[2], orbits, list(job.plan.axes), title=job.plan.name, path=paths[1])
+            drawn.append(paths[1])
         return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
@@ -124,12 +132,16 @@ def _say_what_goes(job: Job, work: Work) -> None:
 
 
 def _recorded(job: Job) -> Tables:
-    """Trajectories, where they are asked for."""
-    if not job.plan.record:
-        return ()
-    from hknob_cli.stages.record import record_sweep
+    """Trajectories, or maps of basins, where they are asked for: never both, a recording begins at one start."""
+    if job.plan.record:
+        from hknob_cli.stages.record import record_sweep
 
-    return (record_sweep(job.plan),)
+        return (record_sweep(job.plan),)
+    if job.plan.basins:
+        from hknob_cli.stages.basins import map_basins
+
+        return (map_basins(job.plan),)
+    return ()
 
 
 def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:

@@ -87,6 +87,13 @@ TRAJECTORY = (
     Column("torque_nm", _REAL, "N*m", "torque of the actuator just after this instant"),
     Column("energy_j", _REAL, "J", "energy of the masses, of the hand's springs and of the push; the wall has none"),
 )
+# Columns of basins.parquet.
+BASINS = (
+    Column("angle_rad", _REAL, "rad", "angle of the knob at a sample"),
+    Column("velocity_rad_s", _REAL, "rad/s", "velocity of the knob at a sample"),
+    Column("orbit", _WHOLE, "1", "number, in orbits.parquet, of the attractor it ends in; null where that is not proven"),
+    Column("on_orbit", _FLAG, "", "whether this is a sample of that attractor itself, not a start"),
+)
 START = (Column("start_rad", _REAL, "rad", "angle at which the recording starts"),)
 FINGER = (
     Column("finger_angle_rad", _REAL, "rad", "angle of the finger"),

@@ -181,7 +181,8 @@ class SweepPlan(NamedTuple):
     """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
 
     ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
-    ``growth_s``: time over which the energy of bounces is fitted, where asked for.
+    ``growth_s``: time over which the energy of bounces is fitted, ``basins``: starts a side of the map of basins, where
+    asked for.
     """
 
     name: str
@@ -195,6 +196,7 @@ class SweepPlan(NamedTuple):
     growth_s: float | None = None
     perceive: Perceive | None = None
     points: Points | None = None
+    basins: int | None = None
 
 
 class BenchScene(NamedTuple):

@@ -104,6 +104,12 @@ class GrowthSpec(Part):
     duration: Annotated[PositiveSeconds, Field(description="time over which bounces are collected")] = 1.0
 
 
+class BasinsSpec(Part):
+    """A map of every cell: which attractor the starts on a grid over the box of ``starts`` end in."""
+
+    points: Annotated[int, Field(strict=True, ge=2, le=2000, description="starts a side of the map")] = 200
+
+
 class SweepSpec(Part):
     """Simulate every cell of a grid to its proven limit cycles."""
 
@@ -115,6 +121,7 @@ class SweepSpec(Part):
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
     record: RecordSpec | None = None
     growth: GrowthSpec | None = None
+    basins: BasinsSpec | None = None
     population: PopulationSpec | None = None
     perceive: PerceiveSpec | None = None
 
@@ -130,6 +137,11 @@ class SweepSpec(Part):
             found += span_faults(self.scene, axes, population=self.population is not None)
             why = "must be absent where starts are a range"
             found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
+        if self.basins and not self.starts.spans:
+            found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
+            text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
+            found.append((("basins", "points"), text))
         if self.perceive and self.scene.sampling == "continuous":
             found.append((("perceive",), "must be absent where sampling is continuous: no cycle is proven there"))
         if self.perceive and self.growth:
@@ -173,5 +185,6 @@ class SweepSpec(Part):
             record=self.record.plain() if self.record else None,
             growth_s=self.growth.duration if self.growth else None,
             perceive=self.perceive.plain() if self.perceive else None,
+            basins=self.basins.points if self.basins else None,
             values=values,
         )

@@ -5,6 +5,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.attractors import Attractor, Engine, NeedsCompilerError, Search, whole
 from hknob_cli.engine.budget import sample_limit, settling_samples
+from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
@@ -134,6 +135,11 @@ class CellFinder:
             )
         measurer = Measurer(knob, self._engine)
         return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
+
+    def trace(self, loop: Loop, orbit: Attractor) -> Any:
+        """One period of an orbit of the plain loop, as `engine.attractors.Engine.trace`."""
+        assert self._engine
+        return self._engine.trace(loop, orbit)
 
     def _search_all(self, plan: SweepPlan, knob: SampledKnob) -> Search | None:
         """What all starts of a plain cell settle to; None where they cannot be followed all at once."""

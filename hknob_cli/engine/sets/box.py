@@ -52,12 +52,16 @@ def seek(x, v, patience, budget, limit, ring, known, loop):
     return (row if fate == CYCLE_PROVEN or fate == REST_PROVEN or fate == GREW_FATE else -1), used + steps
 
 
-def sample_box(starts, patience, budget, limit, ring, known, loop):
-    """Count where the trials from single states end; ``(samples, unproven)``. ``starts``: x, v of each, flat."""
+def sample_box(starts, first, stop, patience, budget, limit, ring, ends, known, loop):
+    """Count where the trials from single states end; ``(samples, unproven)``.
+
+    ``starts``: x, v of each, flat, of which those from ``first`` to ``stop`` are followed; ``ends`` takes their rows.
+    """
     taken, unproven = 0, 0
-    for k in range(len(starts) // 2):
+    for k in range(first, stop):
         row, used = seek(starts[2 * k], starts[2 * k + 1], patience, budget, limit, ring, known, loop)
         taken += used
+        ends[k] = row
         if row < 0:
             unproven += 1
         else:

@@ -6,6 +6,7 @@ from math import sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import (
     FATES,
@@ -18,16 +19,18 @@ from hknob_cli.engine.attractors import (
     whole,
 )
 from hknob_cli.engine.budget import OPEN, UNHELD, prospect
-from hknob_cli.engine.follow import UNDAMPED
+from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import arc, box, lattice
+from hknob_cli.engine.sets import known as known_ends
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room
 
 SAMPLED = 4096  # random starts in a box, whose ends are counted for shares
 WIDEST = 8.0  # the first lattice has so many cells across the box
 SEEN = 16  # polygons of a generation whose ends are looked for
 GENERATIONS = 60  # of lattices, each half as wide as the last
+MAPPED = 4096  # starts of a map between two chances to be interrupted
 SLICE = 5_000_000  # samples between two chances to be interrupted
 LONGEST = 4_000_000_000  # samples that a cell may take
 
@@ -103,7 +106,9 @@ class SetEngine:
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
-        taken, unproven = self._function(box, "sample_box")(starts, skip, most, limit, room.ring, known, loop)
+        taken, unproven = self._function(box, "sample_box")(
+            starts, 0, SAMPLED, skip, most, limit, room.ring, self._zeros(SAMPLED), known, loop
+        )
         follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
         release = self._function(lattice, "release")
         self._function(box, "fill_box")(*states, room)
@@ -125,6 +130,35 @@ class SetEngine:
                 taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)
         left = sum(room.stack[k * box.POLYGON + box.WEIGHT] for k in range(waiting))
         return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven)
+
+    def map_starts(
+        self, loop: Loop, starts: NDArray[np.float64], attractors: tuple[Attractor, ...], *, max_samples: int | None
+    ) -> NDArray[np.int64]:
+        """Which of the ``attractors``, proven ones, each start ends in; -1 for none of them.
+
+        ``starts``: (n, 2), counts and counts per sample, no command under way. Raises `NeedsCompilerError` in the
+        interpreter, and `StoppedError` when told to stop.
+        """
+        if not self._functions:
+            raise NeedsCompilerError("sets")
+        far = np.abs(starts).max(axis=0)
+        _, most, skip, limit = prospect(float(far[0]), float(far[1]), max_samples or 0, loop)
+        known, none = make_known(self._zeros, 0), self._zeros(0)
+        add, sample = self._function(known_ends, "add_end"), self._function(box, "sample_box")
+        numbers = []
+        for one in attractors:
+            fate = CYCLE_PROVEN if one.outcome is Outcome.CYCLE else REST_PROVEN
+            numbers.append(add(fate, one.period, one.x, one.v, none, 0, known, loop) if one.certified else -1)
+        ends, flat = self._zeros(len(starts)), np.ascontiguousarray(starts, dtype=np.float64).ravel()
+        for first in range(0, len(starts), MAPPED):
+            if self.stopped():
+                raise StoppedError
+            sample(flat, first, min(first + MAPPED, len(starts)), skip, most, limit, none, ends, known, loop)
+        found = np.full(len(starts), -1)
+        for number, row in enumerate(numbers):
+            if row >= 0:
+                found[ends == row] = number
+        return found
 
     def _boxed(self, known: Any, taken: int, pieces: int, undecided: float, unproven: int) -> Search:
         found = _ends(known, 0)
