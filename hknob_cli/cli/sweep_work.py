@@ -9,6 +9,7 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
+from hknob_cli.report.completeness import completeness_text, describe_completeness
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
@@ -112,7 +113,10 @@ class SweepWork(Work):
             return describe_large(
                 cells, orbits, axes=job.plan.axes, ranges=job.plan.points.scales if job.plan.points else ()
             )
-        return describe_sweep(cells, orbits, axes=list(job.plan.axes))
+        found = describe_sweep(cells, orbits, axes=list(job.plan.axes))
+        if job.plan.starts.sampled or not job.plan.scene.sampled:
+            return found
+        return {**found, "completeness": describe_completeness(found["cells"], job.plan.starts)}
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
@@ -120,7 +124,10 @@ class SweepWork(Work):
             from hknob_cli.report.large import large_text
 
             return large_text(summary)
-        return table_text(summary, list(job.plan.axes))
+        text = table_text(summary, list(job.plan.axes))
+        if "completeness" in summary:
+            text = "\n".join([text, "", *completeness_text(summary["completeness"])])
+        return text
 
 
 def _say_what_goes(job: Job, work: Work) -> None:

@@ -158,6 +158,8 @@ class CellFinder:
                 max_samples=most,
             )
             return found
+        if functions is None:
+            raise NeedsCompilerError("sets")
         low, high, slowest, fastest = starts.span
         box = Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
         boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most)

@@ -107,9 +107,9 @@ def cut(low, high, base, reach, dx, dv, cuts, loop):
     count = 0
     while q <= top:
         own = count
-        begin, end = low, first_turn
-        while begin < high:
-            end = min(end, high)
+        begin, turn, more = low, first_turn, True
+        while more:
+            end = min(turn, high)
             first, last = part_within(
                 lower_edge(q, loop.sense) - reach, upper_edge(q, loop.sense) + reach, begin, end, base, dx, dv, loop
             )
@@ -121,7 +121,8 @@ def cut(low, high, base, reach, dx, dv, cuts, loop):
                 else:
                     cuts[3 * count], cuts[3 * count + 1], cuts[3 * count + 2] = q, first, last
                     count += 1
-            begin, end = end, end + spacing
+            more = end < high
+            begin, turn = end, turn + spacing
         q += 1.0
     return count
 

@@ -48,6 +48,8 @@ def seek(x, v, patience, budget, limit, ring, known, loop):
     if event == GREW:
         return add_end(GREW_FATE, 0, x, v, ring, head, known, loop), used
     fate, period, ox, ov, head, steps = follow(x, v, ring, head, budget - used, limit, loop)
+    if period == 0 and fate != GREW_FATE:
+        return -1, used + steps
     row = add_end(fate, period, ox, ov, ring, head, known, loop)
     return (row if fate == CYCLE_PROVEN or fate == REST_PROVEN or fate == GREW_FATE else -1), used + steps
 
@@ -89,7 +91,8 @@ def follow_polygon(room, waiting, width, patience, budget, limit, known, loop):
     count, weight, blurred = int(own[COUNT]), own[WEIGHT], blur(loop)
     first = corner_radius(own, 7, count, loop)
     radius = first * (1.0 + blurred)
-    age, since, wait, taken, head = 0, 0, patience, 0, 0
+    # Samples in no known attractor count through all cuts: what is cut again and again would else never be asked.
+    age, since, wait, taken, head = 0, n % patience, patience, 0, 0
     run, next_test = 0, FIRST_REST_TEST
     between = max(8, patience // 16)  # samples after which the radius is computed again
     small = radius + error < SMALL * width

@@ -11,7 +11,7 @@ from hknob_cli.engine.loop import level_of, lower_edge, upper_edge
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.sets.ball import step_through
 
-CORNERS = 12  # that a polygon keeps; one with more is replaced by the rectangle around it
+CORNERS = 16  # that a polygon keeps; one with more is halved, for a simpler one around it might never shrink
 X, V, ERROR, LEVEL, SAMPLE, WEIGHT, COUNT = range(7)  # numbers of a polygon; its corners follow, relative to x and v
 POLYGON = 7 + 2 * CORNERS
 
@@ -79,44 +79,54 @@ def put(out, base, x, v, error, level, sample, weight, corners, count):
     cx, cv = 0.5 * (low_x + high_x), 0.5 * (low_v + high_v)
     out[base + X], out[base + V], out[base + ERROR] = x + cx, v + cv, error
     out[base + LEVEL], out[base + SAMPLE], out[base + WEIGHT] = level, sample, weight
-    if count > CORNERS:
-        put_box(out, base + 7, low_x - cx, high_x - cx, low_v - cv, high_v - cv)
-        out[base + COUNT] = 4.0
-        return
     for k in range(count):
         out[base + 7 + 2 * k], out[base + 8 + 2 * k] = corners[2 * k] - cx, corners[2 * k + 1] - cv
     out[base + COUNT] = float(count)
+
+
+def put_next(room, waiting, x, v, error, level, sample, weight, corners, count, loop):
+    """Enter a polygon among those that wait, one sample on, as ``level``."""
+    base = waiting * POLYGON
+    put(room.stack, base, x, v, error, level, sample + 1.0, weight, corners, count)
+    for k in range(2 * count):
+        room.moved[k] = room.stack[base + 7 + k]
+    x, v, error, _ = step_through(
+        room.stack[base + X], room.stack[base + V], room.stack[base + ERROR], level, room.ring, 0, loop
+    )
+    room.stack[base + X], room.stack[base + V], room.stack[base + ERROR] = x, v, error
+    move_corners(room.moved, 0, count, 1, room.stack, base + 7, loop)
 
 
 def part(room, waiting, x, v, reach, sample, weight, corners, count, low_level, high_level, loop):
     """Cut a polygon at the edges that change the torque; how many polygons wait then, -1 where there is no room.
 
     Each part takes in what lies within ``reach`` of its edges, so that whatever a state's true level is, a part with
-    it holds the state; each is taken one sample on, as its level.
+    it holds the state; each is taken one sample on, as its level. Parts with too many corners are halved, too.
     """
-    if waiting + int(high_level - low_level) + 1 > len(room.stack) // POLYGON:
+    if waiting + 2 * (int(high_level - low_level) + 1) > len(room.stack) // POLYGON:
         return -1
+    half = len(room.parts) // 2
     q = low_level
     while q <= high_level:
         kept = clip(corners, count, lower_edge(q, loop.sense) - reach - x, 1.0, room.parts, 0)
         highest = upper_edge(q, loop.sense)
         first = 0
         if kept > 0 and highest < float("inf"):
-            first = 4 * CORNERS
-            kept = clip(room.parts, kept, highest + reach - x, -1.0, room.parts, first)
-        if kept > 0:
-            for k in range(2 * kept):
-                room.moved[k] = room.parts[first + k]
-            base = waiting * POLYGON
-            put(room.stack, base, x, v, reach, q, sample + 1.0, weight, room.moved, kept)
-            cx, cv, error, _ = step_through(
-                room.stack[base + X], room.stack[base + V], room.stack[base + ERROR], q, room.ring, 0, loop
-            )
-            room.stack[base + X], room.stack[base + V], room.stack[base + ERROR] = cx, cv, error
-            many = int(room.stack[base + COUNT])
-            for k in range(2 * many):
-                room.moved[k] = room.stack[base + 7 + k]
-            move_corners(room.moved, 0, many, 1, room.stack, base + 7, loop)
+            kept = clip(room.parts, kept, highest + reach - x, -1.0, room.parts, half)
+            first = half
+        for k in range(2 * kept):
+            room.halves[k] = room.parts[first + k]
+        if kept > CORNERS:
+            # In two, by the line from the first corner to the one opposite.
+            opposite = kept // 2
+            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, opposite + 1, loop)
+            for k in range(2 * (kept - opposite)):
+                room.parts[k] = room.halves[2 * opposite + k]
+            room.parts[2 * (kept - opposite)], room.parts[2 * (kept - opposite) + 1] = room.halves[0], room.halves[1]
+            put_next(room, waiting + 1, x, v, reach, q, sample, weight, room.parts, kept - opposite + 1, loop)
+            waiting += 2
+        elif kept > 0:
+            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, kept, loop)
             waiting += 1
         q += 1.0
     return waiting

@@ -49,7 +49,7 @@ class ArcRoom(NamedTuple):
 class PolygonRoom(NamedTuple):
     """Work space of `sets.polygon`.
 
-    ``stack``: polygons that wait; ``own``, ``corners``, ``parts``, ``moved``: of one; ``ring``: empty, as a box has no
+    ``stack``: polygons that wait; ``own``, ``corners``, ``parts``, ``halves``, ``moved``: of one; ``ring``: empty, as a box has no
     delay line; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in use, ``counts[0]`` many.
     """
 
@@ -57,6 +57,7 @@ class PolygonRoom(NamedTuple):
     own: Any
     corners: Any
     parts: Any
+    halves: Any
     moved: Any
     ring: Any
     used: Any
@@ -97,6 +98,7 @@ def make_polygon_room(zeros: Zeros) -> PolygonRoom:
         own=zeros(POLYGON),
         corners=zeros(2 * CORNERS),
         parts=zeros(8 * CORNERS),
+        halves=zeros(4 * CORNERS),
         moved=zeros(4 * CORNERS),
         ring=zeros(0),
         used=zeros(CELLS),

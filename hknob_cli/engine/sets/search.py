@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from hknob_cli.engine.attractors import (
     FATES,
     Attractor,
-    NeedsCompilerError,
     Search,
     StoppedError,
     attractor_of,
@@ -88,10 +87,8 @@ class SetEngine:
     def search_box(self, loop: Loop, states: Box, *, max_samples: int | None) -> Search:
         """What every state of a box settles to, no command under way.
 
-        Raises `NeedsCompilerError` in the interpreter, and `StoppedError` when told to stop.
+        Raises `StoppedError` when told to stop.
         """
-        if not self._functions:
-            raise NeedsCompilerError("sets")
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
         fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
         if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
@@ -136,11 +133,8 @@ class SetEngine:
     ) -> NDArray[np.int64]:
         """Which of the ``attractors``, proven ones, each start ends in; -1 for none of them.
 
-        ``starts``: (n, 2), counts and counts per sample, no command under way. Raises `NeedsCompilerError` in the
-        interpreter, and `StoppedError` when told to stop.
+        ``starts``: (n, 2), counts and counts per sample, no command under way. Raises `StoppedError` when told to stop.
         """
-        if not self._functions:
-            raise NeedsCompilerError("sets")
         far = np.abs(starts).max(axis=0)
         _, most, skip, limit = prospect(float(far[0]), float(far[1]), max_samples or 0, loop)
         known, none = make_known(self._zeros, 0), self._zeros(0)
@@ -149,7 +143,7 @@ class SetEngine:
         for one in attractors:
             fate = CYCLE_PROVEN if one.outcome is Outcome.CYCLE else REST_PROVEN
             numbers.append(add(fate, one.period, one.x, one.v, none, 0, known, loop) if one.certified else -1)
-        ends, flat = self._zeros(len(starts)), np.ascontiguousarray(starts, dtype=np.float64).ravel()
+        ends, flat = np.zeros(len(starts)), np.ascontiguousarray(starts, dtype=np.float64).ravel()
         for first in range(0, len(starts), MAPPED):
             if self.stopped():
                 raise StoppedError
