@@ -43,7 +43,8 @@ FATES = {
 class Attractor(NamedTuple):
     """One attractor of a cell, dimensionless (counts, samples).
 
-    ``trials``: that reach it; where all starts are followed at once, their share. ``period``: samples, 1 at rest, 0 without an orbit. ``x``, ``v``: state at its deepest sample; ``line``: levels
+    ``trials``: that reach it; where all starts are followed at once, their share.
+    ``period``: samples, 1 at rest, 0 without an orbit. ``x``, ``v``: state at its deepest sample; ``line``: levels
     under way there, oldest first. ``margin``: least distance of a sample to an edge that changes the torque; ``edge``:
     to any count edge; ``closure``: residual of the period map; ``bound``: rounding error of the orbit's positions.
     In the general loop ``line`` holds commands, ``state`` what the body has beside x and v, ``before`` the reading one
@@ -79,8 +80,8 @@ class Search(NamedTuple):
     """Attractors of one cell, the most frequent first, and the trial-samples it took to find them.
 
     Where all starts are followed at once, ``complete`` says whether all of them are proven to end in these attractors;
-    ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound on
-    the share of starts whose end is not proven, where shares are counted by other means.
+    ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound
+    on the share of starts whose end is not proven, where shares are counted by other means.
     """
 
     attractors: tuple[Attractor, ...]

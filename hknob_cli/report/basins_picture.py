@@ -43,7 +43,7 @@ def draw_basins(basins: pa.Table, orbits: pa.Table, axes: list[str], *, title: s
 
 
 def _draw_map(panel: Any, table: pa.Table, orbits: list[dict[str, Any]]) -> None:
-    """One cell: its starts coloured by where they end, white where that is not proven; samples of attractors as dots."""
+    """One cell: its starts in the colour of where they end, white where that is not proven; attractors as dots."""
     from matplotlib.colors import ListedColormap
 
     angle, velocity = 1e3 * table["angle_rad"].to_numpy(), table["velocity_rad_s"].to_numpy()

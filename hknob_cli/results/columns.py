@@ -91,7 +91,9 @@ TRAJECTORY = (
 BASINS = (
     Column("angle_rad", _REAL, "rad", "angle of the knob at a sample"),
     Column("velocity_rad_s", _REAL, "rad/s", "velocity of the knob at a sample"),
-    Column("orbit", _WHOLE, "1", "number, in orbits.parquet, of the attractor it ends in; null where that is not proven"),
+    Column(
+        "orbit", _WHOLE, "1", "number, in orbits.parquet, of the attractor it ends in; null where that is not proven"
+    ),
     Column("on_orbit", _FLAG, "", "whether this is a sample of that attractor itself, not a start"),
 )
 START = (Column("start_rad", _REAL, "rad", "angle at which the recording starts"),)

@@ -113,8 +113,8 @@ class Scene(NamedTuple):
 class Starts(NamedTuple):
     """Angle (rad) and velocity (rad/s) where trials begin, and their number.
 
-    ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of the
-    trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
+    ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
+    the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
     velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start.
     """
 

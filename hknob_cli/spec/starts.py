@@ -26,10 +26,13 @@ def _form(value: Any) -> str:
     return "two values" if isinstance(value, list | tuple) else "one value"
 
 
-def _or_range(kind: Any) -> Any:
-    return Annotated[
-        Annotated[kind, Tag("one value")] | Annotated[tuple[kind, kind], Tag("two values")], Discriminator(_form)
-    ]
+AngleOrRange = Annotated[
+    Annotated[Angle, Tag("one value")] | Annotated[tuple[Angle, Angle], Tag("two values")], Discriminator(_form)
+]
+VelocityOrRange = Annotated[
+    Annotated[Velocity, Tag("one value")] | Annotated[tuple[Velocity, Velocity], Tag("two values")],
+    Discriminator(_form),
+]
 
 
 class StartsSpec(Part):
@@ -40,11 +43,13 @@ class StartsSpec(Part):
     """
 
     angle: Annotated[
-        _or_range(Angle),
-        Field(description="knob angle at the start, above the wall where positive; [least, largest]: every one between"),
+        AngleOrRange,
+        Field(
+            description="knob angle at the start, above the wall where positive; [least, largest]: every one between"
+        ),
     ] = 0.02
     velocity: Annotated[
-        _or_range(Velocity),
+        VelocityOrRange,
         Field(description="knob speed at the start; [least, largest]: every one between"),
     ] = 0.0
     phases: Annotated[
@@ -70,7 +75,9 @@ class StartsSpec(Part):
         for name in ("angle", "velocity"):
             value = getattr(self, name)
             if not isinstance(value, tuple):
-                found.append((("starts", name), f"must be a range, [least, largest], as the other one is, got {value:g}"))
+                found.append(
+                    (("starts", name), f"must be a range, [least, largest], as the other one is, got {value:g}")
+                )
             elif not value[0] < value[1]:
                 found.append((("starts", name), f"must have its least value first, got [{value[0]:g}, {value[1]:g}]"))
         if self.phases is not None:
@@ -83,6 +90,8 @@ class StartsSpec(Part):
         if isinstance(self.angle, tuple) and isinstance(self.velocity, tuple):
             span = (*self.angle, *self.velocity)
             return Starts(0.5 * (span[0] + span[1]), 0.5 * (span[2] + span[3]), PHASES, False, span)
+        assert isinstance(self.angle, float)
+        assert isinstance(self.velocity, float)
         return Starts(self.angle, self.velocity, self.phases or PHASES, self.phases is not None)
 
 

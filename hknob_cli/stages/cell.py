@@ -23,8 +23,8 @@ MAX_EVENTS_INTERPRETED = 20_000
 class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
-    Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``, ``undecided``:
-    as in `engine.attractors.Search`.
+    Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
+    ``undecided``: as in `engine.attractors.Search`.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """

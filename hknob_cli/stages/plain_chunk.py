@@ -119,7 +119,7 @@ def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
         cell=ends.cell,
         outcome=ends.outcome,
         reason=ends.reason,
-        trials=ends.trials,
+        trials=ends.trials.astype(np.float64),
         period=ends.period,
         closed=ends.period > 0,
         edge=ends.edge,

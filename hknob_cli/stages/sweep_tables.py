@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.outcome import WORDS, Outcome, Reason
 from hknob_cli.results.arrays import join_columns, spell
-from hknob_cli.results.columns import CELLS, CONTACT, EVERY_START, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
+from hknob_cli.results.columns import (
+    CELLS,
+    CONTACT,
+    EVERY_START,
+    FRICTION,
+    GROWTH,
+    ORBITS,
+    PEOPLE,
+    SAMPLED,
+    Column,
+    axis_column,
+)
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
@@ -110,7 +121,7 @@ def lay_out_cells(
         return found.total(found.trials * which) / trials
 
     p2p = mean(m.p2p_rad)
-    largest = found.largest(m.p2p_rad)
+    largest = found.largest(np.asarray(m.p2p_rad))
     frequency = np.append(np.where(moving, m.frequency_hz, nan), nan)
     values = {
         "p2p_rad": p2p,

@@ -4,6 +4,8 @@ Verified by two programs that share nothing with the engine: trials at 60 digits
 arc; and a simulation by matrix exponentials of random starts, which may end in no orbit that the list lacks.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -78,7 +80,7 @@ def test_phases_beside_the_ends_of_every_arc(
     ends = sorted(tuple(one) for one in room.ended.reshape(-1, 3)[:arcs])
     assert ends[0][0] == 0.0
     assert max(high for _, high, _ in ends) == 1.0
-    assert all(after[0] <= one[1] for one, after in zip(ends, ends[1:], strict=False)), "no gap between arcs"
+    assert all(after[0] <= one[1] for one, after in pairwise(ends)), "no gap between arcs"
     for low, high, row in ends:
         inside = 1e-9 * (high - low) + (covered - 1.0)  # past what overlaps, where the arcs' ends are one of two
         for phase in (low + inside, 0.5 * (low + high), high - inside):
@@ -98,7 +100,9 @@ class Matrices:
         self.stiffness, self.quantum, self.period = scene["wall"]["stiffness"], 2 * np.pi / counts, 1 / rate
         bias = scene["bias"]
         self.push = 0.5 * self.stiffness * self.quantum if bias.get("half_quantum") else bias["torque"]
-        plant = np.array([[0, 1, 0], [-hand["stiffness"] / inertia, -hand["damping"] / inertia, 1 / inertia], [0, 0, 0]])
+        plant = np.array(
+            [[0, 1, 0], [-hand["stiffness"] / inertia, -hand["damping"] / inertia, 1 / inertia], [0, 0, 0]]
+        )
         self.hold = expm(plant * self.period)
 
     def run(self, theta: NDArray, omega: NDArray, samples: int) -> tuple[NDArray, NDArray]:

@@ -97,8 +97,8 @@ def extent(low, high, dx, dv, loop):
 def cut(low, high, base, reach, dx, dv, cuts, loop):
     """Cut an arc at the edges that change the torque; the number of its parts, or -1 where there is no room for them.
 
-    ``base``: position less that of the free motion. Parts are written to ``cuts``: level, low and high phase. Each takes
-    in what lies within ``reach`` of its edges, so that whatever a state's true level is, a part with it holds the state.
+    ``base``: position less that of the free motion. Parts are written to ``cuts``: level, low and high phase. Each
+    takes in what lies within ``reach`` of its edges. So whatever a state's true level is, a part with it holds it.
     """
     least, most = extent(low, high, dx, dv, loop)
     q, top = level_of(least + base - reach, loop.sense), level_of(most + base + reach, loop.sense)
@@ -131,7 +131,8 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
     """Follow every clock phase of one start to its end; shares into the table of ``known``.
 
     Args:
-        angle: Of the start, counts; ``velocity`` counts per sample; the torque is zero until the first sample.
+        angle: Of the start, counts.
+        velocity: Of the start, counts per sample. The torque is zero until the first sample.
         delay: Commands under way.
         budget: Samples that a motion may take.
         patience: Samples in no known attractor, after which the middle of an arc looks for one of its own.
@@ -171,7 +172,20 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
         fate = OPEN
         while fate == OPEN:
             event, row, x, v, error, level, run, next_test, head, used = follow_ball(
-                x, v, radius, error, level, run, next_test, ring, head, min(wait - since, budget - n), limit, False, known, loop
+                x,
+                v,
+                radius,
+                error,
+                level,
+                run,
+                next_test,
+                ring,
+                head,
+                min(wait - since, budget - n),
+                limit,
+                False,
+                known,
+                loop,
             )
             n += used
             since += used

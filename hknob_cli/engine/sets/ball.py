@@ -33,11 +33,15 @@ def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples,
     """Follow the ball around ``(x, v)`` for at most ``samples`` samples.
 
     Args:
-        x: Its centre, counts; ``v`` counts per sample.
+        x: Position of its centre, counts.
+        v: Velocity of its centre, counts per sample.
         radius: Bound on the distance of its states from the centre, in the norm of `certificate.distance`.
         error: Bound on the rounding error of the centre, in the same norm.
-        level: That acted at the sample before; ``run``, ``next_test``: samples it has acted, and at which rest is tried.
-        ring: The delay line, ``head`` its oldest entry; changed in place.
+        level: That acted at the sample before.
+        run: Samples that it has acted.
+        next_test: Samples after which rest is tried.
+        ring: The delay line; changed in place.
+        head: Its oldest entry.
         samples: That may pass.
         limit: Position past which motions have diverged.
         small: Whether to return where the wall steps deeper.

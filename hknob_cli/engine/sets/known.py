@@ -34,10 +34,11 @@ def captor(x, v, reach, ring, head, known, loop):
         base = 3 * j
         row = int(points[base]) * 10
         margin = table[row + 4] - table[row + 7]
-        if reach < margin and abs(x - points[base + 1]) < margin:
-            if distance(x - points[base + 1], v - points[base + 2], loop) + reach < margin:
-                if delay == 0 or same_ring(ring, head, known.point_lines, j * delay):
-                    return int(points[base])
+        if not abs(x - points[base + 1]) + reach < margin:
+            continue
+        near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margin
+        if near and (delay == 0 or same_ring(ring, head, known.point_lines, j * delay)):
+            return int(points[base])
     return -1
 
 

@@ -7,7 +7,7 @@ it ends in known attractors, they do: the list of attractors stays proven, while
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.sets.polygon import COUNT, ERROR, LEVEL, POLYGON, SAMPLE, WEIGHT, X, V, put, put_box
+from hknob_cli.engine.sets.polygon import COUNT, ERROR, LEVEL, POLYGON, SAMPLE, WEIGHT, V, X, put, put_box
 
 MEMBERS, LOW_X, HIGH_X, LOW_V, HIGH_V = range(5)  # numbers of a cell of the lattice
 CELL = 5

@@ -1,13 +1,13 @@
 """Convex polygons of states, cut where a sample of them meets a count edge.
 
-While all of a polygon acts alike, its corners differ from its centre, n samples later, by Phi^n times what they differed
-at first. So one trial, the centre, is followed, and the corners are computed where they matter.
+While all of a polygon acts alike, its corners differ from its centre, n samples later, by Phi^n times what they
+differed at first. So one trial, the centre, is followed, and the corners are computed where they matter.
 """
 
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON, distance
-from hknob_cli.engine.loop import level_of, lower_edge, upper_edge
+from hknob_cli.engine.loop import lower_edge, upper_edge
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.sets.ball import step_through
 

@@ -20,8 +20,8 @@ Zeros = Callable[[int], Any]
 class Known(NamedTuple):
     """The ends of a cell that are known so far.
 
-    ``table``: as `engine.ensemble` has it, ten numbers a row, of which the number of trials is the measure of the starts
-    that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where the wall
+    ``table``: as `engine.ensemble` has it, ten numbers a row, of which the number of trials is the measure of the
+    starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where the wall
     steps deeper; ``point_lines`` their delay lines. ``counts``: of rows and of points.
     """
 
@@ -33,9 +33,9 @@ class Known(NamedTuple):
 
 
 class ArcRoom(NamedTuple):
-    """Work space of `sets.arc`: ``stack`` and ``rings`` of arcs that wait; ``ring``, ``spare`` of one; ``cuts`` its parts.
+    """Work space of `sets.arc`.
 
-    ``ended``: low and high phase, and row of the end, -1 without one, of the first arcs that ended.
+    ``stack`` and ``rings``: of arcs that wait; ``ring``, ``spare``: of one; ``cuts``: its parts; ``ended``: low and high phase, and row of the end, -1 without one, of the first arcs that ended.
     """
 
     stack: Any
@@ -49,8 +49,9 @@ class ArcRoom(NamedTuple):
 class PolygonRoom(NamedTuple):
     """Work space of `sets.polygon`.
 
-    ``stack``: polygons that wait; ``own``, ``corners``, ``parts``, ``halves``, ``moved``: of one; ``ring``: empty, as a box has no
-    delay line; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in use, ``counts[0]`` many.
+    ``stack``: polygons that wait; ``own``, ``corners``, ``parts``, ``halves``, ``moved``: of one; ``ring``:
+    empty, as a box has no delay line; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in
+    use, ``counts[0]`` many.
     """
 
     stack: Any

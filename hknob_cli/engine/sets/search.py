@@ -23,6 +23,7 @@ from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import arc, box, lattice
 from hknob_cli.engine.sets import known as known_ends
+from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room
 
 SAMPLED = 4096  # random starts in a box, whose ends are counted for shares
@@ -125,7 +126,7 @@ class SetEngine:
             width *= 0.5
             if generation + 1 < GENERATIONS:
                 taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)
-        left = sum(room.stack[k * box.POLYGON + box.WEIGHT] for k in range(waiting))
+        left = sum(room.stack[k * POLYGON + WEIGHT] for k in range(waiting))
         return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven)
 
     def map_starts(

@@ -37,7 +37,7 @@ def test_free_motion_is_the_plants(loop: Loop, dx: float, dv: float, t: float) -
 def test_no_state_of_an_arc_is_farther_than_its_radius(
     loop: Loop, dx: float, dv: float, low: float, high: float
 ) -> None:
-    """In the norm in which the free plant never grows; and the bound is less than thrice what it bounds on short arcs."""
+    """In the norm in which the free plant never grows."""
     low, high = min(low, high), max(low, high)
     radius = arc_radius(low, high, dx, dv, loop)
     middle = free_motion(0.5 * (low + high), dx, dv, loop)

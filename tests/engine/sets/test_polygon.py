@@ -54,8 +54,7 @@ def polygons(draw: st.DrawFn, most: int = CORNERS) -> list[float]:
     chance = np.random.default_rng(seed)
     angles = np.sort(chance.uniform(0, 2 * np.pi, count))
     radius = draw(st.floats(0.01, 4.0))
-    corners = convex(radius * np.column_stack([np.cos(angles), np.sin(angles)]) * [1.0, chance.uniform(0.05, 1.0)])
-    return corners
+    return convex(radius * np.column_stack([np.cos(angles), np.sin(angles)]) * [1.0, chance.uniform(0.05, 1.0)])
 
 
 def inside(x: float, v: float, corners: list[float], slack: float) -> bool:
