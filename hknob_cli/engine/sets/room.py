@@ -21,7 +21,8 @@ class Known(NamedTuple):
     """The ends of a cell that are known so far.
 
     ``table``: as `engine.ensemble` has it, ten numbers a row, of which the number of trials is the measure of the
-    starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where the wall
+    starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where
+    the wall
     steps deeper; ``point_lines`` their delay lines. ``counts``: of rows and of points.
     """
 
@@ -35,7 +36,8 @@ class Known(NamedTuple):
 class ArcRoom(NamedTuple):
     """Work space of `sets.arc`.
 
-    ``stack`` and ``rings``: of arcs that wait; ``ring``, ``spare``: of one; ``cuts``: its parts; ``ended``: low and high phase, and row of the end, -1 without one, of the first arcs that ended.
+    ``stack`` and ``rings``: of arcs that wait; ``ring``, ``spare``: of one; ``cuts``: its parts; ``ended``: low
+    and high phase, and row of the end, -1 without one, of the first arcs that ended.
     """
 
     stack: Any
