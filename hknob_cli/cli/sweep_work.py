@@ -9,6 +9,7 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
+from hknob_cli.report.completeness import completeness_text, describe_completeness
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
@@ -22,16 +23,19 @@ class SweepWork(Work):
     """Limit cycles over a grid."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
-        """The grid, and the recordings where there are any."""
-        return "grid.png", *(["trajectories.png"] if job.plan.record else [])
+        """The grid, and recordings or maps of basins where there are any."""
+        more = {"trajectories.png": job.plan.record, "basins.png": job.plan.basins}
+        return "grid.png", *(name for name, asked in more.items() if asked)
 
     def files(self, job: Job) -> tuple[str, ...]:
-        """Cells, the orbits in them, and the recordings where they are asked for."""
-        return "cells.parquet", "orbits.parquet", *(["trajectories.parquet"] if job.plan.record else [])
+        """Cells, the orbits in them, and recordings or maps of basins where they are asked for."""
+        more = {"trajectories.parquet": job.plan.record, "basins.parquet": job.plan.basins}
+        return "cells.parquet", "orbits.parquet", *(name for name, asked in more.items() if asked)
 
     def others(self, job: Job) -> tuple[str, ...]:
-        """Recordings, where none are asked for."""
-        return () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+        """Recordings and maps of basins, where none are asked for."""
+        recorded = () if job.plan.record else ("trajectories.parquet", "trajectories.png")
+        return *recorded, *(() if job.plan.basins else ("basins.parquet", "basins.png"))
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The published thresholds, where levels above them are asked for."""
@@ -95,6 +99,11 @@ class SweepWork(Work):
             stiffness = job.plan.scene.wall.stiffness
             draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])
             drawn.append(paths[1])
+        if job.plan.basins:
+            from hknob_cli.report.basins_picture import draw_basins
+
+            draw_basins(tables[2], orbits, list(job.plan.axes), title=job.plan.name, path=paths[1])
+            drawn.append(paths[1])
         return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
@@ -112,7 +121,8 @@ class SweepWork(Work):
             )
             return {**found, **_unpushed(job, found["at_rest_fraction"] > 0.0)}
         found = describe_sweep(cells, orbits, axes=list(job.plan.axes), trials=_trials(job))
-        return {**found, **_unpushed(job, any(row["at_rest_fraction"] for row in found["cells"]))}
+        rests = any(row["at_rest_fraction"] for row in found["cells"])
+        return {**found, **_completeness(job, found["cells"]), **_unpushed(job, rests)}
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Matrices over two axes, a list otherwise."""
@@ -122,6 +132,8 @@ class SweepWork(Work):
             text = large_text(summary)
         else:
             text = table_text(summary, list(job.plan.axes))
+        if "completeness" in summary:
+            text = "\n".join([text, "", *completeness_text(summary["completeness"])])
         return "\n".join([text, *summary.get("notes", [])])
 
 
@@ -138,6 +150,13 @@ def _trials(job: Job) -> int:
     return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
 
 
+def _completeness(job: Job, cells: list[dict[str, Any]]) -> dict[str, Any]:
+    """Where all starts are meant, of how many cells the list of attractors is complete, as part of the summary."""
+    if job.plan.starts.sampled or not job.plan.scene.sampled:
+        return {}
+    return {"completeness": describe_completeness(cells, job.plan.starts)}
+
+
 def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
     """A note where trials rest and nothing pushes the knob into the wall, as part of the summary."""
     scene, axes = job.plan.scene, job.plan.axes
@@ -147,12 +166,16 @@ def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
 
 
 def _recorded(job: Job) -> Tables:
-    """Trajectories, where they are asked for."""
-    if not job.plan.record:
-        return ()
-    from hknob_cli.stages.record import record_sweep
+    """Trajectories, or maps of basins, where they are asked for: never both, a recording begins at one start."""
+    if job.plan.record:
+        from hknob_cli.stages.record import record_sweep
 
-    return (record_sweep(job.plan),)
+        return (record_sweep(job.plan),)
+    if job.plan.basins:
+        from hknob_cli.stages.basins import map_basins
+
+        return (map_basins(job.plan),)
+    return ()
 
 
 def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:

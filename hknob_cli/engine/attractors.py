@@ -46,6 +46,7 @@ FATES = {
 class Attractor(NamedTuple):
     """One attractor of a cell, dimensionless (counts, samples).
 
+    ``trials``: that reach it; where all starts are followed at once, their share.
     ``period``: samples, 1 at rest, 0 without an orbit. ``x``, ``v``: state at its deepest sample; ``line``: levels
     under way there, oldest first. ``margin``: least distance of a sample to an edge that changes the torque; ``edge``:
     to any count edge; ``closure``: residual of the period map; ``bound``: rounding error of the orbit's positions.
@@ -55,7 +56,7 @@ class Attractor(NamedTuple):
 
     outcome: Outcome
     reason: Reason
-    trials: int
+    trials: float
     period: int = 0
     x: float = 0.0
     v: float = 0.0
@@ -79,10 +80,19 @@ class StoppedError(Exception):
 
 
 class Search(NamedTuple):
-    """Attractors of one cell, the most frequent first, and the trial-samples it took to find them."""
+    """Attractors of one cell, the most frequent first, and the trial-samples it took to find them.
+
+    Where all starts are followed at once, ``complete`` says whether all of them are proven to end in these attractors;
+    ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound
+    on the share of starts whose end is not proven, where shares are counted by other means.
+    """
 
     attractors: tuple[Attractor, ...]
     samples: int
+    complete: bool | None = None
+    pieces: int = 0
+    narrowest: float = 0.0
+    undecided: float | None = None
 
 
 class NeedsCompilerError(Exception):
@@ -110,7 +120,7 @@ def time_allowed(seconds: float | None, patience: Patience, *, compiled: bool) -
     return patience.seconds if seconds is None else min(seconds, patience.seconds)
 
 
-def unfinished(trials: int, seconds: float | None, patience: Patience, *, compiled: bool) -> Attractor:
+def unfinished(trials: float, seconds: float | None, patience: Patience, *, compiled: bool) -> Attractor:
     """The trials that a search had no time for. Raises `NeedsCompilerError` where it was the patience that ended."""
     if not compiled and seconds != time_allowed(seconds, patience, compiled=False):
         raise NeedsCompilerError
@@ -199,7 +209,7 @@ class Engine:
             raise NeedsCompilerError
         why = why_unrepeated(slowest_rate(loop.alpha, loop.beta), most, held=loop.beta > 0.0)
         found = [
-            _attractor(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
+            attractor_of(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
             for row in range(rows)
         ]
         if overflow:
@@ -239,7 +249,7 @@ class Engine:
         return np.array(orbit.line) if self.compiled else list(orbit.line)
 
 
-def whole(outcome: Outcome, reason: Reason, trials: int) -> Attractor:
+def whole(outcome: Outcome, reason: Reason, trials: float) -> Attractor:
     """An end without an orbit."""
     return Attractor(outcome=outcome, reason=reason, trials=trials)
 
@@ -254,20 +264,20 @@ def why_unrepeated(rate: float, budget: int, *, held: bool) -> Reason:
     return FATES[unrepeated(rate, budget, held)][1]
 
 
-def _attractor(row: Any, line: Any, unrepeated: Reason) -> Attractor:
+def attractor_of(row: Any, line: Any, unrepeated: Reason) -> Attractor:
     """Attractor from a row of the kernel's table; ``unrepeated``: the reason for one whose levels never repeated."""
     fate, n, x, v, margin, edge, closure, bound, trials, _ = (float(value) for value in row)
     outcome, reason = FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated
     if int(n) == 0:
-        return whole(outcome, reason, int(trials))
+        return whole(outcome, reason, trials)
     if outcome is Outcome.REST:
         edge = min(x % 1.0, 1.0 - x % 1.0)
     return Attractor(
         outcome=outcome,
         reason=reason,
-        trials=int(trials),
+        trials=trials,
         period=int(n),
         x=x,
         v=v,

@@ -41,6 +41,12 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
+SETS = (
+    *MOTION,
+    *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "lattice", "box")),
+    *ORBIT,
+    "budget",
+)
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
@@ -56,6 +62,7 @@ GROUPS = {
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
+    "sets": (SETS, "arc.follow_arcs"),
     "pulse": (PULSE, "pulse.follow_linear"),
 }
 

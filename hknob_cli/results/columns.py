@@ -60,6 +60,10 @@ ORBITS = (
 
 # Columns that only some scenes have: with friction; without damping, of the cells; without a sample clock.
 FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipates over one period"),)
+EVERY_START = (
+    Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
+    Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),
@@ -82,6 +86,15 @@ TRAJECTORY = (
     Column("velocity_rad_s", _REAL, "rad/s", "velocity of the knob"),
     Column("torque_nm", _REAL, "N*m", "torque of the actuator just after this instant"),
     Column("energy_j", _REAL, "J", "energy of the masses, of the hand's springs and of the push; the wall has none"),
+)
+# Columns of basins.parquet.
+BASINS = (
+    Column("angle_rad", _REAL, "rad", "angle of the knob at a sample"),
+    Column("velocity_rad_s", _REAL, "rad/s", "velocity of the knob at a sample"),
+    Column(
+        "orbit", _WHOLE, "1", "number, in orbits.parquet, of the attractor it ends in; null where that is not proven"
+    ),
+    Column("on_orbit", _FLAG, "", "whether this is a sample of that attractor itself, not a start"),
 )
 START = (Column("start_rad", _REAL, "rad", "angle at which the recording starts"),)
 FINGER = (

@@ -111,11 +111,18 @@ class Scene(NamedTuple):
 
 
 class Starts(NamedTuple):
-    """Angle (rad) and velocity (rad/s) where trials begin, and their number."""
+    """Angle (rad) and velocity (rad/s) where trials begin, and their number.
+
+    ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
+    the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
+    velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start.
+    """
 
     angle: float
     velocity: float
     phases: int
+    sampled: bool = True
+    span: tuple[float, float, float, float] | None = None
 
 
 class Pulse(NamedTuple):
@@ -174,8 +181,8 @@ class SweepPlan(NamedTuple):
     """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
 
     ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
-    ``growth_s``: time over which the energy of bounces is fitted, where asked for. ``seconds_per_cell``: time that a
-    cell may take, if it is limited.
+    ``growth_s``: time over which the energy of bounces is fitted, ``basins``: starts a side of the map of basins, where
+    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited.
     """
 
     name: str
@@ -190,6 +197,7 @@ class SweepPlan(NamedTuple):
     perceive: Perceive | None = None
     points: Points | None = None
     seconds_per_cell: float | None = None
+    basins: int | None = None
 
 
 class BenchScene(NamedTuple):

@@ -7,11 +7,12 @@ from pydantic import Field
 from hknob_cli.spec.cells import cells_over
 from hknob_cli.spec.grid import MAX_CELLS, Grid
 from hknob_cli.spec.perceive import PerceiveSpec
-from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, Starts, SweepPlan
+from hknob_cli.spec.plan import RATE, Axes, Pulse, Record, SweepPlan
 from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.population import PopulationSpec
-from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque, Velocity
+from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
 from hknob_cli.spec.scene import Part, SceneSpec, given
+from hknob_cli.spec.starts import StartsSpec, span_faults
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
@@ -33,6 +34,10 @@ DAMPING = (
 )
 
 
+# Parts of a sweep that need trials from one start.
+ONE_START = {"record": "a recording begins at one start", "growth": "bounces are collected from one start"}
+
+
 def growth_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
     """What in a scene is not the bouncing ball: a sampled knob that nothing damps or holds (Hasser, sec. 6.4.1)."""
     why = "must be absent where 'growth' is given: it is of a knob that nothing damps or holds"
@@ -44,16 +49,6 @@ def growth_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], s
     if not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0:
         found.append((("growth",), "must be absent without a bias into the wall: nothing brings the knob back to it"))
     return found
-
-
-class StartsSpec(Part):
-    """Where the trials of a cell begin, and how many sample clocks are tried."""
-
-    angle: Annotated[Angle, Field(description="knob angle at the start, above the wall where positive")] = 0.02
-    velocity: Annotated[Velocity, Field(description="knob speed at the start")] = 0.0
-    phases: Annotated[
-        int, Field(strict=True, ge=1, le=10_000_000, description="trials, whose first samples spread over an interval")
-    ] = 64
 
 
 class LimitsSpec(Part):
@@ -115,6 +110,12 @@ class GrowthSpec(Part):
     duration: Annotated[PositiveSeconds, Field(description="time over which bounces are collected")] = 1.0
 
 
+class BasinsSpec(Part):
+    """A map of every cell: which attractor the starts on a grid over the box of ``starts`` end in."""
+
+    points: Annotated[int, Field(strict=True, ge=2, le=2000, description="starts a side of the map")] = 200
+
+
 class SweepSpec(Part):
     """Simulate every cell of a grid to its proven limit cycles."""
 
@@ -126,6 +127,7 @@ class SweepSpec(Part):
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
     record: RecordSpec | None = None
     growth: GrowthSpec | None = None
+    basins: BasinsSpec | None = None
     population: PopulationSpec | None = None
     perceive: PerceiveSpec | None = None
 
@@ -136,6 +138,16 @@ class SweepSpec(Part):
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
             found += growth_faults(self.scene, axes)
+        if self.starts.spans:
+            found += self.starts.faults()
+            found += span_faults(self.scene, axes, population=self.population is not None)
+            why = "must be absent where starts are a range"
+            found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
+        if self.basins and not self.starts.spans:
+            found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
+            text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
+            found.append((("basins", "points"), text))
         if self.perceive and self.scene.sampling == "continuous":
             found.append((("perceive",), "must be absent where sampling is continuous: no cycle is proven there"))
         if self.perceive and self.growth:
@@ -162,7 +174,7 @@ class SweepSpec(Part):
         assert self.record
         record = self.record.plain()
         rates = axes.get(RATE, [0.0]) if self.scene.sampling != "continuous" else [0.0]
-        trials = min(record.trials, self.starts.phases) if self.scene.sampling != "continuous" else 1
+        trials = min(record.trials, self.starts.plain().phases) if self.scene.sampling != "continuous" else 1
         each = [trials * record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates]
         each_cell = max(each) if points else sum(each) / len(each)
         return len(cells_over(axes, points)) * max(1, len(record.angles)) * each_cell
@@ -174,11 +186,12 @@ class SweepSpec(Part):
             scene=self.scene.plain(),
             axes=axes,
             units=units,
-            starts=Starts(self.starts.angle, self.starts.velocity, self.starts.phases),
+            starts=self.starts.plain(),
             max_samples=self.limits.max_samples,
             seconds_per_cell=self.limits.seconds_per_cell,
             record=self.record.plain() if self.record else None,
             growth_s=self.growth.duration if self.growth else None,
             perceive=self.perceive.plain() if self.perceive else None,
+            basins=self.basins.points if self.basins else None,
             values=values,
         )

@@ -6,15 +6,17 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import PATIENCE, USUAL, Attractor, Engine, NeedsCompilerError, Patience, Search, whole
 from hknob_cli.engine.budget import sample_limit, settling_samples
+from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
-from hknob_cli.scene.sampled_knob import is_plain, sample_knob
+from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
 from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
+BOXED = 1e6  # samples of a cell whose starts fill a box, at least, roughly
 MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
 MAX_EVENTS_INTERPRETED = 20_000
 
@@ -22,6 +24,8 @@ MAX_EVENTS_INTERPRETED = 20_000
 class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
+    Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
+    ``undecided``: as in `engine.attractors.Search`.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -34,6 +38,9 @@ class CellResult(NamedTuple):
     group: str = "plain"
     growth: Any = None  # measure.growth.Growth
     contact: Any = None  # measure.unsampled.UnsampledTrial
+    complete: bool = False
+    pieces: int = 0
+    undecided: float | None = None
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
@@ -67,10 +74,16 @@ def group_of(scene: Scene) -> str:
     return "plain" if is_plain(scene) else "general"
 
 
+def engine_group(plan: SweepPlan, scene: Scene) -> str:
+    """Group of engine functions that a cell of a sweep takes: of a plain scene by whether all starts are meant."""
+    group = group_of(scene)
+    return "sets" if group == "plain" and not plan.starts.sampled else group
+
+
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
     """Group of engine functions that a cell takes, and rough number of trial-samples; decides if compiling pays."""
     scene, phases = scene_at(plan.scene, cell), plan.starts.phases
-    group = group_of(scene)
+    group = engine_group(plan, scene)
     if group == "unsampled":
         return group, 0.0
     if group == "bounces":
@@ -79,6 +92,8 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
         return group, phases * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
+    if plan.starts.span:
+        return group, BOXED
     return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
 
@@ -99,12 +114,13 @@ class CellFinder:
         self.stopped = stopped
         self.patience = patience
         self._engine: Engine | None = None
+        self._sets: Any = None
         self._general: Any = None
 
     def find(self, plan: SweepPlan, cell: Cell) -> CellResult:
         """Run one cell. Raises `ComputationError`, and `NeedsCompilerError` where the interpreter is too slow."""
         scene = scene_at(plan.scene, cell)
-        group = group_of(scene)
+        group = engine_group(plan, scene)
         if group == "unsampled":
             return self._find_unsampled(plan, cell)
         if group == "bounces":
@@ -112,20 +128,52 @@ class CellFinder:
         if group == "general":
             return self._find_general(plan, cell)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
-        if self._engine is None:
-            self._engine = Engine(self.functions.get("plain"), self.stopped)
-        self._engine.patience = self.patience("plain")
-        search = self._engine.search(
-            knob.loop,
-            x=knob.position(plan.starts.angle),
-            v=knob.speed(plan.starts.velocity),
-            phases=plan.starts.phases,
-            delay_line=knob.delay_line,
-            max_samples=plan.max_samples,
-            seconds=plan.seconds_per_cell,
-        )
+        functions = self.functions.get("sets" if group == "sets" else "plain")
+        if self._engine is None or self._engine.compiled != (functions is not None):
+            self._engine = Engine(functions, self.stopped)
+        self._engine.patience = self.patience(group)
+        search = self._search_all(plan, knob) if group == "sets" else None
+        if search is None:
+            search = self._engine.search(
+                knob.loop,
+                x=knob.position(plan.starts.angle),
+                v=knob.speed(plan.starts.velocity),
+                phases=plan.starts.phases,
+                delay_line=knob.delay_line,
+                max_samples=plan.max_samples,
+                seconds=plan.seconds_per_cell,
+            )
         measurer = Measurer(knob, self._engine)
-        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, "plain"))
+        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
+
+    def trace(self, loop: Loop, orbit: Attractor) -> Any:
+        """One period of an orbit of the plain loop, as `engine.attractors.Engine.trace`."""
+        assert self._engine
+        return self._engine.trace(loop, orbit)
+
+    def _search_all(self, plan: SweepPlan, knob: SampledKnob) -> Search | None:
+        """What all starts of a plain cell settle to; None where they cannot be followed all at once."""
+        from hknob_cli.engine.sets.search import Box, SetEngine
+
+        functions = self.functions.get("sets")
+        if self._sets is None or self._sets.compiled != (functions is not None):
+            self._sets = SetEngine(functions, self.stopped)
+        starts, most = plan.starts, plan.max_samples
+        if starts.span is None:
+            found: Search | None = self._sets.search_phases(
+                knob.loop,
+                x=knob.position(starts.angle),
+                v=knob.speed(starts.velocity),
+                delay_line=knob.delay_line,
+                max_samples=most,
+            )
+            return found
+        if functions is None:
+            raise NeedsCompilerError("sets")
+        low, high, slowest, fastest = starts.span
+        box = Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
+        boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most)
+        return boxed
 
     def _find_general(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.engine.general.search import GeneralEngine
@@ -240,4 +288,7 @@ def _result(
         measures=measures,
         samples=search.samples,
         group=group,
+        complete=bool(search.complete),
+        pieces=search.pieces,
+        undecided=search.undecided,
     )

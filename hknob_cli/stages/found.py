@@ -25,7 +25,7 @@ class Found(NamedTuple):
     cell: Whole
     outcome: Whole
     reason: Whole
-    trials: Whole
+    trials: Array
     period: Whole
     closed: NDArray[np.bool_]
     edge: Array
@@ -67,7 +67,7 @@ def in_columns(results: Sequence[CellResult]) -> Found:
         cell=_whole([i for i, _, _ in every]),
         outcome=_whole([one.outcome for _, _, one in every]),
         reason=_whole([one.reason for _, _, one in every]),
-        trials=_whole([one.trials for _, _, one in every]),
+        trials=np.array([one.trials for _, _, one in every], dtype=np.float64),
         period=_whole([one.period for _, _, one in every]),
         closed=np.array([one.period > 0 or contact is not None for _, contact, one in every], dtype=bool),
         edge=np.array([one.edge for _, _, one in every]),

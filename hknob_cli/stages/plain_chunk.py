@@ -40,7 +40,7 @@ _DECIDING = (
 def takes_plain(plan: SweepPlan) -> bool:
     """Whether every cell of a sweep is plain, and all that is asked of it is in `plain_chunk`'s tables."""
     asked = plan.scene.controller or plan.perceive or plan.growth_s or plan.seconds_per_cell
-    if asked or plan.starts.phases > MOST_PHASES:
+    if asked or not plan.starts.sampled or plan.starts.phases > MOST_PHASES:
         return False
     return all(group_of(scene_at(plan.scene, cell)) == "plain" for cell in Cells(_telling(plan)))
 
@@ -119,7 +119,7 @@ def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
         cell=ends.cell,
         outcome=ends.outcome,
         reason=ends.reason,
-        trials=ends.trials,
+        trials=ends.trials.astype(np.float64),
         period=ends.period,
         closed=ends.period > 0,
         edge=ends.edge,

@@ -28,6 +28,7 @@ HEAVIER = {
     "plain": 1.0,
     "bounces": 1.0,
     "general": 10.0,
+    "sets": 8.0,
     "unsampled": 1.0,
 }  # times that a sample takes longer than in the plain loop
 

@@ -10,7 +10,18 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.outcome import WORDS, Outcome, Reason
 from hknob_cli.results.arrays import join_columns, spell
-from hknob_cli.results.columns import CELLS, CONTACT, FRICTION, GROWTH, ORBITS, PEOPLE, SAMPLED, Column, axis_column
+from hknob_cli.results.columns import (
+    CELLS,
+    CONTACT,
+    EVERY_START,
+    FRICTION,
+    GROWTH,
+    ORBITS,
+    PEOPLE,
+    SAMPLED,
+    Column,
+    axis_column,
+)
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
@@ -44,6 +55,11 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
+    if not plan.starts.sampled and plan.scene.sampled:
+        columns = (*columns, *EVERY_START)
+        more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
+        if plan.starts.span:
+            more["undecided_fraction"] = [one.undecided for one in results]
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row

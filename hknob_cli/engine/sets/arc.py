@@ -1,0 +1,255 @@
+"""All clock phases of one start: an arc of states, cut where a sample of it meets a count edge.
+
+The state at the first sample, after phi of a period of free flight, is a curve over the phase phi. While all of an arc
+acts alike, its states n samples later differ from its middle's as free motions do: by D(n + phi) - D(n + middle), where
+D(t) is the free motion about its rest point at the time t after the start. So an arc needs no points: one trial, its
+middle, is followed, and the rest is known in closed form.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, follow
+from hknob_cli.engine.loop import drive_of, level_of, lower_edge, upper_edge
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
+from hknob_cli.engine.sets.known import add_end
+from hknob_cli.engine.turning import first_zero, zero_spacing
+
+ARC = 9  # numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test
+BISECTIONS = 60
+OPEN, ENDED, UNPROVEN, PARTED = range(4)  # what becomes of an arc
+
+
+def free_motion(t, dx, dv, loop):
+    """Free motion about the rest point, ``t`` after ``(dx, dv)``."""
+    s, g, f = hold_coefficients(loop.alpha, loop.beta, t)
+    return dx + (s * dv - loop.beta * g * dx), f * dv - loop.beta * s * dx
+
+
+def arc_radius(low, high, dx, dv, loop):
+    """Bound on the distance of an arc's states from its middle; ``(dx, dv)``: the free motion at the sample, phase 0.
+
+    Half its length times the largest speed along it, which never grows, either.
+    """
+    x, v = free_motion(low, dx, dv, loop)
+    rate = -loop.beta * x - loop.alpha * v
+    return 0.5 * (high - low) * sqrt(v * v + rate * rate / loop.beta) * (1.0 + 64.0 * EPSILON)
+
+
+def solve_phase(target, low, high, base, dx, dv, loop):
+    """Phase between ``low`` and ``high`` at which an arc that is monotone there passes ``target``."""
+    left, _ = free_motion(low, dx, dv, loop)
+    rising = left + base < target
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        at, _ = free_motion(middle, dx, dv, loop)
+        if (at + base < target) == rising:
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+def part_within(low_edge, high_edge, low, high, base, dx, dv, loop):
+    """Phases of a monotone part of an arc whose positions lie between two edges: ``(low, high)``, low > high if none.
+
+    Taken a little too large, never too small.
+    """
+    a, _ = free_motion(low, dx, dv, loop)
+    b, _ = free_motion(high, dx, dv, loop)
+    a, b = a + base, b + base
+    if max(a, b) < low_edge or min(a, b) > high_edge:
+        return 1.0, 0.0
+    first, last = low, high
+    if a < low_edge:
+        first, _ = solve_phase(low_edge, low, high, base, dx, dv, loop)
+    elif a > high_edge:
+        first, _ = solve_phase(high_edge, low, high, base, dx, dv, loop)
+    if b < low_edge:
+        _, last = solve_phase(low_edge, low, high, base, dx, dv, loop)
+    elif b > high_edge:
+        _, last = solve_phase(high_edge, low, high, base, dx, dv, loop)
+    return first, last
+
+
+def turn_after(phase, dx, dv, loop):
+    """The first phase after ``phase`` at which the arc turns; infinite if none."""
+    x, v = free_motion(phase, dx, dv, loop)
+    return phase + first_zero(v, -loop.beta * x, loop.alpha, loop.beta)
+
+
+def extent(low, high, dx, dv, loop):
+    """Least and largest position of the free motion over an arc."""
+    a, _ = free_motion(low, dx, dv, loop)
+    b, _ = free_motion(high, dx, dv, loop)
+    least, most = min(a, b), max(a, b)
+    turn, spacing = turn_after(low, dx, dv, loop), zero_spacing(loop.alpha, loop.beta)
+    while turn < high:
+        at, _ = free_motion(turn, dx, dv, loop)
+        least, most = min(least, at), max(most, at)
+        turn += spacing
+    return least, most
+
+
+def cut(low, high, base, reach, dx, dv, cuts, loop):
+    """Cut an arc at the edges that change the torque; the number of its parts, or -1 where there is no room for them.
+
+    ``base``: position less that of the free motion. Parts are written to ``cuts``: level, low and high phase. Each
+    takes in what lies within ``reach`` of its edges. So whatever a state's true level is, a part with it holds it.
+    """
+    least, most = extent(low, high, dx, dv, loop)
+    q, top = level_of(least + base - reach, loop.sense), level_of(most + base + reach, loop.sense)
+    spacing = zero_spacing(loop.alpha, loop.beta)
+    first_turn = turn_after(low, dx, dv, loop)
+    count = 0
+    while q <= top:
+        own = count
+        begin, turn, more = low, first_turn, True
+        while more:
+            end = min(turn, high)
+            first, last = part_within(
+                lower_edge(q, loop.sense) - reach, upper_edge(q, loop.sense) + reach, begin, end, base, dx, dv, loop
+            )
+            if first <= last:
+                if count > own and first <= cuts[3 * count - 1]:
+                    cuts[3 * count - 1] = last
+                elif 3 * count + 3 > len(cuts):
+                    return -1
+                else:
+                    cuts[3 * count], cuts[3 * count + 1], cuts[3 * count + 2] = q, first, last
+                    count += 1
+            more = end < high
+            begin, turn = end, turn + spacing
+        q += 1.0
+    return count
+
+
+def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, loop):
+    """Follow every clock phase of one start to its end; shares into the table of ``known``.
+
+    Args:
+        angle: Of the start, counts.
+        velocity: Of the start, counts per sample. The torque is zero until the first sample.
+        delay: Commands under way.
+        budget: Samples that a motion may take.
+        patience: Samples in no known attractor, after which the middle of an arc looks for one of its own.
+        limit: Position past which a motion has diverged.
+        room: `sets.room.ArcRoom`.
+        known: `sets.room.Known`, to be filled.
+        loop: The cell, with damping and hand stiffness.
+
+    Returns ``(samples, arcs, undecided, shortest, covered, cut)``: samples taken; arcs that ended; the phases that did
+    not end proven; the shortest arc; the length of all arcs, which is 1 and what they overlap by; and whether there was
+    room for all parts.
+    """
+    stack, rings, ring, spare, cuts = room.stack, room.rings, room.ring, room.spare, room.cuts
+    weight = 1.0 / sqrt(loop.beta)
+    rest = drive_of(0.0, loop) / loop.beta
+    dx0, dv0 = angle - rest, velocity
+    scale = abs(dx0) + weight * abs(dv0)
+    slack = 64.0 * EPSILON * (1.0 + sqrt(loop.beta) / loop.alpha) * (scale + abs(rest))
+    x, v = free_motion(0.5, dx0, dv0, loop)
+    stack[0], stack[1], stack[2], stack[3], stack[4] = 0.0, 1.0, 0.0, x + rest, v
+    stack[5], stack[6], stack[7], stack[8] = slack, 0.0, 0.0, FIRST_REST_TEST
+    for k in range(delay):
+        rings[k] = 0.0
+    waiting = 1
+    taken, ended, undecided, shortest, covered, whole = 0, 0, 0.0, 1.0, 0.0, True
+    most_waiting = len(stack) // ARC
+    while waiting > 0:
+        waiting -= 1
+        at = waiting * ARC
+        low, high, n, x, v = stack[at], stack[at + 1], int(stack[at + 2]), stack[at + 3], stack[at + 4]
+        error, level, run, next_test = stack[at + 5], stack[at + 6], int(stack[at + 7]), int(stack[at + 8])
+        for k in range(delay):
+            ring[k] = rings[waiting * delay + k]
+        head, since, wait = 0, 0, patience
+        dx, dv = free_motion(float(n), dx0, dv0, loop)
+        radius = arc_radius(low, high, dx, dv, loop)
+        fate = OPEN
+        while fate == OPEN:
+            event, row, x, v, error, level, run, next_test, head, used = follow_ball(
+                x,
+                v,
+                radius,
+                error,
+                level,
+                run,
+                next_test,
+                ring,
+                head,
+                min(wait - since, budget - n),
+                limit,
+                False,
+                known,
+                loop,
+            )
+            n += used
+            since += used
+            taken += used
+            if event == CAPTURED:
+                known.table[row * 10 + 8] += high - low
+                fate = ENDED
+                continue
+            if event == GREW or n >= budget:
+                fate = UNPROVEN
+                continue
+            dx, dv = free_motion(float(n), dx0, dv0, loop)
+            radius = arc_radius(low, high, dx, dv, loop)
+            if event != MEETS_EDGE:
+                # Long in no known attractor: its middle's own is found, and entered.
+                since, wait = 0, 2 * wait
+                for k in range(delay):
+                    spare[k] = ring[k]
+                end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop)
+                taken += steps
+                row = add_end(end, period, ox, ov, spare, head_of, known, loop)
+                if row < 0 or (end != CYCLE_PROVEN and end != REST_PROVEN):
+                    fate = UNPROVEN
+                    if row >= 0:
+                        known.table[row * 10 + 8] += high - low
+                continue
+            # The ball meets an edge: the arc itself is looked at.
+            middle = 0.5 * (low + high)
+            mid_x, mid_v = free_motion(middle, dx, dv, loop)
+            parts = cut(low, high, x - mid_x, error + slack, dx, dv, cuts, loop)
+            if parts < 0 or waiting + parts > most_waiting:
+                fate, whole = UNPROVEN, False
+            elif parts == 1:
+                run, next_test = (run + 1, next_test) if level == cuts[0] else (0, FIRST_REST_TEST)
+                level = cuts[0]
+                x, v, error, head = step_through(x, v, error, level, ring, head, loop)
+                n += 1
+                since += 1
+                taken += 1
+            else:
+                for part in range(parts):
+                    q, first, last = cuts[3 * part], cuts[3 * part + 1], cuts[3 * part + 2]
+                    for k in range(delay):
+                        spare[k] = ring[k]
+                    cx, cv = free_motion(0.5 * (first + last), dx, dv, loop)
+                    cx, cv, grown, to = step_through(
+                        x + (cx - mid_x), v + (cv - mid_v), error + slack, q, spare, head, loop
+                    )
+                    at = waiting * ARC
+                    stack[at], stack[at + 1], stack[at + 2], stack[at + 3] = first, last, float(n + 1), cx
+                    stack[at + 4], stack[at + 5], stack[at + 6] = cv, grown, q
+                    stack[at + 7], stack[at + 8] = 0.0, FIRST_REST_TEST
+                    for k in range(delay):
+                        rings[waiting * delay + k] = spare[(to + k) % delay]
+                    waiting += 1
+                    taken += 1
+                fate = PARTED
+        if fate == UNPROVEN:
+            undecided += high - low
+            row = -1
+        if fate != PARTED:
+            if 3 * ended + 3 <= len(room.ended):
+                room.ended[3 * ended], room.ended[3 * ended + 1], room.ended[3 * ended + 2] = low, high, row
+            ended += 1
+            covered += high - low
+            shortest = min(shortest, high - low)
+    return taken, ended, undecided, shortest, covered, whole

@@ -1,0 +1,93 @@
+"""Following a ball of states sample by sample, until an edge may part it or an attractor has captured it.
+
+All states of the ball act alike while it meets no count edge, and then it only moves and shrinks: its centre is a trial
+like any other, and its radius, in the norm in which the free plant never grows, is an upper bound.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.loop import interval, level_of, push
+from hknob_cli.engine.sets.known import captor, resting
+
+MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the torque: look at what it bounds
+CAPTURED = 1
+GREW = 2
+OUT_OF_SAMPLES = 3
+STEPS_DEEPER = 4
+
+FIRST_REST_TEST = 8
+
+
+def step_error(x, v, older, newer, weight, loop):
+    """Bound on what rounding adds to the error of a state in one sample, in the norm of `certificate.distance`.
+
+    Each operand is exact to a few units in the last place (`propagator.hold_coefficients`), of which S, F <= 1 and
+    G <= 1/2; ``weight`` is 1/sqrt(beta), by which the norm weighs velocities.
+    """
+    pull = max(abs(older), abs(newer)) + loop.beta * abs(x)
+    return EPSILON * (4.0 * abs(x) + 24.0 * (1.0 + weight) * (abs(v) + pull))
+
+
+def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples, limit, small, known, loop):
+    """Follow the ball around ``(x, v)`` for at most ``samples`` samples.
+
+    Args:
+        x: Position of its centre, counts.
+        v: Velocity of its centre, counts per sample.
+        radius: Bound on the distance of its states from the centre, in the norm of `certificate.distance`.
+        error: Bound on the rounding error of the centre, in the same norm.
+        level: That acted at the sample before.
+        run: Samples that it has acted.
+        next_test: Samples after which rest is tried.
+        ring: The delay line; changed in place.
+        head: Its oldest entry.
+        samples: That may pass.
+        limit: Position past which motions have diverged.
+        small: Whether to return where the wall steps deeper.
+        known: The attractors, `sets.room.Known`.
+        loop: The cell.
+
+    Returns ``(event, row, x, v, error, level, run, next_test, head, used)``; ``row`` of the attractor where captured.
+    """
+    delay = len(ring)
+    weight = 1.0 / sqrt(loop.beta)
+    for i in range(samples):
+        reach = radius + error
+        before = level
+        level = level_of(x, loop.sense)
+        if level_of(x - reach, loop.sense) != level or level_of(x + reach, loop.sense) != level:
+            return MEETS_EDGE, -1, x, v, error, before, run, next_test, head, i
+        if not -limit < x < limit:
+            return GREW, -1, x, v, error, level, run, next_test, head, i
+        if level < before:
+            row = captor(x, v, reach, ring, head, known, loop)
+            if row >= 0:
+                return CAPTURED, row, x, v, error, level, run, next_test, head, i
+            if small and i > 0:
+                return STEPS_DEEPER, -1, x, v, error, before, run, next_test, head, i
+        if level == before:
+            run += 1
+            if run >= next_test:
+                next_test = 2 * run
+                row = resting(x, v, reach, level, ring, head, known, loop)
+                if row >= 0:
+                    return CAPTURED, row, x, v, error, level, run, next_test, head, i
+        else:
+            run, next_test = 0, FIRST_REST_TEST
+        older, newer = push(level, ring, head, loop)
+        error += step_error(x, v, older, newer, weight, loop)
+        x, v = interval(x, v, older, newer, loop)
+        if delay > 0:
+            head = (head + 1) % delay
+    return OUT_OF_SAMPLES, -1, x, v, error, level, run, next_test, head, samples
+
+
+def step_through(x, v, error, level, ring, head, loop):
+    """One sample more of a set that acts as ``level``: ``(x, v, error, head)``."""
+    older, newer = push(level, ring, head, loop)
+    error += step_error(x, v, older, newer, 1.0 / sqrt(loop.beta), loop)
+    x, v = interval(x, v, older, newer, loop)
+    if len(ring) > 0:
+        head = (head + 1) % len(ring)
+    return x, v, error, head

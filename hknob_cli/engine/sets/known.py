@@ -1,0 +1,117 @@
+"""The attractors known so far of a cell, and whether one of them captures a ball of states.
+
+A proven orbit keeps its levels under any disturbance below its margin, and the free plant never grows in the norm of
+`certificate.distance`. So a ball of states around a motion ends in the orbit when, at a sample that both share, the
+distance of the two, the ball's radius and all roundings together stay below the margin.
+"""
+
+from hknob_cli.engine.certificate import DIFFERENT, certify, distance
+from hknob_cli.engine.ensemble import deepest, find
+from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, constant_line
+from hknob_cli.engine.loop import copy_line, interval, level_of, push
+from hknob_cli.engine.rest import AT_REST, settles
+
+POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which balls are compared with it
+
+
+def same_ring(ring, head, lines, base):
+    """Whether a delay line, from ``head`` on, holds what ``lines`` holds from ``base`` on."""
+    n = len(ring)
+    for k in range(n):
+        if ring[(head + k) % n] != lines[base + k]:
+            return False
+    return True
+
+
+def captor(x, v, reach, ring, head, known, loop):
+    """Row of the proven orbit that captures every state within ``reach`` of ``(x, v)``; -1 if none is known to.
+
+    To be asked at a sample where the wall steps deeper. ``reach`` is in the norm of `distance`, roundings included.
+    """
+    delay = len(ring)
+    table, points = known.table, known.points
+    for j in range(int(known.counts[1])):
+        base = 3 * j
+        row = int(points[base]) * 10
+        margin = table[row + 4] - table[row + 7]
+        if not abs(x - points[base + 1]) + reach < margin:
+            continue
+        near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margin
+        if near and (delay == 0 or same_ring(ring, head, known.point_lines, j * delay)):
+            return int(points[base])
+    return -1
+
+
+def add_points(row, x, v, ring, head, n, known, loop):
+    """Enter the samples of an orbit at which the wall steps deeper, as far as there is room."""
+    delay = len(ring)
+    line = copy_line(ring)
+    at, count = head, int(known.counts[1])
+    before = 1.0
+    entered = 0
+    for i in range(2 * n):
+        level = level_of(x, loop.sense)
+        if i >= n and level < before and entered < POINTS_OF_ORBIT and 3 * count + 3 <= len(known.points):
+            known.points[3 * count], known.points[3 * count + 1], known.points[3 * count + 2] = row, x, v
+            for k in range(delay):
+                known.point_lines[count * delay + k] = line[(at + k) % delay]
+            count += 1
+            entered += 1
+        before = level
+        older, newer = push(level, line, at, loop)
+        x, v = interval(x, v, older, newer, loop)
+        if delay > 0:
+            at = (at + 1) % delay
+    known.counts[1] = count
+
+
+def add_end(fate, n, x, v, ring, head, known, loop):
+    """Row of an end that `follow` gave, entered where it is new; -1 where the table is full.
+
+    Of a proven cycle the samples where the wall steps deeper are entered, too, for `captor`.
+    """
+    delay = len(ring)
+    table, rows = known.table, int(known.counts[0])
+    cycle = n > 0 and fate != REST_PROVEN and fate <= 2
+    turns = n
+    if cycle:
+        x, v, head, n = deepest(x, v, ring, head, n, loop)
+    row = find(fate, n, x, v, table, rows)
+    if row < rows:
+        return row
+    if row * 10 + 10 > len(table):
+        return -1
+    margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+    if cycle:
+        status, px, pv, margin, edge, closure, bound = certify(x, v, ring, head, n, loop)
+        if status == DIFFERENT and n < turns:
+            n = turns
+            row = find(fate, n, x, v, table, rows)
+            if row < rows:
+                return row
+            status, px, pv, margin, edge, closure, bound = certify(x, v, ring, head, n, loop)
+        if fate == CYCLE_PROVEN:
+            x, v = px, pv
+    base = row * 10
+    table[base], table[base + 1], table[base + 2], table[base + 3] = fate, n, x, v
+    table[base + 4], table[base + 5], table[base + 6], table[base + 7] = margin, edge, closure, bound
+    table[base + 8], table[base + 9] = 0.0, 0.0
+    for k in range(delay):
+        known.lines[row * delay + k] = ring[(head + k) % delay]
+    known.counts[0] = row + 1
+    if fate == CYCLE_PROVEN:
+        add_points(row, x, v, ring, head, n, known, loop)
+    return row
+
+
+def resting(x, v, reach, level, ring, head, known, loop):
+    """Row of the rest point inside one level where every state within ``reach`` of ``(x, v)`` ends; -1 if none.
+
+    The level must go on acting: that of this sample, and of all that is under way.
+    """
+    if not constant_line(ring, level):
+        return -1
+    fate, rest, margin, bound = settles(x, v, level, loop)
+    if fate != AT_REST or not distance(x - rest, v, loop) + reach + bound < margin:
+        return -1
+    return add_end(REST_PROVEN, 1, rest, 0.0, ring, head, known, loop)

@@ -1,0 +1,132 @@
+"""Convex polygons of states, cut where a sample of them meets a count edge.
+
+While all of a polygon acts alike, its corners differ from its centre, n samples later, by Phi^n times what they
+differed at first. So one trial, the centre, is followed, and the corners are computed where they matter.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import EPSILON, distance
+from hknob_cli.engine.loop import lower_edge, upper_edge
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.sets.ball import step_through
+
+CORNERS = 16  # that a polygon keeps; one with more is halved, for a simpler one around it might never shrink
+X, V, ERROR, LEVEL, SAMPLE, WEIGHT, COUNT = range(7)  # numbers of a polygon; its corners follow, relative to x and v
+POLYGON = 7 + 2 * CORNERS
+
+
+def blur(loop):
+    """Relative error of the free response over any number of samples, with a margin.
+
+    The phase of its ringing is off by an ulp or two, of as many radians as it rings until it has decayed.
+    """
+    return 64.0 * EPSILON * (1.0 + sqrt(loop.beta) / loop.alpha)
+
+
+def corner_radius(corners, base, count, loop):
+    """Largest distance of a polygon's corners from its centre, and so of all its states (the norm is convex)."""
+    radius = 0.0
+    for k in range(count):
+        radius = max(radius, distance(corners[base + 2 * k], corners[base + 2 * k + 1], loop))
+    return radius
+
+
+def move_corners(given, base, count, samples, out, at, loop):
+    """Corners after ``samples`` samples of acting alike, from those at ``given[base:]`` to ``out[at:]``."""
+    s, g, f = hold_coefficients(loop.alpha, loop.beta, float(samples))
+    for k in range(count):
+        dx, dv = given[base + 2 * k], given[base + 2 * k + 1]
+        out[at + 2 * k] = dx + (s * dv - loop.beta * g * dx)
+        out[at + 2 * k + 1] = f * dv - loop.beta * s * dx
+
+
+def clip(given, count, limit, sign, out, at):
+    """The part of a convex polygon on one side of ``x = limit``, to ``out[at:]``; its number of corners.
+
+    ``sign`` +1 keeps what lies above the limit, -1 what lies below; what lies on it is kept.
+    """
+    kept = 0
+    for k in range(count):
+        ax, av = given[2 * k], given[2 * k + 1]
+        j = (k + 1) % count
+        bx, bv = given[2 * j], given[2 * j + 1]
+        inside, following = sign * (ax - limit) >= 0.0, sign * (bx - limit) >= 0.0
+        if inside:
+            out[at + 2 * kept], out[at + 2 * kept + 1] = ax, av
+            kept += 1
+        if inside != following:
+            part = (limit - ax) / (bx - ax)
+            out[at + 2 * kept], out[at + 2 * kept + 1] = limit, av + part * (bv - av)
+            kept += 1
+    return kept
+
+
+def put_box(out, at, low_x, high_x, low_v, high_v):
+    """The corners of a rectangle, in order, to ``out[at:]``."""
+    out[at], out[at + 1] = low_x, low_v
+    out[at + 2], out[at + 3] = high_x, low_v
+    out[at + 4], out[at + 5] = high_x, high_v
+    out[at + 6], out[at + 7] = low_x, high_v
+
+
+def put(out, base, x, v, error, level, sample, weight, corners, count):
+    """Enter a polygon, told from the middle of the rectangle around it, to ``out[base:]``."""
+    low_x, high_x, low_v, high_v = corners[0], corners[0], corners[1], corners[1]
+    for k in range(1, count):
+        low_x, high_x = min(low_x, corners[2 * k]), max(high_x, corners[2 * k])
+        low_v, high_v = min(low_v, corners[2 * k + 1]), max(high_v, corners[2 * k + 1])
+    cx, cv = 0.5 * (low_x + high_x), 0.5 * (low_v + high_v)
+    out[base + X], out[base + V], out[base + ERROR] = x + cx, v + cv, error
+    out[base + LEVEL], out[base + SAMPLE], out[base + WEIGHT] = level, sample, weight
+    for k in range(count):
+        out[base + 7 + 2 * k], out[base + 8 + 2 * k] = corners[2 * k] - cx, corners[2 * k + 1] - cv
+    out[base + COUNT] = float(count)
+
+
+def put_next(room, waiting, x, v, error, level, sample, weight, corners, count, loop):
+    """Enter a polygon among those that wait, one sample on, as ``level``."""
+    base = waiting * POLYGON
+    put(room.stack, base, x, v, error, level, sample + 1.0, weight, corners, count)
+    for k in range(2 * count):
+        room.moved[k] = room.stack[base + 7 + k]
+    x, v, error, _ = step_through(
+        room.stack[base + X], room.stack[base + V], room.stack[base + ERROR], level, room.ring, 0, loop
+    )
+    room.stack[base + X], room.stack[base + V], room.stack[base + ERROR] = x, v, error
+    move_corners(room.moved, 0, count, 1, room.stack, base + 7, loop)
+
+
+def part(room, waiting, x, v, reach, sample, weight, corners, count, low_level, high_level, loop):
+    """Cut a polygon at the edges that change the torque; how many polygons wait then, -1 where there is no room.
+
+    Each part takes in what lies within ``reach`` of its edges, so that whatever a state's true level is, a part with
+    it holds the state; each is taken one sample on, as its level. Parts with too many corners are halved, too.
+    """
+    if waiting + 2 * (int(high_level - low_level) + 1) > len(room.stack) // POLYGON:
+        return -1
+    half = len(room.parts) // 2
+    q = low_level
+    while q <= high_level:
+        kept = clip(corners, count, lower_edge(q, loop.sense) - reach - x, 1.0, room.parts, 0)
+        highest = upper_edge(q, loop.sense)
+        first = 0
+        if kept > 0 and highest < float("inf"):
+            kept = clip(room.parts, kept, highest + reach - x, -1.0, room.parts, half)
+            first = half
+        for k in range(2 * kept):
+            room.halves[k] = room.parts[first + k]
+        if kept > CORNERS:
+            # In two, by the line from the first corner to the one opposite.
+            opposite = kept // 2
+            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, opposite + 1, loop)
+            for k in range(2 * (kept - opposite)):
+                room.parts[k] = room.halves[2 * opposite + k]
+            room.parts[2 * (kept - opposite)], room.parts[2 * (kept - opposite) + 1] = room.halves[0], room.halves[1]
+            put_next(room, waiting + 1, x, v, reach, q, sample, weight, room.parts, kept - opposite + 1, loop)
+            waiting += 2
+        elif kept > 0:
+            put_next(room, waiting, x, v, reach, q, sample, weight, room.halves, kept, loop)
+            waiting += 1
+        q += 1.0
+    return waiting

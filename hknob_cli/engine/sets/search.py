@@ -1,0 +1,178 @@
+"""All starts of a cell at once: its attractors, with their shares, and whether the list is proven to be complete."""
+
+import random
+from collections.abc import Callable
+from math import sqrt
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.attractors import (
+    FATES,
+    Attractor,
+    Search,
+    StoppedError,
+    attractor_of,
+    ranked,
+    whole,
+)
+from hknob_cli.engine.budget import OPEN, UNHELD, prospect
+from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
+from hknob_cli.engine.loop import Loop
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets import arc, box, lattice
+from hknob_cli.engine.sets import known as known_ends
+from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
+from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room
+
+SAMPLED = 4096  # random starts in a box, whose ends are counted for shares
+WIDEST = 8.0  # the first lattice has so many cells across the box
+SEEN = 16  # polygons of a generation whose ends are looked for
+GENERATIONS = 60  # of lattices, each half as wide as the last
+MAPPED = 4096  # starts of a map between two chances to be interrupted
+SLICE = 5_000_000  # samples between two chances to be interrupted
+LONGEST = 4_000_000_000  # samples that a cell may take
+
+
+class Box(NamedTuple):
+    """Every state with a position and a speed in these ranges: counts, counts per sample."""
+
+    low_x: float
+    high_x: float
+    low_v: float
+    high_v: float
+
+
+class SetEngine:
+    """Follows arcs and polygons of states, plain or compiled; its work space is used again. One per thread."""
+
+    def __init__(
+        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+    ) -> None:
+        """Make ready; ``functions``: the compiled group "sets", by name; ``stopped``: asked whether to give up."""
+        self.stopped = stopped
+        self.compiled = functions is not None
+        self._functions = functions
+        self._polygons: Any = None
+
+    def _function(self, module: Any, name: str) -> Callable[..., Any]:
+        found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(module, name)
+        return found
+
+    def _zeros(self, count: int) -> Any:
+        return np.zeros(count) if self._functions else [0.0] * count
+
+    def search_phases(
+        self, loop: Loop, *, x: float, v: float, delay_line: int, max_samples: int | None
+    ) -> Search | None:
+        """What every clock phase of the start (``x`` counts, ``v`` counts per sample) settles to.
+
+        None where arcs cannot be followed: nothing damps or holds the knob, or they meet too many edges at once.
+        """
+        fate, most, skip, limit = prospect(x, v, max_samples or 0, loop)
+        if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
+            return None
+        known = make_known(self._zeros, delay_line)
+        taken, arcs, undecided, narrowest, covered, cut = self._function(arc, "follow_arcs")(
+            x, v, delay_line, most, _patience(skip), limit, make_arc_room(self._zeros, delay_line), known, loop
+        )
+        if not cut:
+            return None
+        found = _ends(known, delay_line)
+        lost = 1.0 - sum(one.trials for one in found) / covered
+        if undecided > 0.0 and lost > 1e-9:
+            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
+        return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=int(arcs), narrowest=narrowest)
+
+    def search_box(self, loop: Loop, states: Box, *, max_samples: int | None) -> Search:
+        """What every state of a box settles to, no command under way.
+
+        Raises `StoppedError` when told to stop.
+        """
+        far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
+        fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
+        if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
+            if fate == OPEN:
+                fate = UNDAMPED if loop.alpha == 0.0 else UNHELD
+            return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
+        if self._polygons is None:
+            self._polygons = make_polygon_room(self._zeros)
+        room, known, patience = self._polygons, make_known(self._zeros, 0), _patience(skip)
+        chance = random.Random(0)
+        starts = self._zeros(2 * SAMPLED)
+        for k in range(SAMPLED):
+            starts[2 * k] = chance.uniform(states.low_x, states.high_x)
+            starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
+        taken, unproven = self._function(box, "sample_box")(
+            starts, 0, SAMPLED, skip, most, limit, room.ring, self._zeros(SAMPLED), known, loop
+        )
+        follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
+        release = self._function(lattice, "release")
+        self._function(box, "fill_box")(*states, room)
+        across = max(states.high_x - states.low_x, (states.high_v - states.low_v) / sqrt(loop.beta))
+        width, waiting, pieces, undecided = across / WIDEST, 1, 0, 0.0
+        for generation in range(GENERATIONS):
+            while waiting:
+                if self.stopped():
+                    raise StoppedError
+                waiting, ended, lost, used = follow(room, waiting, width, patience, most, limit, SLICE, known, loop)
+                pieces, undecided, taken = pieces + ended, undecided + lost, taken + used
+                if taken > LONGEST:
+                    return self._boxed(known, int(taken), pieces, 1.0, unproven)
+            if not room.counts[0]:
+                return self._boxed(known, int(taken), pieces, min(1.0, undecided), unproven)
+            waiting = int(release(room, 0))
+            width *= 0.5
+            if generation + 1 < GENERATIONS:
+                taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)
+        left = sum(room.stack[k * POLYGON + WEIGHT] for k in range(waiting))
+        return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven)
+
+    def map_starts(
+        self, loop: Loop, starts: NDArray[np.float64], attractors: tuple[Attractor, ...], *, max_samples: int | None
+    ) -> NDArray[np.int64]:
+        """Which of the ``attractors``, proven ones, each start ends in; -1 for none of them.
+
+        ``starts``: (n, 2), counts and counts per sample, no command under way. Raises `StoppedError` when told to stop.
+        """
+        far = np.abs(starts).max(axis=0)
+        _, most, skip, limit = prospect(float(far[0]), float(far[1]), max_samples or 0, loop)
+        known, none = make_known(self._zeros, 0), self._zeros(0)
+        add, sample = self._function(known_ends, "add_end"), self._function(box, "sample_box")
+        numbers = []
+        for one in attractors:
+            fate = CYCLE_PROVEN if one.outcome is Outcome.CYCLE else REST_PROVEN
+            numbers.append(add(fate, one.period, one.x, one.v, none, 0, known, loop) if one.certified else -1)
+        ends, flat = np.zeros(len(starts)), np.ascontiguousarray(starts, dtype=np.float64).ravel()
+        for first in range(0, len(starts), MAPPED):
+            if self.stopped():
+                raise StoppedError
+            sample(flat, first, min(first + MAPPED, len(starts)), skip, most, limit, none, ends, known, loop)
+        found = np.full(len(starts), -1)
+        for number, row in enumerate(numbers):
+            if row >= 0:
+                found[ends == row] = number
+        return found
+
+    def _boxed(self, known: Any, taken: int, pieces: int, undecided: float, unproven: int) -> Search:
+        found = _ends(known, 0)
+        if unproven:
+            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(unproven)))
+        return Search(ranked(found), taken, complete=undecided == 0.0, pieces=pieces, undecided=undecided)
+
+
+def _patience(skip: int) -> int:
+    """Samples in no known attractor, after which one is looked for: half the transient, ten time constants."""
+    return max(64, skip // 2)
+
+
+def _ends(known: Any, delay_line: int) -> list[Attractor]:
+    return [
+        attractor_of(
+            known.table[10 * row : 10 * row + 10],
+            known.lines[row * delay_line : (row + 1) * delay_line],
+            Reason.NO_REPEAT,
+        )
+        for row in range(int(known.counts[0]))
+    ]

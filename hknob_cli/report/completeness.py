@@ -1,0 +1,48 @@
+"""Whether a sweep's list of attractors is complete, and for which starts, in words."""
+
+from typing import Any
+
+from hknob_cli.report.matrix import short
+from hknob_cli.spec.plan import Starts
+
+
+def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[str, Any]:
+    """Of how many cells the list is proven to be complete, and why not of the others, as plain data."""
+    sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
+    return {
+        "starts": _scope(starts),
+        "cells": len(cells),
+        "complete": sum(row["complete"] for row in cells),
+        "sampled": len(sampled),
+        "phases": starts.phases,
+        "shares_counted": starts.span is not None,
+    }
+
+
+def completeness_text(found: dict[str, Any]) -> list[str]:
+    """What `describe_completeness` says, for the terminal."""
+    total, complete = found["cells"], found["complete"]
+    where = "" if total == 1 else " in every cell" if complete == total else f" in {complete} of {total} cells"
+    lines = [f"Complete{where}: {found['starts']} is proven to end in one of these."]
+    if complete == 0:
+        lines = ["The list is not proven to be complete."]
+    if left := total - complete - found["sampled"]:
+        lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
+    if found["sampled"]:
+        lines.append(
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
+            f"{found['phases']} clock phases were sampled there."
+        )
+    if found["shares_counted"]:
+        lines.append("Shares are counted: 4096 random starts, with a standard error of at most 0.8 %.")
+    return lines
+
+
+def _scope(starts: Starts) -> str:
+    if starts.span is None:
+        return "every clock phase of the start"
+    low, high, slowest, fastest = starts.span
+    return (
+        f"every start from {short(1e3 * low)} to {short(1e3 * high)} mrad "
+        f"and {short(slowest)} to {short(fastest)} rad/s at a sample"
+    )
