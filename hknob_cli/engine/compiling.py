@@ -8,7 +8,15 @@ from time import monotonic
 from typing import Any
 
 # Processor seconds that compiling a group of `engine.jit` takes (two cores, 2026): a rough guide.
-COMPILING_S = {"plain": 12.0, "cells": 13.0, "bounces": 3.0, "general": 40.0, "sets": 25.0, "unsampled": 12.0, "pulse": 4.0}
+COMPILING_S = {
+    "plain": 12.0,
+    "cells": 13.0,
+    "bounces": 3.0,
+    "general": 40.0,
+    "sets": 25.0,
+    "unsampled": 12.0,
+    "pulse": 4.0,
+}
 EVERY_S = 10.0  # between two lines on how far it is
 
 _told: list[Callable[[str], None]] = []
