@@ -113,7 +113,7 @@ def _mark(row: dict[str, Any]) -> str:
 def _notes(summary: dict[str, Any]) -> list[str]:
     marks = "".join(_mark(row) for row in summary["cells"])
     words = {
-        "*": "several orbits coexist; which one a trial reaches depends on when it is sampled",
+        "*": "several orbits coexist; which one a trial reaches depends on its start",
         "r": "trials come to rest; they are in no mean",
         "!": "trials diverge",
         "?": undecided_text(summary.get("undecided", [])),

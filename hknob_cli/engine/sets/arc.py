@@ -204,7 +204,7 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                 since, wait = 0, 2 * wait
                 for k in range(delay):
                     spare[k] = ring[k]
-                end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop)
+                end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop, True)
                 taken += steps
                 row = add_end(end, period, ox, ov, spare, head_of, known, loop)
                 if row < 0 or (end != CYCLE_PROVEN and end != REST_PROVEN):

@@ -47,7 +47,7 @@ def seek(x, v, patience, budget, limit, ring, known, loop):
         return row, used
     if event == GREW:
         return add_end(GREW_FATE, 0, x, v, ring, head, known, loop), used
-    fate, period, ox, ov, head, steps = follow(x, v, ring, head, budget - used, limit, loop)
+    fate, period, ox, ov, head, steps = follow(x, v, ring, head, budget - used, limit, loop, True)
     if period == 0 and fate != GREW_FATE:
         return -1, used + steps
     row = add_end(fate, period, ox, ov, ring, head, known, loop)
