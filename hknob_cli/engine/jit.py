@@ -62,7 +62,7 @@ GROUPS = {
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
-    "sets": (SETS, "arc.follow_arcs"),
+    "sets": (SETS, "ball.follow_ball"),
     "pulse": (PULSE, "pulse.follow_linear"),
 }
 

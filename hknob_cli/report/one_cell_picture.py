@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PERIODS = 3  # of the slowest cycle that is shown
 MOST_EDGES = 20
+MOST_UNDRAWN = 6  # cycles that are named though no motion on them is drawn
 SETTLED = 0.02  # of an orbit's peak to peak: how near a recording's must be
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
 
@@ -44,6 +45,9 @@ def draw_one_cell(
         style: dict[str, Any] = {"color": _COLOURS[i % len(_COLOURS)], "linewidth": 1.3}
         over_time.plot(1e3 * (one.time - one.time[0]), 1e3 * one.angle, label=one.name, **style)
         plane.plot(1e3 * one.angle, one.velocity, **style)
+    drawn = {one.name for one in motions}
+    for cycle in [row for row in orbits if row["outcome"] == "cycle" and _called(row) not in drawn][:MOST_UNDRAWN]:
+        over_time.plot([], [], linestyle="none", label=f"not drawn, no recorded trial ends there: {_called(cycle)}")
     over_time.set_xlabel("time, ms")
     over_time.set_ylabel("angle, mrad (the wall is below 0)")
     plane.set_xlabel("angle, mrad (the wall is left of 0)")
@@ -85,9 +89,14 @@ def _name(angle: "NDArray[np.float64]", cycles: list[dict[str, Any]]) -> str:
     nearest = min(cycles, key=apart, default=None)
     if nearest is None or apart(nearest) > SETTLED * nearest["p2p_rad"]:
         return "on its way" if cycles else "no cycle"
-    size, pitch = short(1e3 * nearest["p2p_rad"]), short(nearest["frequency_hz"])
-    proven = "proven" if nearest["certified"] else "not proven"
-    return f"{size} mrad, {pitch} Hz, {short(100.0 * nearest['basin_fraction'])} % of the starts, {proven}"
+    return _called(nearest)
+
+
+def _called(cycle: dict[str, Any]) -> str:
+    """A cycle's size, pitch and share."""
+    size, pitch = short(1e3 * cycle["p2p_rad"]), short(cycle["frequency_hz"])
+    proven = "proven" if cycle["certified"] else "not proven"
+    return f"{size} mrad, {pitch} Hz, {short(100.0 * cycle['basin_fraction'])} % of the starts, {proven}"
 
 
 def _edges(over_time: "Axes", plane: "Axes", quantum: float | None) -> None:
