@@ -84,7 +84,7 @@ def grip_table(cells: list[Row]) -> list[str]:
     rates = sorted({cell[RATE] for cell in cells})
     counts = sorted({cell[COUNTS] for cell in cells})
     force = {(cell[COUNTS], cell[RATE]): cell["grip_mean_n"] for cell in cells}
-    down = [[force[count, rate] for rate in rates] for count in counts]
+    down = [[force.get((count, rate)) for rate in rates] for count in counts]
 
     def shown(values: list[float | None]) -> list[str]:
         return ["-" if value is None else f"{value:.2f}" for value in values]

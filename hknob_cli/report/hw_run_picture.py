@@ -57,13 +57,17 @@ def _maps(figure: "SubFigure", cells: list[Row], rates: list[float], counts: lis
     of = ", of the trial that buzzes most (mean of those that buzz)" if differs(cells) else ""
     for ax, (column, scale, label) in zip(axes, panels, strict=True):
         values = np.array(
-            [[scale * (grid[count, rate][column] or np.nan) for rate in rates] for count in counts], dtype=float
+            [[scale * (grid.get((count, rate), {}).get(column) or np.nan) for rate in rates] for count in counts],
+            dtype=float,
         )
         inks = colour_map(ax, values, label + of)
         ax.set_xticks(range(len(rates)), [f"{rate:.6g}" for rate in rates])
         ax.set_xlabel(axis_name(RATE))
         for i, j in np.ndindex(*values.shape):
-            cell = grid[counts[i], rates[j]]
+            cell = grid.get((counts[i], rates[j]))
+            if cell is None:  # none of its trials could be measured
+                ax.text(j, i, "not measured", ha="center", va="center", fontsize=8, color=inks[i][j])
+                continue
             mean = mean_beside(cell, column)
             texts = ["" if np.isnan(values[i, j]) else f"{values[i, j]:.3g}", f"({scale * mean:.3g})" if mean else ""]
             text = "\n".join(filter(None, [" ".join(filter(None, texts)), quiet_text(cell)]))

@@ -31,7 +31,7 @@ def matrix(
     for row in rows:
         value = row[column]
         table.setdefault(row[down], {})[row[across]] = short(None if value is None else scale * value) + mark(row)
-    cells = [[line[head] for head in heads] for line in table.values()]
+    cells = [[line.get(head, "-") for head in heads] for line in table.values()]
     return grid(title, down, across, labels(list(table)), labels(heads), cells)
 
 

@@ -28,6 +28,11 @@ def one_cell_text(orbits: list[Row]) -> list[str]:
         f"It buzzes, from {_share(share)}: {short(1e3 * worst['p2p_rad'])} mrad peak to peak at "
         f"{short(worst['frequency_hz'])} Hz{of} ({_proof(cycles)})."
     )
+    if len(cycles) > 1:
+        size, pitch = (sum(row["basin_fraction"] * row[name] for row in cycles) for name in ("p2p_rad", "frequency_hz"))
+        if share > 0.0:
+            mean = f"{short(1e3 * size / share)} mrad at {short(pitch / share)} Hz"
+            sentence += f" The mean of the starts that cycle is {mean}."
     others = [row for row in orbits if row["outcome"] != "cycle"]
     if others:
         sentence += f" The others: {_ends(others)}."

@@ -77,6 +77,7 @@ def cell(rate: float, counts: int, p2p: float, frequency: float, **more: Any) ->
         "counts_per_rev": counts,
         "p2p_rad": p2p or None,
         "p2p_max_rad": p2p,
+        "frequency_at_max_hz": frequency if p2p else None,
         "frequency_hz": frequency if p2p else None,
         **BOUNDED,
         **more,

@@ -17,7 +17,7 @@ GAIN = "perceive: {knob_radius: 8.9 mm, extrapolate: true, sound_gain: 0.02 Pa/(
 def test_levels_of_remedy_and_reference_and_their_difference(hknob, spec_file, tmp_path: Path, block, heard) -> None:
     done = hknob("remedies", spec_file(FELT + block), "-o", "out", "--plot")
     assert done.returncode == 0, done.stderr
-    assert "touch dB    louder    by ear" in done.stdout
+    assert all(head in done.stdout for head in ("touch dB", "louder", "by ear"))
     for file in ("remedies", "cases"):
         table = pq.read_table(tmp_path / "out" / f"{file}.parquet")
         assert table.schema.field("touch_change_db").metadata[b"unit"] == b"dB"

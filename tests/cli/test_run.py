@@ -94,6 +94,7 @@ def test_plans_say_what_would_run_and_why_and_write_nothing(hknob, pipeline: Pat
         "  specs/predict.yaml has changed",
         "other: would run, because",
         "  what the pipeline sets in the spec has changed",
+        "    starts.phases 4 -> 5",
     ]
     forced = hknob("run", pipeline, "--dry-run", "--force")
     assert forced.stdout.count("would run, because forced") == 3
@@ -105,7 +106,9 @@ def test_until_runs_one_stage_and_what_it_needs(hknob, pipeline: Path, tmp_path:
     rest = statuses(hknob("run", pipeline, "--json"))
     assert rest == {"grid": "up to date", "laws": "up to date", "other": "computed"}
     wrong = hknob("run", pipeline, "--until", "nothing")
-    assert (wrong.returncode, "unknown stage 'nothing'; allowed: grid, laws, other" in wrong.stderr) == (2, True)
+    assert wrong.returncode == 2
+    assert "unknown stage 'nothing'" in wrong.stderr
+    assert "grid, laws, other" in wrong.stderr
 
 
 def test_force_computes_everything_to_the_same_bytes(hknob, pipeline: Path, tmp_path: Path) -> None:
@@ -223,7 +226,7 @@ def test_figures_of_a_page_that_lists_none_are_made_again(hknob, pipeline: Path,
     )
     hknob("run", pipeline)
     figures = sorted((tmp_path / "results/two/page/figures").iterdir())
-    assert len(figures) == 2
+    assert len(figures) == 3  # size, pitch, attractors
     assert "hknob run pipeline.yaml" in (tmp_path / "results/two/page/report.html").read_text()
     figures[0].unlink()
     assert statuses(hknob("run", pipeline, "--json")) == {"grid": "up to date", "page": "computed"}

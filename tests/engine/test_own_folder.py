@@ -90,4 +90,4 @@ def test_compiled_code_is_not_taken_from_a_shared_folder(base: Path) -> None:
 
 def test_a_user_without_a_folder_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jit, "cache_directory", lambda: None)
-    assert jit.waiting().endswith("compiled code is not kept, for there is no folder for it")
+    assert jit.waiting().endswith("compiled code is not kept because there is no folder for it")

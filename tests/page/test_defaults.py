@@ -38,7 +38,7 @@ def evidence(folder: Path, **columns: Any) -> Evidence:
 
 def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
     assert (
-        "2 cells: peak to peak from 1 to 2 mrad, 80 to 90 Hz, by the largest cycle of a cell"
+        "2 cells: peak to peak of the largest cycle from 1 to 2 mrad, 80 to 90 Hz; mean of those that cycle"
         in sentences_of(evidence(tmp_path))[0]
     )
     (chapter,) = chapters_of(evidence(tmp_path))

@@ -31,7 +31,7 @@ def test_a_cell_that_also_rests_is_printed_with_cycles_that_there_are() -> None:
         assert number in text
     assert "39.6" not in text
     assert "34.8" not in text
-    assert "trials come to rest; they are in no mean" in text
+    assert "37.5 % of the starts come to rest" in text
 
 
 def test_a_grid_has_a_table_of_the_largest_cycles_and_one_of_the_means() -> None:
