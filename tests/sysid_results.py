@@ -33,7 +33,7 @@ kind: sysid
 name: apparatus
 what: apparatus
 virtual: {trials: 1}
-estimators: [least_squares, output_error_friction]
+estimators: [least_squares, output_error, output_error_friction]
 settling_time_constant: 50 us
 """
 STUDY = """\

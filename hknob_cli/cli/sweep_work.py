@@ -147,6 +147,10 @@ def _say_what_goes(job: Job, work: Work) -> None:
 
 def _trials(job: Job) -> int:
     """Trials of a cell: without a sample clock there are no phases of it."""
+    if job.plan.starts.span:
+        from hknob_cli.engine.sets.search import SAMPLED
+
+        return SAMPLED
     return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
 
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hknob_cli.report.matrix import short
+from hknob_cli.report.matrix import labels
 from hknob_cli.spec.plan import Starts
 
 
@@ -28,12 +28,14 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
         lines = ["The list is not proven to be complete."]
     if left := total - complete - found["sampled"]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
-    if found["sampled"]:
+    if found["sampled"] and found["shares_counted"]:
+        lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
+    elif found["sampled"]:
         lines.append(
             f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
             f"{found['phases']} clock phases were sampled there."
         )
-    if found["shares_counted"]:
+    if found["shares_counted"] and found["sampled"] < total:
         lines.append("Shares are counted: 4096 random starts, with a standard error of at most 0.8 %.")
     return lines
 
@@ -41,8 +43,6 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
 def _scope(starts: Starts) -> str:
     if starts.span is None:
         return "every clock phase of the start"
-    low, high, slowest, fastest = starts.span
-    return (
-        f"every start from {short(1e3 * low)} to {short(1e3 * high)} mrad "
-        f"and {short(slowest)} to {short(fastest)} rad/s at a sample"
-    )
+    low, high = labels([1e3 * angle for angle in starts.span[:2]])
+    slowest, fastest = labels(list(starts.span[2:]))
+    return f"every start from {low} to {high} mrad and {slowest} to {fastest} rad/s at a sample"

@@ -116,7 +116,7 @@ def _notes(summary: dict[str, Any]) -> list[str]:
         "*": "several orbits coexist; which one a trial reaches depends on its start",
         "r": "trials come to rest; they are in no mean",
         "!": "trials diverge",
-        "?": undecided_text(summary.get("undecided", [])),
+        "?": undecided_text(summary["undecided"]) if "undecided" in summary else "some starts have no proven end",
     }
     told = {"*", "r", "!"} if "ends" in summary else set()  # of one cell, by its sentence
     return [f"{mark} {text}" for mark, text in words.items() if mark in marks and mark not in told]

@@ -27,7 +27,7 @@ class Undecided:
     def reasons(self) -> list[Reason]:
         """Each reason with the cells and trials that have it, the most frequent first."""
         found = [
-            {"reason": reason, "cells": cells, "trials": round(self._shares[reason] * self._trials)}
+            {"reason": reason, "cells": cells, "trials": max(1, round(self._shares[reason] * self._trials))}
             for reason, cells in self._cells.items()
         ]
         return sorted(found, key=lambda one: (-int(one["trials"]), str(one["reason"])))

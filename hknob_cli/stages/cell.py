@@ -172,7 +172,7 @@ class CellFinder:
             raise NeedsCompilerError("sets")
         low, high, slowest, fastest = starts.span
         box = Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
-        boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most)
+        boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most, seconds=plan.seconds_per_cell)
         return boxed
 
     def _find_general(self, plan: SweepPlan, cell: Cell) -> CellResult:

@@ -191,10 +191,14 @@ def test_friction_is_taken_for_inertia_and_stiffness_of_a_bare_knob(tmp_path: Pa
     assert compute("apparatus_error", evidence, knowing) < 1.0 < 5.0 < compute("apparatus_error", evidence, plain)
     stiffness = {"column": K}
     least = 0.02  # Table 2, lightest grip
-    assert compute("apparatus_share", evidence, {**plain, **stiffness}) > 1.0
-    trials = [row for row in evidence["apparatus"].rows("trials") if row["estimator"] == "least_squares"]
+    assert (
+        compute("apparatus_share", evidence, {**plain, **stiffness}) is None
+    )  # not told from zero, with honest errors
+    ignorant = {**asked, "estimator": "output_error", **stiffness}
+    assert compute("apparatus_share", evidence, ignorant) > 1.0
+    trials = [row for row in evidence["apparatus"].rows("trials") if row["estimator"] == "output_error"]
     largest = max(abs(row[K]) for row in trials if row[K] is not None)
-    assert compute("apparatus_share", evidence, {**plain, **stiffness}) == pytest.approx(100.0 * largest / least)
+    assert compute("apparatus_share", evidence, ignorant) == pytest.approx(100.0 * largest / least)
     assert judge_claim(claim("appendix-c-stiffness"), evidence)["verdict"] == "contradicted"
 
 

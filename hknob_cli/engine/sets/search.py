@@ -2,7 +2,8 @@
 
 import random
 from collections.abc import Callable
-from math import sqrt
+from math import inf, sqrt
+from time import monotonic
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,11 +86,12 @@ class SetEngine:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=int(arcs), narrowest=narrowest)
 
-    def search_box(self, loop: Loop, states: Box, *, max_samples: int | None) -> Search:
-        """What every state of a box settles to, no command under way.
+    def search_box(self, loop: Loop, states: Box, *, max_samples: int | None, seconds: float | None = None) -> Search:
+        """What every state of a box settles to, no command under way; ``seconds``: on the clock, if they are limited.
 
         Raises `StoppedError` when told to stop.
         """
+        until = inf if seconds is None else monotonic() + seconds
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
         fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
         if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
@@ -104,9 +106,16 @@ class SetEngine:
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
-        taken, unproven = self._function(box, "sample_box")(
-            starts, 0, SAMPLED, skip, most, limit, room.ring, self._zeros(SAMPLED), known, loop
-        )
+        sample, ends = self._function(box, "sample_box"), self._zeros(SAMPLED)
+        taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(skip, 1))
+        while followed < SAMPLED and monotonic() < until:
+            if self.stopped():
+                raise StoppedError
+            stop = min(followed + chunk, SAMPLED)
+            used, lost = sample(starts, followed, stop, skip, most, limit, room.ring, ends, known, loop)
+            taken, unproven, followed = taken + used, unproven + lost, stop
+        if followed < SAMPLED:
+            return self._boxed(known, int(taken), 0, 1.0, unproven, SAMPLED - followed)
         follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
         release = self._function(lattice, "release")
         self._function(box, "fill_box")(*states, room)
@@ -118,7 +127,7 @@ class SetEngine:
                     raise StoppedError
                 waiting, ended, lost, used = follow(room, waiting, width, patience, most, limit, SLICE, known, loop)
                 pieces, undecided, taken = pieces + ended, undecided + lost, taken + used
-                if taken > LONGEST:
+                if taken > LONGEST or monotonic() > until:
                     return self._boxed(known, int(taken), pieces, 1.0, unproven)
             if not room.counts[0]:
                 return self._boxed(known, int(taken), pieces, min(1.0, undecided), unproven)
@@ -155,8 +164,12 @@ class SetEngine:
                 found[ends == row] = number
         return found
 
-    def _boxed(self, known: Any, taken: int, pieces: int, undecided: float, unproven: int) -> Search:
+    def _boxed(
+        self, known: Any, taken: int, pieces: int, undecided: float, unproven: int, unfollowed: int = 0
+    ) -> Search:
         found = _ends(known, 0)
+        if unfollowed:
+            found.append(whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, float(unfollowed)))
         if unproven:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(unproven)))
         return Search(ranked(found), taken, complete=undecided == 0.0, pieces=pieces, undecided=undecided)
