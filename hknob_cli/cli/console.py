@@ -5,20 +5,33 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from types import FrameType
-from typing import NoReturn
 
 from hknob_cli.errors import ExitCode, HknobError, printable
 
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
 
 _interrupted = False
+_waiting = False
 
 
-def interrupt(_signal: int, _frame: FrameType | None) -> NoReturn:
-    """Signal handler: interrupt, and remember it, for code that a library calls back may lose the exception."""
+def interrupt(_signal: int, _frame: FrameType | None) -> None:
+    """Signal handler: interrupt, and remember it, because code that a library calls back may lose the exception."""
     global _interrupted
     _interrupted = True
-    raise KeyboardInterrupt
+    if not _waiting:
+        raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def uninterrupted() -> Iterator[None]:
+    """Let an interruption wait until the end of the block: for imports, which print or wrap what is raised in them."""
+    global _waiting
+    _waiting = True
+    try:
+        yield
+    finally:
+        _waiting = False
+    heed()
 
 
 def heed() -> None:

@@ -130,8 +130,11 @@ def _ended(code: int) -> int:
 
 def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
     """Load what the work needs, then read what the child hands over; nothing if it found no work."""
+    from hknob_cli.cli.console import uninterrupted
+
     for module in modules:
-        import_module(module)
+        with uninterrupted():
+            import_module(module)
     with os.fdopen(read, "rb") as pipe:
         return pipe.read()
 

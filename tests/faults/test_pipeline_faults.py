@@ -59,7 +59,9 @@ def test_kill_at_random_instants(tmp_path: Path) -> None:
     chance = random.Random(5)
     killed = rounds = 0
     finished_before_a_kill: set[int] = set()
-    while killed < KILLS:
+    while killed < KILLS or (
+        len(finished_before_a_kill) < 3 and killed < 4 * KILLS
+    ):  # on a busy machine few fall between
         out = tmp_path / f"round-{rounds}"
         rounds += 1
         done: set[str] = set()

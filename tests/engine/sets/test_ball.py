@@ -108,10 +108,14 @@ def test_what_is_under_way_must_agree_to_be_captured() -> None:
     fate, n, x, v, head, _ = follow(2.0, 0.0, ring, 0, 65_536, 1e6, loop)
     assert fate == CYCLE_PROVEN
     add_end(fate, n, x, v, ring, head, ends, loop)
-    line = list(ends.point_lines[:2])
-    assert captor(ends.points[1], ends.points[2], 0.0, line, 0, ends, loop) == 0
-    assert captor(ends.points[1], ends.points[2], 0.0, line[::-1], 1, ends, loop) == 0
-    assert captor(ends.points[1], ends.points[2], 0.0, [line[0] - 1.0, line[1]], 0, ends, loop) == -1
+    # A sample at which two different commands are under way, so that their order is seen to matter.
+    lines = [list(ends.point_lines[2 * k : 2 * k + 2]) for k in range(int(ends.counts[1]))]
+    k = next(k for k, line in enumerate(lines) if line[0] != line[1])
+    at_x, at_v, line = ends.points[3 * k + 1], ends.points[3 * k + 2], lines[k]
+    assert captor(at_x, at_v, 0.0, line, 0, ends, loop) == 0
+    assert captor(at_x, at_v, 0.0, line[::-1], 1, ends, loop) == 0
+    assert captor(at_x, at_v, 0.0, line[::-1], 0, ends, loop) == -1
+    assert captor(at_x, at_v, 0.0, [line[0] - 1.0, line[1]], 0, ends, loop) == -1
 
 
 def test_a_ball_around_a_rest_point_is_captured_within_its_margin() -> None:
