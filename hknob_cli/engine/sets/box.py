@@ -119,10 +119,7 @@ def follow_polygon(room, waiting, width, patience, budget, limit, known, loop):
         taken += used
         if event == CAPTURED:
             return waiting, ENDED, taken
-        if event == GREW:
-            add_end(GREW_FATE, 0, x, v, ring, head, known, loop)
-            return waiting, ENDED, taken
-        if n >= budget:
+        if event == GREW or n >= budget:  # that what has grown so far never comes back is not proven
             return waiting, UNPROVEN, taken
         move_corners(own, 7, count, age, corners, 0, loop)
         radius = corner_radius(corners, 0, count, loop) + blurred * first
