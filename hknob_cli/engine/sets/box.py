@@ -1,5 +1,7 @@
 """Every start in a box: polygons followed until each lies inside what a proven orbit captures."""
 
+from math import sqrt
+
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, follow
 from hknob_cli.engine.follow import GREW as GREW_FATE
@@ -71,11 +73,12 @@ def sample_box(starts, first, stop, patience, budget, limit, ring, ends, known, 
     return taken, unproven
 
 
-def fill_box(low_x, high_x, low_v, high_v, room):
+def fill_box(low_x, high_x, low_v, high_v, room, loop):
     """Let the box be the only polygon that waits."""
     x, v = 0.5 * (low_x + high_x), 0.5 * (low_v + high_v)
     room.stack[X], room.stack[V] = x, v
-    room.stack[ERROR] = 4.0 * EPSILON * (abs(low_x) + abs(high_x) + abs(low_v) + abs(high_v))
+    weight = 1.0 / sqrt(loop.beta)  # of velocities in the norm
+    room.stack[ERROR] = 4.0 * EPSILON * (abs(low_x) + abs(high_x) + weight * (abs(low_v) + abs(high_v)))
     room.stack[LEVEL], room.stack[SAMPLE], room.stack[WEIGHT], room.stack[COUNT] = 0.0, 0.0, 1.0, 4.0
     put_box(room.stack, 7, low_x - x, high_x - x, low_v - v, high_v - v)
     room.counts[0] = 0.0

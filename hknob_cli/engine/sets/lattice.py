@@ -52,8 +52,9 @@ def keep(room, x, v, error, level, sample, weight, corners, count, width, loop):
     return True
 
 
-def release(room, waiting):
+def release(room, waiting, loop):
     """Put what the lattice holds back to wait, merged, and empty it; how many polygons wait."""
+    weight = 1.0 / sqrt(loop.beta)  # of velocities in the norm
     for one in range(int(room.counts[0])):
         at = int(room.taken[one])
         base, to = POLYGON * at, POLYGON * waiting
@@ -66,7 +67,8 @@ def release(room, waiting):
             low_v, high_v = room.cells[entry + LOW_V], room.cells[entry + HIGH_V]
             x, v = 0.5 * (low_x + high_x), 0.5 * (low_v + high_v)
             room.stack[to + X], room.stack[to + V] = x, v
-            room.stack[to + ERROR] = 4.0 * EPSILON * (abs(low_x) + abs(high_x) + abs(low_v) + abs(high_v))
+            size = abs(low_x) + abs(high_x) + weight * (abs(low_v) + abs(high_v))
+            room.stack[to + ERROR] = 4.0 * EPSILON * size
             room.stack[to + LEVEL], room.stack[to + SAMPLE] = 0.0, 0.0
             room.stack[to + WEIGHT], room.stack[to + COUNT] = room.singles[base + WEIGHT], 4.0
             put_box(room.stack, to + 7, low_x - x, high_x - x, low_v - v, high_v - v)

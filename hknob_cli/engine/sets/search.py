@@ -118,7 +118,7 @@ class SetEngine:
             return self._boxed(known, int(taken), 0, 1.0, unproven, SAMPLED - followed)
         follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
         release = self._function(lattice, "release")
-        self._function(box, "fill_box")(*states, room)
+        self._function(box, "fill_box")(*states, room, loop)
         across = max(states.high_x - states.low_x, (states.high_v - states.low_v) / sqrt(loop.beta))
         width, waiting, pieces, undecided = across / WIDEST, 1, 0, 0.0
         for generation in range(GENERATIONS):
@@ -131,7 +131,7 @@ class SetEngine:
                     return self._boxed(known, int(taken), pieces, 1.0, unproven)
             if not room.counts[0]:
                 return self._boxed(known, int(taken), pieces, min(1.0, undecided), unproven)
-            waiting = int(release(room, 0))
+            waiting = int(release(room, 0, loop))
             width *= 0.5
             if generation + 1 < GENERATIONS:
                 taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)

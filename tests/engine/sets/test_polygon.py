@@ -199,7 +199,7 @@ def test_merged_polygons_hold_all_their_states(
         x, v, error = 0.3 * k, 0.1 * k, 1e-3 * (k + 1)
         assert keep(room, x, v, error, -1.0, 5.0, 0.5, corners, len(corners) // 2, width, loop)
         kept.append((x, v, error, corners))
-    waiting = int(release(room, 0))
+    waiting = int(release(room, 0, loop))
     assert room.counts[0] == 0.0
     found = [room.stack[POLYGON * k : POLYGON * (k + 1)] for k in range(waiting)]
     assert sum(p[WEIGHT] for p in found) == pytest.approx(0.5 * len(shapes))
@@ -224,6 +224,6 @@ def test_a_polygon_alone_in_its_cell_goes_on_as_it_is(room: PolygonRoom) -> None
     before = zeros(POLYGON)
     put(before, 0, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.0, corners, 3)
     assert keep(room, 3.0, 0.2, 1e-9, -1.0, 5.0, 0.5, corners, 3, 1.0, knob())
-    assert release(room, 0) == 1
+    assert release(room, 0, knob()) == 1
     before[WEIGHT] = 0.5
     assert room.stack[:POLYGON] == before
