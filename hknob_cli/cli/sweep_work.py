@@ -49,6 +49,7 @@ class SweepWork(Work):
         """Cells and orbits."""
         begin = time.perf_counter()
         _say_what_goes(job, self)
+        _warn_of_lag(job)
         stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
         if stage.spreads or job.scheduler:
             from hknob_cli.cli.sweep_spread import spread_sweep
@@ -135,6 +136,15 @@ class SweepWork(Work):
         if "completeness" in summary:
             text = "\n".join([text, "", *completeness_text(summary["completeness"])])
         return "\n".join([text, *summary.get("notes", [])])
+
+
+def _warn_of_lag(job: Job) -> None:
+    """Say where a bounded lag may make the buzz larger."""
+    if job.plan.scene.controller:
+        from hknob_cli.stages.lag_domain import domain_warning
+
+        if warning := domain_warning(job.plan, job.plan.name):
+            note(job, warning)
 
 
 def _say_what_goes(job: Job, work: Work) -> None:

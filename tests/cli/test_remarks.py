@@ -47,6 +47,16 @@ def test_an_inertia_of_120_is_warned_of_with_the_usual_range(hknob, spec_file) -
     assert hknob("check", spec_file()).stderr == ""
 
 
+def test_a_sweep_outside_the_domain_of_its_bounded_lag_is_warned_of(hknob, spec_file) -> None:
+    lag = "  controller: {kind: bounded_lag, keep: 0.15, time_constant: 0.05}\n"
+    spec = SPEC.replace("grid:\n", lag + "grid:\n  knob.inertia: [1.9e-6, 1.0e-4]\n", 1)
+    done = hknob("sweep", spec_file(spec))
+    assert (done.returncode, done.stderr.count("outside its domain")) == (0, 1)
+    assert "small: bounded_lag with keep 0.15 is outside its domain for 1 of 2 hands and knobs" in done.stderr
+    within = hknob("sweep", spec_file(spec.replace("[1.9e-6, 1.0e-4]", "[1.9e-6]")), "-o", "within")
+    assert (within.returncode, within.stderr.count("domain")) == (0, 0)
+
+
 def test_an_odd_value_of_an_axis_is_warned_of(hknob, spec_file) -> None:
     done = hknob("check", spec_file(SPEC.replace("[1024]", "[1024]\n  hand.stiffness: [0.04, 7e4]")))
     assert done.stderr.count("hand.stiffness: 70000 N*m/rad is unusually large") == 1
