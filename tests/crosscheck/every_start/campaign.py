@@ -32,7 +32,10 @@ BLOCK = 100_000  # starts made at once
 
 @dataclass(frozen=True)
 class Listed:
-    """A result of `hknob sweep`: the scene and the ranges of its spec, and the orbits of each cell."""
+    """A result of `hknob sweep`: the scene and the starts of its spec, and the orbits of each cell.
+
+    The ranges of one start have no width.
+    """
 
     scene: dict[str, Any]
     angle: tuple[float, float]  # rad
@@ -40,6 +43,11 @@ class Listed:
     cells: list[tuple[float, int]]  # sample rate [Hz], counts a revolution
     orbits: list[list[dict[str, Any]]]
     complete: list[bool]
+
+    @property
+    def is_box(self) -> bool:
+        """Whether starts are ranges of states at a sample, not one start at every clock phase."""
+        return self.angle[0] < self.angle[1]
 
     @classmethod
     def read(cls, folder: Path) -> "Listed":
@@ -51,7 +59,7 @@ class Listed:
         return cls(
             spec["scene"],
             _range(spec["starts"]["angle"]),
-            _range(spec["starts"]["velocity"]),
+            _range(spec["starts"].get("velocity", 0.0)),
             keys,
             [[row for row in rows if (row["sample_rate_hz"], row["counts_per_rev"]) == key] for key in keys],
             cells["complete"].to_pylist(),
@@ -70,8 +78,9 @@ class Verdict:
     share_error: float  # largest difference of a share, in standard errors of both samples
 
 
-def _range(pair: list[Any]) -> tuple[float, float]:
-    low, high = (float(one.split()[0]) * 1e-3 if isinstance(one, str) else float(one) for one in pair)  # "-50 mrad"
+def _range(pair: list[Any] | float) -> tuple[float, float]:
+    ends = pair if isinstance(pair, list) else [pair, pair]
+    low, high = (float(one.split()[0]) / 1e3 if isinstance(one, str) else float(one) for one in ends)  # "-50 mrad"
     return low, high
 
 
@@ -86,16 +95,16 @@ def check_cell(listed: Listed, number: int, starts: int, seed: int) -> Verdict:
     rows = listed.orbits[number]
     hits, unlisted, worst = [0] * len(rows), [], 0.0
     for cycle, ends in zip(found.cycles, found.ends, strict=True):
-        same = [i for i, row in enumerate(rows) if _difference(row, cycle) < SAME]
+        same = [i for i, row in enumerate(rows) if difference(row, cycle) < SAME]
         if len(same) == 1:
             hits[same[0]] += ends
-            worst = max(worst, _difference(rows[same[0]], cycle))
+            worst = max(worst, difference(rows[same[0]], cycle))
         else:
             unlisted.append((cycle, ends))
     return Verdict(starts, found.samples, hits, unlisted, worst, _share_error(rows, hits, starts))
 
 
-def _difference(row: dict[str, Any], cycle: Cycle) -> float:
+def difference(row: dict[str, Any], cycle: Cycle) -> float:
     """Of the extremes of a listed orbit and of a cycle; without end if the periods differ."""
     if row["period_samples"] != cycle.period or row["outcome"] not in ("cycle", "rest"):
         return float("inf")
@@ -113,7 +122,8 @@ def _share_error(rows: list[dict[str, Any]], hits: list[int], starts: int) -> fl
     return float(worst)
 
 
-def _numbers(text: str | None, cells: int) -> Iterator[int]:
+def numbers(text: str | None, cells: int) -> Iterator[int]:
+    """Cells that the text names: numbers and ranges; all, if there is none."""
     for part in text.split(",") if text else [f"0:{cells}"]:
         first, _, last = part.partition(":")
         yield from range(int(first), int(last) if last else int(first) + 1)
@@ -129,7 +139,7 @@ def main() -> int:
     asked, bad = parser.parse_args(), 0
     for folder in asked.results:
         listed = Listed.read(folder)
-        for number in _numbers(asked.cells, len(listed.cells)):
+        for number in numbers(asked.cells, len(listed.cells)):
             begin = time.monotonic()
             verdict = check_cell(listed, number, asked.starts, asked.seed)
             bad += len(verdict.unlisted)

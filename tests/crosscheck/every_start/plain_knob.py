@@ -80,6 +80,8 @@ class PlainKnob:
 
     def extremes(self, states: NDArray, levels: list[int]) -> tuple[float, float]:
         """Least and largest angle [rad] of a cycle, between samples, too."""
+        if len(levels) == 1:
+            return states[0, 0], states[0, 0]  # one torque for ever: rest
         torques = np.array([self.torque(level) for level in levels])
         start = np.column_stack([states, torques])  # (n, 3)
         times = np.arange(FINE + 1) * self.period / FINE

@@ -39,6 +39,7 @@ class Orbit:
     v: NDArray
     error: float
     margin: tuple[float, float]  # least distance of a sample to an edge that matters, enclosed [counts]
+    nearest: tuple[float, float]  # to any edge: outside the wall none matters, but results count them
 
     @property
     def period(self) -> int:
@@ -129,19 +130,22 @@ class Cell:
         (c1, c2), (m11, m21), (m12, m22) = ends
         determinant = (1 - m11) * (1 - m22) - m12 * m21
         x, v = ((1 - m22) * c1 + m12 * c2) / determinant, ((1 - m11) * c2 + m21 * c1) / determinant
-        xs, vs, error, margin = [], [], 0.0, (math.inf, math.inf)
+        xs, vs, error, margin, nearest = [], [], 0.0, (math.inf, math.inf), (math.inf, math.inf)
         for level, u in zip(levels, torques, strict=True):
             gaps = [x - level] if level == 0 else [x - level, level + 1 - x]
             for gap in gaps:
                 if not below(gap) > 0:
                     raise NotProven(f"sample {len(xs)} of {len(levels)} reads another level than {level}")
                 margin = min(margin[0], below(gap)), min(margin[1], above(gap))
+            whole = math.floor(float(x.mid))
+            for gap in (x - whole, whole + 1 - x):
+                nearest = min(nearest[0], below(gap)), min(nearest[1], above(gap))
             xs.append(float(x.mid))
             vs.append(float(v.mid))
             distance = iv.sqrt((x - iv.mpf(xs[-1])) ** 2 + (v - iv.mpf(vs[-1])) ** 2 / self.beta)
             error = max(error, above(distance))
             x, v = step(x, v, u)
-        return Orbit(levels, np.array(xs), np.array(vs), error, margin)
+        return Orbit(levels, np.array(xs), np.array(vs), error, margin, nearest)
 
     def powers(self, most: int) -> NDArray:
         """Phi^m for m = 0 ... ``most``, shape (most + 1, 2, 2, 2): entries enclosed by floats."""
@@ -151,6 +155,15 @@ class Cell:
             table[m] = [[floats(one) for one in row] for row in power]
             power = [[sum(phi[i][n] * power[n][j] for n in range(2)) for j in range(2)] for i in range(2)]
         return table
+
+    def shrinking(self, most: int) -> NDArray:
+        """At least the norm of Phi^m, m = 0 ... ``most``: of a matrix it is at most the root of the sum of its squares."""
+        phi, power, table = self.hold[0], [[iv.mpf(1), iv.mpf(0)], [iv.mpf(0), iv.mpf(1)]], []
+        for _ in range(most + 1):
+            (a, b), (c, d) = power
+            table.append(min(1.0, above(iv.sqrt(a**2 + b**2 * self.beta + c**2 / self.beta + d**2))))
+            power = [[sum(phi[i][n] * power[n][j] for n in range(2)) for j in range(2)] for i in range(2)]
+        return np.array(table)
 
     def drives(self) -> NDArray:
         """What the torque of level -m adds in a sample, m = 0 ... DEEPEST, shape (m, 2, 2), enclosed by floats."""
