@@ -49,10 +49,9 @@ class Accepted:
 
     def stale(self) -> list[str]:
         """Entries that no surviving mutant has met."""
-        unmet = [
+        return [
             f"{one['function']}: {change}"
             for number, one in enumerate(self.entries)
             for change in one["changes"]
             if not self.met[number, change]
         ]
-        return unmet

@@ -1,9 +1,9 @@
 """Changes every comparison, coefficient and condition of the proofs, one at a time; some test must fail each time.
 
-`python tests/mutation/campaign.py rest.py sets/ball.py` tries these files of the engine, without names all of them. One
-process collects the tests and runs them once; for each change it forks, gives the function its changed code, and runs the
-quickest tests that call it until one fails. Nothing is written. A change that hangs counts as found. What is allowed to
-survive is listed in `accepted.toml`, with the reason. Exit code 1 if any other change survives.
+`python tests/mutation/campaign.py rest.py sets/ball.py` tries these files of the engine, without names all of them.
+One process collects the tests and runs them once; for each change it forks, gives the function its changed code, and
+runs the quickest tests that call it until one fails. Nothing is written. A change that hangs counts as found. What is
+allowed to survive is listed in `accepted.toml`, with the reason. Exit code 1 if any other change survives.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants
 from tests.mutation.table import ENGINE, ROOT, WATCHED, tests_of
 
-SLOWEST_S = 4.0  # a test that takes longer does not run, and cannot watch over anything
+SLOWEST_S = 10.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
 
 
@@ -108,10 +108,8 @@ class Campaign:
                 self.calls[one].add(item.nodeid)
 
     def _survives(self, mutant: Mutant, items: dict[str, pytest.Item]) -> bool:
-        if mutant.function is not None:
-            names = self.calls[mutant.path, mutant.function] & items.keys()
-        else:
-            names = set(items)
+        called_by = set(items) if mutant.function is None else self.calls[mutant.path, mutant.function]
+        names = called_by & items.keys()
         recent = self.killers[mutant.name]
         order = [one for one in recent if one in names]
         order += sorted(names - set(order), key=lambda one: (self.took[one], one))

@@ -1,7 +1,7 @@
 """Small changes of a function's source, one at a time: what a slip of the hand would make of a proof.
 
-Changed are comparisons (`<` to `<=` and to `>=`), signs, products and quotients, coefficients (twice, half; a whole number
-by one), conditions (a part left out, `and` for `or`), `min` for `max`, `abs` and `sqrt` left out, terms of sums left out.
+Changed are comparisons (`<` to `<=` and to `>=`), signs, products and quotients, coefficients (twice, half; a whole
+number by one), conditions (a part left out, `and` for `or`), `min` for `max`; `abs`, `sqrt` and terms are left out.
 Indices, lengths of loops, and plain numbers in a returned tuple are left as they are: they are no part of an argument.
 """
 
