@@ -44,21 +44,22 @@ def settles(x, v, level, loop):
         bound = 8.0 * EPSILON * (scale / loop.beta + abs(rest))
         margin = min(rest - low, high - rest)
         reach = distance(x - rest, v, loop)
-        if margin > bound and reach + bound < margin:
+        if reach + bound < margin:
             return (AT_REST if loop.alpha > 0.0 or reach == 0.0 else RINGS), rest, margin, bound
-        # On an edge: it may be approached for ever and never passed. Proven only where no rounding is involved.
+        # On an edge: it may be approached for ever and never passed. Proven only where no rounding is involved, and the
+        # edge belongs to the level: at 0, where neither wall nor bias acts.
         if abs(margin) <= bound and loop.alpha > 0.0 and low <= x <= high and monotone(x - rest, v, loop):
-            own = low if loop.sense > 0.0 else high
-            return (AT_REST if scale == 0.0 and rest == own else REST_ON_EDGE), rest, 0.0, bound
+            return (AT_REST if scale == 0.0 and rest == low else REST_ON_EDGE), rest, 0.0, bound
         return MOVING, rest, margin, bound
     if drive != 0.0:
         return MOVING, x, 0.0, 0.0
     if loop.alpha > 0.0:
         rest = x + v / loop.alpha
         margin = min(rest - low, high - rest)
-        inside = min(x - low, high - x) >= 0.0 and margin >= 0.0
-        fate = AT_REST if margin > 4.0 * EPSILON * abs(rest) else REST_ON_EDGE
-        return (fate if inside else MOVING), rest, margin, 4.0 * EPSILON * abs(rest)
+        bound = 4.0 * EPSILON * (abs(x) + abs(v / loop.alpha))
+        if not low <= x <= high or margin < -bound:
+            return MOVING, rest, margin, bound
+        return (AT_REST if margin > bound else REST_ON_EDGE), rest, margin, bound
     if v == 0.0:
         return AT_REST, x, min(x - low, high - x), 0.0
     if v > 0.0 and high == float("inf"):

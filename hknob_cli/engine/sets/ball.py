@@ -6,7 +6,7 @@ like any other, and its radius, in the norm in which the free plant never grows,
 
 from math import sqrt
 
-from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.certificate import step_error
 from hknob_cli.engine.loop import interval, level_of, push
 from hknob_cli.engine.sets.known import captor, resting
 
@@ -17,16 +17,6 @@ OUT_OF_SAMPLES = 3
 STEPS_DEEPER = 4
 
 FIRST_REST_TEST = 8
-
-
-def step_error(x, v, older, newer, weight, loop):
-    """Bound on what rounding adds to the error of a state in one sample, in the norm of `certificate.distance`.
-
-    Each operand is exact to a few units in the last place (`propagator.hold_coefficients`), of which S, F <= 1 and
-    G <= 1/2; ``weight`` is 1/sqrt(beta), by which the norm weighs velocities.
-    """
-    pull = max(abs(older), abs(newer)) + loop.beta * abs(x)
-    return EPSILON * (4.0 * abs(x) + 24.0 * (1.0 + weight) * (abs(v) + pull))
 
 
 def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples, limit, small, known, loop):
