@@ -18,6 +18,7 @@ from hknob_cli.engine.turning import first_zero, zero_spacing
 
 ARC = 9  # numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test
 BISECTIONS = 60
+NEXT = EPSILON  # apart are phases next to each other
 OPEN, ENDED, UNPROVEN, PARTED = range(4)  # what becomes of an arc
 
 
@@ -38,18 +39,25 @@ def arc_radius(low, high, dx, dv, loop):
 
 
 def solve_phase(target, low, high, base, dx, dv, loop):
-    """Phase between ``low`` and ``high`` at which an arc that is monotone there passes ``target``."""
-    left, _ = free_motion(low, dx, dv, loop)
-    rising = left + base < target
-    for _ in range(BISECTIONS):
-        middle = 0.5 * (low + high)
-        if middle <= low or middle >= high:
-            break
-        at, _ = free_motion(middle, dx, dv, loop)
-        if (at + base < target) == rising:
-            low = middle
+    """Two phases between ``low`` and ``high``, next to each other, between which a monotone arc passes ``target``.
+
+    Newton's method, each step a little too long, so that it soon closes in from both sides; it halves where it leaves.
+    """
+    phase, rising = low, True
+    for i in range(BISECTIONS):
+        x, v = free_motion(phase, dx, dv, loop)
+        below = x + base < target
+        step = abs(x + base - target) / abs(v) + NEXT if v != 0.0 else 1.0
+        if i == 0:
+            rising = below
+        if below == rising:
+            low, phase = phase, phase + step
         else:
-            high = middle
+            high, phase = phase, phase - step
+        if high - low <= 4.0 * NEXT:
+            break
+        if not low < phase < high:
+            phase = 0.5 * (low + high)
     return low, high
 
 
@@ -206,12 +214,18 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                     spare[k] = ring[k]
                 end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop, True)
                 taken += steps
+                rows = int(known.counts[0])
                 row = add_end(end, period, ox, ov, spare, head_of, known, loop)
                 if row < 0 or (end != CYCLE_PROVEN and end != REST_PROVEN):
                     fate = UNPROVEN
                     if row >= 0:
                         known.table[row * 10 + 8] += high - low
+                elif row < rows:
+                    patience *= 2  # it was on its way to a known one
                 continue
+            reach = radius + error
+            if level_of(x - reach, loop.sense) == level_of(x + reach, loop.sense):
+                continue  # it has shrunk enough
             # The ball meets an edge: the arc itself is looked at.
             middle = 0.5 * (low + high)
             mid_x, mid_v = free_motion(middle, dx, dv, loop)

@@ -7,7 +7,7 @@ like any other, and its radius, in the norm in which the free plant never grows,
 from math import sqrt
 
 from hknob_cli.engine.certificate import step_error
-from hknob_cli.engine.loop import interval, level_of, push
+from hknob_cli.engine.loop import drive_of, interval, level_of, lower_edge, push, upper_edge
 from hknob_cli.engine.sets.known import captor, resting
 
 MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the torque: look at what it bounds
@@ -42,12 +42,16 @@ def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples,
     """
     delay = len(ring)
     weight = 1.0 / sqrt(loop.beta)
+    older, newer = 0.0, drive_of(level, loop)
+    low, high = lower_edge(level, loop.sense), upper_edge(level, loop.sense)
     for i in range(samples):
         reach = radius + error
         before = level
-        level = level_of(x, loop.sense)
-        if level_of(x - reach, loop.sense) != level or level_of(x + reach, loop.sense) != level:
-            return MEETS_EDGE, -1, x, v, error, before, run, next_test, head, i
+        if not low < x - reach or not x + reach < high:  # else the level is the one before, which costs less to see
+            level = level_of(x, loop.sense)
+            if level_of(x - reach, loop.sense) != level or level_of(x + reach, loop.sense) != level:
+                return MEETS_EDGE, -1, x, v, error, before, run, next_test, head, i
+            low, high = lower_edge(level, loop.sense), upper_edge(level, loop.sense)
         if not -limit < x < limit:
             return GREW, -1, x, v, error, level, run, next_test, head, i
         if level < before:
@@ -65,7 +69,10 @@ def follow_ball(x, v, radius, error, level, run, next_test, ring, head, samples,
                     return CAPTURED, row, x, v, error, level, run, next_test, head, i
         else:
             run, next_test = 0, FIRST_REST_TEST
-        older, newer = push(level, ring, head, loop)
+        if delay > 0:
+            older, newer = push(level, ring, head, loop)
+        elif level != before:  # else it need not be waited for
+            newer = drive_of(level, loop)
         error += step_error(x, v, older, newer, weight, loop)
         x, v = interval(x, v, older, newer, loop)
         if delay > 0:

@@ -29,14 +29,12 @@ def captor(x, v, reach, ring, head, known, loop):
     To be asked at a sample where the wall steps deeper. ``reach`` is in the norm of `distance`, roundings included.
     """
     delay = len(ring)
-    table, points = known.table, known.points
+    points, margins = known.points, known.margins
     for j in range(int(known.counts[1])):
         base = 3 * j
-        row = int(points[base]) * 10
-        margin = table[row + 4] - table[row + 7]
-        if not abs(x - points[base + 1]) + reach < margin:
+        if not abs(x - points[base + 1]) + reach < margins[j]:
             continue
-        near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margin
+        near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margins[j]
         if near and (delay == 0 or same_ring(ring, head, known.point_lines, j * delay)):
             return int(points[base])
     return -1
@@ -53,6 +51,7 @@ def add_points(row, x, v, ring, head, n, known, loop):
         level = level_of(x, loop.sense)
         if i >= n and level < before and entered < POINTS_OF_ORBIT and 3 * count + 3 <= len(known.points):
             known.points[3 * count], known.points[3 * count + 1], known.points[3 * count + 2] = row, x, v
+            known.margins[count] = known.table[10 * row + 4] - known.table[10 * row + 7]
             for k in range(delay):
                 known.point_lines[count * delay + k] = line[(at + k) % delay]
             count += 1

@@ -23,13 +23,15 @@ class Known(NamedTuple):
     ``table``: as `engine.ensemble` has it, ten numbers a row, of which the number of trials is the measure of the
     starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where
     the wall
-    steps deeper; ``point_lines`` their delay lines. ``counts``: of rows and of points.
+    steps deeper; ``point_lines`` their delay lines; ``margins``: of their orbits, less the bound on rounding.
+    ``counts``: of rows and of points.
     """
 
     table: Any
     lines: Any
     points: Any
     point_lines: Any
+    margins: Any
     counts: Any
 
 
@@ -78,6 +80,7 @@ def make_known(zeros: Zeros, delay: int) -> Known:
         lines=zeros(max(1, (ENDS + 1) * delay)),
         points=zeros(3 * POINTS),
         point_lines=zeros(max(1, POINTS * delay)),
+        margins=zeros(POINTS),
         counts=zeros(2),
     )
 
