@@ -25,7 +25,7 @@ Key = tuple[int, int, int, int]  # period, samples inside, upper level, lower le
 
 
 class Lists(NamedTuple):
-    """Of one cell: the two-level cycles of the complete list with their states, what it has beside, what is enumerated."""
+    """Of one cell: two-level cycles of the complete list, the number of others in it, and cycles enumerated."""
 
     listed: set[Key]
     others: int
