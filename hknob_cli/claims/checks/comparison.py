@@ -27,8 +27,8 @@ def difference(
     """A statistic of (result - sweep) / sweep over the cells, %.
 
     ``quantity``: `p2p`, `frequency`, `largest` (peak to peak against that of the sweep's largest cycle), or `amplitude`
-    (half of peak to peak, against the sweep's peak to peak: unlike with unlike). ``file`` and ``where`` pick a method or a law. Cells that rest on either side do not count; of several
-    cycles in a cell the one nearest to the sweep does.
+    (half of peak to peak, against the sweep's peak to peak: unlike with unlike). ``file`` and ``where`` pick a method
+    or a law. Cells that rest on either side do not count; of several cycles in a cell the nearest to the sweep does.
     """
     return one_number(
         (100.0 * value for value in _differences(evidence, result, against, quantity, where, file)), statistic
