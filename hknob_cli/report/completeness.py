@@ -31,8 +31,8 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
     if found["sampled"] and "random" in found:
         lines.append(
-            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; {found['random']} random ones"
-            " were simulated there, and other starts may end elsewhere."
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
+            f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
         )
     elif found["sampled"] and found["shares_counted"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")

@@ -127,6 +127,9 @@ class Starts(NamedTuple):
     random: int = 0
 
 
+BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
+
+
 class Pulse(NamedTuple):
     """Torque (N·m, away from the wall) on the knob for a duration (s)."""
 

@@ -8,6 +8,7 @@ from hknob_cli.spec.plan import Axes, Starts
 from hknob_cli.spec.quantity import Angle, Velocity
 from hknob_cli.spec.scene import Part, SceneSpec, given
 
+RANDOM = 256  # drawn from ranges, where not all can be followed at once and the spec does not say how many
 PHASES = 64  # of one start, sampled where the motions of a scene cannot be followed all at once
 
 # Values of the scene with which sets of starts are not followed.
@@ -108,6 +109,16 @@ class StartsSpec(Part):
         return Starts(self.angle, self.velocity, self.phases or PHASES, self.phases is not None)
 
 
+def with_random(base: dict[str, Any]) -> dict[str, Any]:
+    """A sweep's values whose starts, if they are ranges, are drawn where not all can be followed at once."""
+    starts = base.get("starts")
+    if not isinstance(starts, dict) or not any(
+        _form(starts.get(name)) == "two values" for name in ("angle", "velocity")
+    ):
+        return base
+    return {**base, "starts": {"random": RANDOM, **starts}}
+
+
 def span_faults(scene: SceneSpec, axes: Axes, *, population: bool, random: bool) -> list[tuple[tuple[str, ...], str]]:
     """What in a scene keeps every start of a box from being followed at once; ``random``: some are drawn then."""
     why = "must be absent where starts are a range: sets of starts are followed without it; give starts.random"
@@ -120,6 +131,6 @@ def span_faults(scene: SceneSpec, axes: Axes, *, population: bool, random: bool)
         found.append((("scene", "encoder"), "must not be none where starts are a range"))
     if scene.sampling == "continuous":
         found.append((("scene", "sampling"), "must not be continuous where starts are a range"))
-    if not scene.hand and not population:
+    if not scene.hand and not population and not random:
         found.append((("starts",), "must be one start without a hand: nothing draws the knob back, and no set shrinks"))
     return found

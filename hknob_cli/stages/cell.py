@@ -80,8 +80,14 @@ def engine_group(plan: SweepPlan, scene: Scene) -> str:
     group = group_of(scene)
     if group != "plain" or plan.starts.sampled:
         return group
+    return "general" if plan.starts.random and not _follows_boxes(scene) else "sets"
+
+
+def _follows_boxes(scene: Scene) -> bool:
+    """Whether ranges of starts of a plain scene are followed as sets: without a delay, damped, and held by a spring."""
     late = scene.actuator is not None and scene.actuator.delay_samples > 0.0
-    return "general" if plan.starts.span and late else "sets"  # boxes are followed without a delay
+    hand = scene.hand or Hand()
+    return not late and scene.knob.damping + hand.damping > 0.0 and hand.stiffness > 0.0
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
