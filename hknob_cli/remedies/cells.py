@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.lanes import Array, Lanes, flow_over, moved
+from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Cell, Scene, Starts, scene_at
 
@@ -29,11 +30,17 @@ def make_batch(scene: Scene, some: Sequence[Cell], starts: Starts) -> Batch:
     )
     columns = np.array([_numbers(one, knob) for one, knob in zip(scenes, knobs, strict=True)]).T
     lanes = Lanes(*np.repeat(columns, starts.phases, axis=1))
+    cell = np.repeat(np.arange(len(knobs)), starts.phases)
+    if starts.span:  # states at a sample
+        drawn = random_starts(starts)
+        x = np.array([knob.position(angle) for knob in knobs for angle, _ in drawn])
+        v = np.array([knob.speed(velocity) for knob in knobs for _, velocity in drawn])
+        return Batch(knobs, lanes, x, v, cell)
     x = np.repeat([knob.position(starts.angle) for knob in knobs], starts.phases)
     v = np.repeat([knob.speed(starts.velocity) for knob in knobs], starts.phases)
     wait = np.tile((np.arange(starts.phases) + 0.5) / starts.phases, len(knobs))
     x, v = moved(x, v, -lanes.gamma, lanes.beta, flow_over(lanes, wait))
-    return Batch(knobs, lanes, x, v, np.repeat(np.arange(len(knobs)), starts.phases))
+    return Batch(knobs, lanes, x, v, cell)
 
 
 def _numbers(scene: Scene, knob: SampledKnob) -> tuple[float, ...]:

@@ -16,6 +16,7 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[s
         "sampled": len(sampled),
         "phases": starts.phases,
         "shares_counted": starts.span is not None,
+        **({"random": starts.random} if starts.random else {}),
     }
 
 
@@ -28,7 +29,12 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
         lines = ["The list is not proven to be complete."]
     if left := total - complete - found["sampled"]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
-    if found["sampled"] and found["shares_counted"]:
+    if found["sampled"] and "random" in found:
+        lines.append(
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
+            f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
+        )
+    elif found["sampled"] and found["shares_counted"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
     elif found["sampled"]:
         lines.append(
