@@ -27,6 +27,8 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     lines = [f"Complete{where}: {found['starts']} is proven to end in one of these."]
     if complete == 0:
         lines = ["The list is not proven to be complete."]
+    if complete == total and found["shares_counted"]:
+        lines[0] += " However the knob is let go there, its buzz is no larger than the largest cycle above."
     if left := total - complete - found["sampled"]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
     if found["sampled"] and "random" in found:

@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.ranged import from_where, together
 from hknob_cli.report.remedies_grid import grid_text
 from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 from hknob_cli.report.table import table
@@ -88,17 +89,8 @@ def _together(rows: list[Row]) -> Row:
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
         "stiffness_kept": _mean(rows, "stiffness_kept"),
         "knock_ratio": _mean(rows, "knock_ratio"),
-        **(_ranged(rows) if "complete" in rows[0] else {}),
+        **(together(rows) if "complete" in rows[0] else {}),
         **({name: _most(rows, name) for name in LEVELS} if LEVELS[0] in rows[0] else {}),
-    }
-
-
-def _ranged(rows: list[Row]) -> Row:
-    """Whether every start is followed for every hand, the most that were drawn for one, the largest from one start."""
-    return {
-        "complete": all(row["complete"] for row in rows),
-        "random_starts": max((row["random_starts"] for row in rows if row["random_starts"] is not None), default=None),
-        "p2p_one_start_rad": _most(rows, "p2p_one_start_rad"),
     }
 
 
@@ -140,7 +132,7 @@ def trial_text(summary: dict[str, Any]) -> str:
     if ranged:
         lines += [
             "one start: max mrad from 20 mrad, at rest.",
-            "from: all starts of the ranges, none of which ends in a larger cycle, as is proven; or so many random ones.",
+            "from: all starts of the ranges, none of which ends in a larger cycle; or so many random ones.",
         ]
     lines += [f"{name}: tuned to {text}" for name, text in summary["tuned"].items()]
     for name, count in summary["outside_domain"].items():
@@ -179,8 +171,7 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
 def _starts(row: Row) -> list[str]:
     """The largest from one start, and how many starts the largest of all is of."""
     single = row["p2p_one_start_rad"]
-    many = "all" if row["complete"] else str(row["random_starts"]) if row["random_starts"] else "not all"
-    return [many, "-" if single is None else "rest" if single == 0.0 else short(1e3 * single)]
+    return [from_where(row), "-" if single is None else "rest" if single == 0.0 else short(1e3 * single)]
 
 
 def _times(value: float | None) -> str:

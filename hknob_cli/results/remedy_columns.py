@@ -32,11 +32,6 @@ BUZZ = (
     ),
     Column("p2p_mean_ratio", _REAL, "1", "p2p_rad of the reference over the remedy's; null where either rests"),
 )
-EVERY_START = (
-    Column("complete", _FLAG, "", "whether every start of the ranges is proven to end in a cycle that counts here"),
-    Column("random_starts", _WHOLE, "1", "starts drawn from the ranges, and simulated; null where all were followed"),
-    Column("p2p_one_start_rad", _REAL, "rad", "p2p_max_rad from one start, 20 mrad and at rest, at 16 clock phases"),
-)
 TUNED = Column(
     "tuned", _REAL, "", "value (SI) of the number that the remedy tunes, for all hands together; null where it does not"
 )

@@ -3,10 +3,11 @@
 from math import nan
 from typing import Any
 
-from hknob_cli.spec.plan import BESIDE, PERSON, Bias, Record, Starts, SweepPlan, scene_at
+from hknob_cli.spec.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
+from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.remedy_levels import level_columns
 from hknob_cli.stages.sweep import SweepStage
@@ -66,18 +67,8 @@ def _cells(sweep: SweepPlan) -> tuple[Rows, dict[tuple[Any, ...], Rows]]:
 
 
 def _beside(row: Row, sweep: SweepPlan, single: Rows) -> Row:
-    """How far the list of a cell's cycles goes, and the largest from one start."""
-    drawn = not row["complete"] and row["piece_count"] == 0
-    return {
-        "complete": row["complete"],
-        "random_starts": sweep.starts.random if drawn else None,
-        "p2p_one_start_rad": sizes_of_rows(single).p2p_max_rad,
-    }
-
-
-def one_start(sweep: SweepPlan) -> SweepPlan:
-    """The sweep from one start in place of ranges, without levels."""
-    return sweep._replace(starts=BESIDE if sweep.starts.span else sweep.starts, perceive=None)
+    """Of which starts the largest cycle of a cell is, and the largest from one start."""
+    return {**extent(row, sweep), "p2p_one_start_rad": sizes_of_rows(single).p2p_max_rad}
 
 
 def _depths(plan: RemediesPlan, sweep: SweepPlan, torque: float) -> list[float]:
