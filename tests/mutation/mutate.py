@@ -126,7 +126,7 @@ def _places(node: ast.AST, steps: Steps) -> Iterator[Steps]:
             for k, one in enumerate(value):
                 if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant):
                     continue  # a docstring
-                if fill and isinstance(one, ast.Constant):
+                if fill and isinstance(one.operand if isinstance(one, ast.UnaryOp) else one, ast.Constant):
                     continue
                 if isinstance(one, ast.AST):
                     yield from _places(one, (*steps, (field, k)))

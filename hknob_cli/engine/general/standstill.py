@@ -64,14 +64,16 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
     if wall.analog > 0.0 and shown < 0.0:
         return MOVING, gap
-    drive = u - body.push
+    drive, size = u - body.push, 0.0  # size: of the torques that balance, over the stiffness
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
             return MOVING, gap
         orbit[2] = drive / body.pad_stiffness
         orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
+        size = (abs(u) + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
     elif body.beta > 0.0:
         orbit[0] = (u + body.drive) / body.beta
+        size = (abs(u) + abs(body.drive)) / body.beta
     else:
         if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
             return MOVING, gap
@@ -86,9 +88,9 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         away[i] = z[i] - orbit[i]
     rest = orbit[0]
     gap = edge_gap(rest, shown, shown, wall)
-    bound = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    bound = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]) + size)
     reach = distance(away, body)
-    if gap > bound and reach + bound < gap:
+    if reach + bound < gap:
         return (AT_REST if body.damped else RINGS), gap
     if abs(gap) <= bound and reach < 1e-6:
         return REST_ON_EDGE, 0.0

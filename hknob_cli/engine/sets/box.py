@@ -127,15 +127,16 @@ def follow_polygon(room, waiting, width, patience, budget, limit, known, loop):
         move_corners(own, 7, count, age, corners, 0, loop)
         radius = corner_radius(corners, 0, count, loop) + blurred * first
         small = radius + error < SMALL * width
+        # What cutting and telling corners from another middle may round away.
+        reach = error + blurred * first + 8.0 * EPSILON * (abs(x) + abs(v) / sqrt(loop.beta))
         if small and (event == STEPS_DEEPER or width > SECTION):
-            if keep(room, x, v, error + blurred * first, level, float(n), weight, corners, count, width, loop):
+            if keep(room, x, v, reach, level, float(n), weight, corners, count, width, loop):
                 return waiting, KEPT, taken
             small = False
         if event == MEETS_EDGE:
             least, most = corners[0], corners[0]
             for k in range(1, count):
                 least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
-            reach = error + blurred * first + 8.0 * EPSILON * abs(x)
             low, high = level_of(x + least - reach, loop.sense), level_of(x + most + reach, loop.sense)
             if low < high:
                 parted = part(room, waiting, x, v, reach, float(n), weight, corners, count, low, high, loop)

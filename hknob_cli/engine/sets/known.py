@@ -7,7 +7,7 @@ distance of the two, the ball's radius and all roundings together stay below the
 
 from hknob_cli.engine.certificate import DIFFERENT, certify, distance
 from hknob_cli.engine.ensemble import deepest, find
-from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, constant_line
+from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, REST_PROVEN, constant_line
 from hknob_cli.engine.loop import copy_line, interval, level_of, push
 from hknob_cli.engine.rest import AT_REST, settles
 
@@ -35,7 +35,7 @@ def captor(x, v, reach, ring, head, known, loop):
         if not abs(x - points[base + 1]) + reach < margins[j]:
             continue
         near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margins[j]
-        if near and (delay == 0 or same_ring(ring, head, known.point_lines, j * delay)):
+        if near and same_ring(ring, head, known.point_lines, j * delay):
             return int(points[base])
     return -1
 
@@ -71,7 +71,7 @@ def add_end(fate, n, x, v, ring, head, known, loop):
     """
     delay = len(ring)
     table, rows = known.table, int(known.counts[0])
-    cycle = n > 0 and fate != REST_PROVEN and fate <= 2
+    cycle = fate == CYCLE_PROVEN or fate == CYCLE_ON_EDGE or fate == CYCLE_CONTINUUM
     turns = n
     if cycle:
         x, v, head, n = deepest(x, v, ring, head, n, loop)

@@ -1,0 +1,279 @@
+"""Rest in the general loop, exactly on its margins: held by friction, or settling under a command that stays."""
+
+import random
+from fractions import Fraction
+from math import inf, nextafter
+from typing import Any
+
+import pytest
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.controller import Controller, command, read
+from hknob_cli.engine.general.standstill import SETTLING, settles, stays_held, steady
+from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
+from hknob_cli.scene.general_knob import make_body
+from hknob_cli.spec.scene import SceneSpec
+
+WALL = Controller(1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)
+UNIT = 64.0 * EPSILON
+
+
+def body(alpha: float = 1.0, beta: float = 1.0, friction: float = 0.0, push: float = 0.0) -> Body:
+    """Of second order, in counts and samples."""
+    scene = {
+        "knob": {"inertia": 1.0, "damping": alpha, "coulomb_torque": friction},
+        "hand": {"stiffness": beta},
+        "wall": {"stiffness": 0.0},
+    }
+    plain = SceneSpec.model_validate(scene).plain()
+    one = make_body(plain, period=1.0, quantum=1.0, shift=0.0, split=0.0)[0]
+    return one._replace(push=abs(push), drive=-push)
+
+
+LAGGING = body(friction=2.0)._replace(order=3, beta=0.5, drive=-1.0, lag=0.5)
+# Fingerpad and finger in series: 4 * 2 + 8 = 16. At 1.5 counts, neutral at -0.5, the finger is at 8 * 2 / 16 = 1.
+FINGER = LAGGING._replace(
+    order=5,
+    ratio=4.0,
+    pad_stiffness=2.0,
+    finger_stiffness=8.0,
+    pad_damping=0.25,
+    finger_damping=0.0,
+    shift=0.5,
+    push=0.5,
+    friction=9.5,
+)
+# 2 counts off at 6 a sample: a root of energy of 5, 0.25 * 2 + 2 / 2 on the knob for each; 4 - 0.5 - 2 = 1.5; 0.5 late.
+SWINGING = [1.5, 0.0, 3.0, 6.0, 4.5]
+
+
+def fate(
+    z: list[float], one: Body, wall: Controller = WALL, ring: tuple[float, ...] = (), before: float | None = None
+) -> tuple[int, float, list[float]]:
+    shown = read(z[0], wall)
+    orbit, away = [7.0] * one.order, [7.0] * one.order
+    found, gap = settles(z, shown, shown if before is None else before, list(ring), one, wall, orbit, away)
+    return found, gap, orbit
+
+
+# Held by friction.
+
+
+def test_every_command_under_way_must_be_the_same() -> None:
+    assert steady([], 1.0)
+    assert steady([1.0, 1.0], 1.0)
+    assert not steady([1.0, 0.0], 1.0)
+    assert not steady([0.0, 1.0], 1.0)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_friction_holds_up_to_its_level(sign: float) -> None:
+    """-1 + 4 - 0.5 * 2 = 2."""
+    one = body(beta=0.5, friction=2.0, push=sign)
+    assert stays_held([sign * 2.0, 0.0], sign * 4.0, one)
+    assert not stays_held([sign * 2.0, 0.0], sign * nextafter(4.0, 5.0), one)
+    assert not stays_held([sign * 2.0, 1e-300], sign * 4.0, one)
+    assert not stays_held([sign * 2.0, -1e-300], sign * 4.0, one)
+
+
+@pytest.mark.parametrize("late", [-1.5, 1.5])
+def test_what_the_lag_still_brings_counts(late: float) -> None:
+    """-1 + 2 - 0.5 * 1 = 0.5, and 1.5 late."""
+    assert stays_held([1.0, 0.0, 2.0 + late], 2.0, LAGGING)
+    assert not stays_held([1.0, 0.0, 2.0 + 1.001 * late], 2.0, LAGGING)
+    assert stays_held([7.0, 0.0, -2.0 + 0.0 * late], -2.0, LAGGING._replace(drive=5.0, friction=0.5))
+    assert not stays_held([7.0, 0.0, -2.0], -2.0, LAGGING._replace(drive=5.0, friction=0.49))
+
+
+def test_what_a_finger_that_swings_may_pull_counts() -> None:
+    """1.5 of its rest, 7.5 of its swing, 0.5 late."""
+    assert stays_held(SWINGING, 4.0, FINGER)
+    assert not stays_held(SWINGING, 4.0, FINGER._replace(friction=nextafter(9.5, 0.0)))
+    for change in ([1.5, 0.0, -1.0, 6.0, 4.5], [1.5, 0.0, 3.0, -6.0, 4.5], [1.5, 0.0, 3.0, 6.0, 3.5]):
+        assert stays_held(change, 4.0, FINGER)
+        assert not stays_held(change, 4.0, FINGER._replace(friction=nextafter(9.5, 0.0)))
+    assert stays_held(SWINGING, 4.0, FINGER._replace(push=3.5))  # 4 - 3.5 - 2 = -1.5
+    assert not stays_held(SWINGING, 4.0, FINGER._replace(push=3.5, friction=nextafter(9.5, 0.0)))
+    prompt = FINGER._replace(order=4, lag=0.0, friction=9.0)
+    assert stays_held(SWINGING[:4], 4.0, prompt)
+    assert not stays_held(SWINGING[:4], 4.0, prompt._replace(friction=nextafter(9.0, 0.0)))
+
+
+def test_a_finger_that_nothing_damps_or_holds_is_not_proven_to_settle() -> None:
+    still = [1.5, 0.0, 1.0, 0.0, 4.0]
+    assert stays_held(still, 4.0, FINGER)
+    assert stays_held(still, 4.0, FINGER._replace(pad_damping=0.0, finger_damping=0.25))
+    assert not stays_held(still, 4.0, FINGER._replace(pad_damping=0.0))
+    assert not stays_held(still, 4.0, FINGER._replace(pad_stiffness=0.0, finger_stiffness=0.0))
+    assert stays_held([0.0, 0.0, 0.5, 0.0, 4.0], 4.0, FINGER._replace(pad_stiffness=0.0, finger_stiffness=0.5))
+
+
+def test_a_knob_that_friction_holds_is_at_rest_but_for_an_edge() -> None:
+    """64 units of a count and of its place."""
+    one = body(friction=5.0)
+    assert fate([0.5, 0.0], one) == (AT_REST, 0.5, [0.5, 0.0])
+    assert fate([UNIT, 0.0], one)[0] == REST_ON_EDGE
+    assert fate([nextafter(UNIT * (1.0 + UNIT), 1.0), 0.0], one)[0] == AT_REST
+    assert fate([3.0, 0.0], one, WALL._replace(damping=0.1))[0] == REST_ON_EDGE
+    for place, found in ((4.0 * UNIT, REST_ON_EDGE), (4.01 * UNIT, REST_ON_EDGE), (4.1 * UNIT, AT_REST)):
+        assert fate([3.0 + place, 0.0], one, WALL._replace(damping=0.1))[0] == found
+    assert fate([-1e-20, 0.0], one, WALL._replace(analog=1.0))[0] == AT_REST  # no edge that it could pass
+    assert fate([1e-20, 0.0], one, WALL._replace(analog=1.0))[0] == REST_ON_EDGE
+    assert fate([0.5, 0.1], one)[0] == SETTLING
+    assert fate([0.5, 9.0], one)[0] == MOVING
+
+
+def test_what_is_under_way_may_still_move_it() -> None:
+    one = body(friction=5.0)
+    assert fate([0.5, 0.0], one, ring=(0.0, 0.0))[0] == AT_REST
+    assert fate([0.5, 0.0], one, ring=(0.0, 1.0))[0] == MOVING
+    damped = WALL._replace(damping=0.1)
+    assert fate([0.5, 0.0], one, damped, before=0.0)[0] == AT_REST
+    assert fate([0.5, 0.0], one, damped, before=1.0)[0] == MOVING
+    assert fate([0.5, 0.0], one, before=1.0)[0] == AT_REST
+
+
+# Settling without friction.
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_spring_brings_it_to_rest_inside_its_count(side: float) -> None:
+    """At 1 - 1.5 counts: half a count less 64 units of 1 + 0.5 + its own place + the torques, 2.5."""
+    one = body(push=1.5)
+    assert fate([-0.5, 0.0], one) == (AT_REST, 0.5, [-0.5, 0.0])
+    farthest = 0.5 - UNIT * (1.0 + 0.5 + (0.5 - side * 0.5) + 2.5)
+    assert fate([-0.5 + side * (farthest - 2.0 * EPSILON), 0.0], one)[0] == AT_REST
+    assert fate([-0.5 + side * (farthest + 2.0 * EPSILON), 0.0], one)[0] == MOVING
+    assert fate([-0.5, side * 0.49], one)[0] == AT_REST
+    assert fate([-0.5, side * 0.51], one)[0] == MOVING
+    assert fate([-0.5 + side * 0.25, 0.0], body(alpha=0.0, push=1.5))[0] == RINGS
+    assert fate([-0.5, 0.0], one, WALL._replace(analog=1.0))[0] == MOVING  # the command would follow it
+
+
+def test_a_rest_point_is_off_by_the_torques_that_cancel_over_the_stiffness() -> None:
+    """A soft hand, a thousand counts deep in a stiff wall: what is called rest must be inside the count, exactly."""
+    chance, called = random.Random(1), 0
+    for _ in range(4000):
+        kappa, beta, level = chance.uniform(0.3, 3.0), 10.0 ** chance.uniform(-6.0, -3.0), -1000.0
+        wall = WALL._replace(kappa=kappa)
+        aim = Fraction(level) + Fraction(chance.choice([-1.0, 1.0]) * 10.0 ** chance.uniform(-11.0, -1.0))
+        one = body(beta=beta, push=float(Fraction(kappa) * 1000 - Fraction(beta) * aim))
+        exact = (Fraction(kappa) * 1000 + Fraction(one.drive)) / Fraction(beta)
+        found, _, orbit = fate([max(float(exact), level), 0.0], one, wall)
+        assert abs(Fraction(orbit[0]) - exact) <= Fraction(UNIT) * (
+            1 + abs(exact) + (abs(exact) + 2000) * 3 / Fraction(beta)
+        )
+        assert found != AT_REST or level < exact < level + 1
+        called += found == AT_REST
+    assert called > 50
+
+
+def test_a_rest_point_within_rounding_of_an_edge_is_on_it() -> None:
+    """At the edge at 0, where both torques are 1: 64 units of 1 + 0 + 2, and of its own place."""
+    for x, found in ((-1e-7, REST_ON_EDGE), (-2e-6, MOVING)):
+        assert fate([x, 0.0], body(push=1.0))[:2] == (found, 0.0)
+    near = UNIT * 3.0
+    for off, found in ((0.99 * near, REST_ON_EDGE), (1.01 * near, MOVING)):
+        assert fate([-1e-8, 0.0], body(push=1.0 + off))[0] == found
+        assert fate([-1e-8, 0.0], body(push=1.0 - off))[0] == found
+    for v, found in ((0.9e-6, REST_ON_EDGE), (1.1e-6, MOVING)):
+        assert fate([-1e-20, v], body(push=1.0))[0] == found
+
+
+def test_a_lag_settles_where_the_command_is() -> None:
+    one = body(push=1.5)._replace(order=3, lag=0.5)
+    assert fate([-0.5, 0.0, 1.0], one) == (AT_REST, 0.5, [-0.5, 0.0, 1.0])
+    for late, found in ((0.24, AT_REST), (0.26, MOVING)):
+        assert fate([-0.5, 0.0, 1.0 + late], one)[0] == found
+        assert fate([-0.5, 0.0, 1.0 - late], one)[0] == found
+
+
+def held(push: float, **more: float) -> Body:
+    """A finger of stiffness 8 behind a pad of 2, weighing a quarter of the knob: 1/2 + 4/8 counts for a torque of 1."""
+    return FINGER._replace(order=4, lag=0.0, friction=0.0, push=push, reach=1.0, damped=True)._replace(**more)
+
+
+def test_a_finger_settles_where_its_springs_balance() -> None:
+    """u - push = 0.25 gives 0.125 in the pad and 0.125 more in the finger, from -0.5: at -0.25."""
+    one = held(0.75)
+    assert fate([-0.25, 0.0, 0.125, 0.0], one) == (AT_REST, 0.25, [-0.25, 0.0, 0.125, 0.0])
+    assert fate([-0.25, 0.2, 0.125, 0.2], one)[0] == AT_REST
+    assert fate([-0.25, 0.3, 0.125, 0.3], one)[0] == MOVING
+    assert fate([-0.25, 0.0, 0.125, 0.0], one._replace(damped=False))[0] == RINGS
+    for missing in ("pad_stiffness", "finger_stiffness"):
+        assert fate([-0.25, 0.0, 0.125, 0.0], held(0.75, **{missing: 0.0}))[0] == MOVING
+
+
+@pytest.mark.parametrize(("pad", "finger", "ratio"), [(0.001, 1000.0, 4.0), (1000.0, 0.001, 0.25)])
+def test_the_rounding_of_a_fingers_rest_is_that_of_its_torques_over_both_springs(
+    pad: float, finger: float, ratio: float
+) -> None:
+    """Near an edge at 64 units of 1 + 2 (1 / pad + ratio / finger), and its neutral angle."""
+    one = held(1.0, pad_stiffness=pad, finger_stiffness=finger, ratio=ratio, shift=0.0)
+    size = 2.0 * (1.0 / pad + ratio / finger)
+    for part, found in ((0.99, REST_ON_EDGE), (1.01, MOVING)):
+        moved = one._replace(shift=-part * UNIT * (1.0 + size))
+        assert fate([-1e-300, 0.0, 0.0, 0.0], moved)[0] == found
+    far = held(1.0, shift=1e6)
+    assert fate([-1e6 + 1e-8, 0.0, 0.0, 0.0], far, WALL._replace(kappa=1e-6), before=None)[0] in (REST_ON_EDGE, MOVING)
+
+
+FREE = body(beta=0.0, push=1.0)  # balanced by the wall at level -1
+
+
+def test_without_a_spring_it_runs_out() -> None:
+    assert fate([-0.625, 0.125], FREE) == (AT_REST, 0.5, [-0.5, 0.0])
+    assert fate([-0.625, 0.25], body(alpha=2.0, beta=0.0, push=1.0)) == (AT_REST, 0.5, [-0.5, 0.0])
+    assert fate([-0.75, 1.0], FREE)[0] == MOVING
+    assert fate([-0.625, 0.125], body(beta=0.0, push=0.5))[0] == MOVING
+    assert fate([-0.625, 0.125], body(beta=0.0, push=1.5))[0] == MOVING
+    late = FREE._replace(order=3, lag=0.5, reach=1.0)
+    assert fate([-0.625, 0.125, 1.0], late)[0] == AT_REST
+    assert fate([-0.625, 0.125, 0.999], late)[0] == MOVING
+    assert fate([-0.625, 0.125, 1.001], late)[0] == MOVING
+
+
+@pytest.mark.parametrize(
+    ("x", "v", "push", "found"),
+    [
+        (-0.5, 0.0, 1.0, AT_REST),
+        (-0.5, 0.5, 1.0, MOVING),
+        (-0.5, -1.0, 1.0, MOVING),
+        (2.0, 0.0, 0.0, AT_REST),
+        (2.0, 1e-9, 0.0, LEAVES),
+        (2.0, 1.0, 0.0, LEAVES),
+        (2.0, -0.5, 0.0, MOVING),
+        (2.0, -1.0, 0.0, MOVING),
+    ],
+)
+def test_without_spring_and_damping_it_goes_on_as_it_goes(x: float, v: float, push: float, found: int) -> None:
+    free = body(alpha=0.0, beta=0.0, push=push)
+    assert fate([x, v], free) == (found, x if x > 0.0 else 0.5, [x, 0.0])
+
+
+def test_a_held_finger_never_moves_the_knob() -> None:
+    """What `stays_held` promises, in 400 samples of random states of a finger behind a pad."""
+    from hknob_cli.engine.general.interval import advance
+    from hknob_cli.engine.general.search import make_space
+    from tests.engine.general.bodies import knob
+
+    chance, promised = random.Random(5), 0
+    pad: dict[str, Any] = {
+        "finger": {"inertia": 3.0e-7, "damping": 2.9e-3, "stiffness": 0.4},
+        "fingerpad": {"damping": 3.8e-4, "stiffness": 0.05},
+    }
+    loop = knob(hand=pad, knob={"inertia": 1.9e-6, "coulomb_torque": 2.0e-3})
+    for _ in range(600):
+        x = chance.uniform(-8.0, 4.0)
+        z = [x, 0.0, chance.gauss(0.0, 0.5), chance.gauss(0.0, 0.05)]
+        shown = read(x, loop.wall)
+        if not stays_held(z, command(shown, shown, loop.wall), loop.body):
+            continue
+        promised += 1
+        space = make_space(4, 0, lambda count: [0.0] * count)
+        before = shown
+        for _ in range(400):
+            before, _ = advance(z, before, [], 0, loop.body, loop.wall, space.pad)
+        assert z[:2] == [x, 0.0]
+    assert promised > 10
