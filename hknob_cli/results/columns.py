@@ -64,6 +64,9 @@ EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
 )
+ONE_START = (
+    Column("share_error", _REAL, "1", "bound on the rounding of a basin_fraction; null where phases are sampled"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),
