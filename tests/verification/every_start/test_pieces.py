@@ -43,7 +43,8 @@ def test_true_results_are_inside() -> None:
             assert low < true < high
         x = outward.middle(a)
         assert a[0] <= x <= a[1]
-        assert outward.reach(a, x) >= abs(p - Fraction(x))
+        for far in (x, b[0]):
+            assert all(outward.reach(a, far) >= abs(end - Fraction(far)) for end in (Fraction(a[0]), p, Fraction(a[1])))
 
 
 def test_sizes_are_not_too_small() -> None:
@@ -148,9 +149,12 @@ def test_no_state_is_lost(rate: float) -> None:
     phi = [[exact(one) for one in row] for row in cell.hold[0]]
     for _ in range(150):
         piece = made(chance)
+        edge = float(math.floor(piece[X] + chance.uniform(-1.0, 1.0)))
+        if chance.random() < 0.5:  # all corners on one side, states on both
+            corners, side = piece[FIRST : FIRST + 2 * int(piece[CORNERS]) : 2], chance.choice([-1, 1])
+            piece[X] = edge - side * min(side * one for one in corners) + side * 0.5 * chance.random() * piece[BLUR]
         states = [drawn(piece, weight, chance) for _ in range(6)]
         assert all(holds(piece, state, weight) for state in states)
-        edge = float(math.floor(piece[X] + chance.uniform(-1.0, 1.0)))
         for side in (-1, 1):
             part = [0.0] * WIDTH
             left = polygon.cut(piece, edge, side, part, weight)
@@ -195,3 +199,6 @@ def test_capture_needs_the_whole_margin() -> None:
     assert captor(-0.4, 0.01, 0.1, table, 100.0) == 3
     for x, v, wide in ((-0.4, 0.01, 0.15), (-0.4, 0.035, 0.0), (-0.24, 0.01, 0.0), (-0.5, 0.01, 0.25)):
         assert captor(x, v, wide, table, 100.0) == -1
+    table[0, 2] = 0.1
+    assert captor(-0.4, 0.01, 0.1, table, 100.0) == -1
+    assert captor(-0.4, 0.01, 0.04, table, 100.0) == 3
