@@ -69,6 +69,9 @@ RANGED = (
     Column("random_starts", _WHOLE, "1", "starts drawn from the ranges, and simulated; null where all were followed"),
     Column("p2p_one_start_rad", _REAL, "rad", "p2p_max_rad from one start, 20 mrad and at rest, at 16 clock phases"),
 )
+ONE_START = (
+    Column("share_error", _REAL, "1", "bound on the rounding of a basin_fraction; null where phases are sampled"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),

@@ -26,7 +26,7 @@ class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
     Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
-    ``undecided``: as in `engine.attractors.Search`.
+    ``undecided``, ``share_error``: as in `engine.attractors.Search`.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -42,6 +42,7 @@ class CellResult(NamedTuple):
     complete: bool = False
     pieces: int = 0
     undecided: float | None = None
+    share_error: float | None = None
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
@@ -306,4 +307,5 @@ def _result(
         complete=bool(search.complete),
         pieces=search.pieces,
         undecided=search.undecided,
+        share_error=search.share_error,
     )

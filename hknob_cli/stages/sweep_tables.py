@@ -16,6 +16,7 @@ from hknob_cli.results.columns import (
     EVERY_START,
     FRICTION,
     GROWTH,
+    ONE_START,
     ORBITS,
     PEOPLE,
     SAMPLED,
@@ -60,6 +61,9 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
         if plan.starts.span:
             more["undecided_fraction"] = [_undecided(one) for one in results]
+        else:
+            columns = (*columns, *ONE_START)
+            more["share_error"] = [one.share_error for one in results]
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row

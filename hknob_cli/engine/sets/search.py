@@ -19,6 +19,7 @@ from hknob_cli.engine.attractors import (
     whole,
 )
 from hknob_cli.engine.budget import OPEN, UNHELD, prospect
+from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -84,7 +85,14 @@ class SetEngine:
         lost = 1.0 - sum(one.trials for one in found) / covered
         if undecided > 0.0 and lost > 1e-9:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
-        return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=int(arcs), narrowest=narrowest)
+        return Search(
+            ranked(found),
+            int(taken),
+            complete=undecided == 0.0,
+            pieces=int(arcs),
+            narrowest=narrowest,
+            share_error=max(covered - 1.0, 0.0) + EPSILON * (arcs + 1.0),
+        )
 
     def search_box(self, loop: Loop, states: Box, *, max_samples: int | None, seconds: float | None = None) -> Search:
         """What every state of a box settles to, no command under way; ``seconds``: on the clock, if they are limited.

@@ -3,14 +3,14 @@
     hknob sweep experiments/every_start.yaml --out every
     python tests/crosscheck/every_start/campaign.py every --starts 1000000
 
-For every cell of the result, or those that --cells names (numbers from 0 in the order of the table, or ranges of them, 3:7):
-random angles and velocities in the ranges of the spec are simulated one by one to their end (`random_starts.py`). Every
-end must be a row of `orbits.parquet`: same period, same least and largest angle. Listed orbits that no start ended in are
-told; that is no fault. The exit code is 1 if an end was not listed. The results are read as files; the package is not imported.
+For every cell of the result, or those that --cells names (numbers from 0 in the order of the table, or ranges of
+them, 3:7): random angles and velocities in the ranges of the spec are simulated one by one to their end
+(`random_starts.py`). Every end must be a row of `orbits.parquet`: same period, same least and largest angle. Listed
+orbits that no start ended in are told; that is no fault. The exit code is 1 if an end was not listed. The results are
+read as files; the package is not imported.
 """
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Iterator
@@ -19,51 +19,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyarrow.parquet as pq
 
-sys.path[:1] = [str(Path(__file__).parents[3])] if __name__ == "__main__" else sys.path[:1]
+sys.path.insert(0, str(Path(__file__).parents[3]))
 
+from tests.crosscheck.every_start.listed import Listed, difference
 from tests.crosscheck.every_start.plain_knob import PlainKnob
 from tests.crosscheck.every_start.random_starts import Cycle, Found
 
 SAME = 1e-9  # of an orbit's peak-to-peak: how well two programs must agree on its extremes
 BLOCK = 100_000  # starts made at once
-
-
-@dataclass(frozen=True)
-class Listed:
-    """A result of `hknob sweep`: the scene and the starts of its spec, and the orbits of each cell.
-
-    The ranges of one start have no width.
-    """
-
-    scene: dict[str, Any]
-    angle: tuple[float, float]  # rad
-    velocity: tuple[float, float]  # rad/s
-    cells: list[tuple[float, int]]  # sample rate [Hz], counts a revolution
-    orbits: list[list[dict[str, Any]]]
-    complete: list[bool]
-
-    @property
-    def is_box(self) -> bool:
-        """Whether starts are ranges of states at a sample, not one start at every clock phase."""
-        return self.angle[0] < self.angle[1]
-
-    @classmethod
-    def read(cls, folder: Path) -> "Listed":
-        """From a result folder."""
-        cells, orbits = pq.read_table(folder / "cells.parquet"), pq.read_table(folder / "orbits.parquet")
-        spec = json.loads(cells.schema.metadata[b"hknob.provenance"])["spec"]
-        keys = [(row["sample_rate_hz"], row["counts_per_rev"]) for row in cells.to_pylist()]
-        rows = orbits.to_pylist()
-        return cls(
-            spec["scene"],
-            _range(spec["starts"]["angle"]),
-            _range(spec["starts"].get("velocity", 0.0)),
-            keys,
-            [[row for row in rows if (row["sample_rate_hz"], row["counts_per_rev"]) == key] for key in keys],
-            cells["complete"].to_pylist(),
-        )
 
 
 @dataclass(frozen=True)
@@ -76,12 +40,6 @@ class Verdict:
     unlisted: list[tuple[Cycle, int]]  # cycles that the list lacks, and how many starts ended there
     worst: float  # largest difference of an extreme angle, of the orbit's peak-to-peak
     share_error: float  # largest difference of a share, in standard errors of both samples
-
-
-def _range(pair: list[Any] | float) -> tuple[float, float]:
-    ends = pair if isinstance(pair, list) else [pair, pair]
-    low, high = (float(one.split()[0]) / 1e3 if isinstance(one, str) else float(one) for one in ends)  # "-50 mrad"
-    return low, high
 
 
 def check_cell(listed: Listed, number: int, starts: int, seed: int) -> Verdict:
@@ -102,14 +60,6 @@ def check_cell(listed: Listed, number: int, starts: int, seed: int) -> Verdict:
         else:
             unlisted.append((cycle, ends))
     return Verdict(starts, found.samples, hits, unlisted, worst, _share_error(rows, hits, starts))
-
-
-def difference(row: dict[str, Any], cycle: Cycle) -> float:
-    """Of the extremes of a listed orbit and of a cycle; without end if the periods differ."""
-    if row["period_samples"] != cycle.period or row["outcome"] not in ("cycle", "rest"):
-        return float("inf")
-    size = max(row["p2p_rad"], 1e-3 * abs(row["max_rad"]))  # at rest there is no peak-to-peak
-    return max(abs(row["min_rad"] - cycle.least), abs(row["max_rad"] - cycle.largest)) / size
 
 
 def _share_error(rows: list[dict[str, Any]], hits: list[int], starts: int) -> float:
@@ -146,9 +96,10 @@ def main() -> int:
             rate, counts = listed.cells[number]
             missed = [i for i, hit in enumerate(verdict.hits) if not hit]
             print(
-                f"{folder.name} {number:2}: {rate:8.6g} Hz x {counts:4}, {verdict.starts} starts, {verdict.samples} samples, "
-                f"{time.monotonic() - begin:.1f} s: hits {verdict.hits}, never {missed}, not listed {len(verdict.unlisted)}, "
-                f"extremes to {verdict.worst:.1e}, shares to {verdict.share_error:.1f} standard errors",
+                f"{folder.name} {number:2}: {rate:8.6g} Hz x {counts:4}, {verdict.starts} starts, "
+                f"{verdict.samples} samples, {time.monotonic() - begin:.1f} s: hits {verdict.hits}, never {missed}, "
+                f"not listed {len(verdict.unlisted)}, extremes to {verdict.worst:.1e}, "
+                f"shares to {verdict.share_error:.1f} standard errors",
                 flush=True,
             )
             for cycle, ends in verdict.unlisted:

@@ -1,7 +1,8 @@
-"""A hand on a knob at a sampled, quantised wall, written from the equations, in SI units; nothing of the package is used.
+"""A hand on a knob at a sampled, quantised wall, written from the equations, in SI units; nothing of the package is
+used.
 
-J theta'' + b theta' + k theta = tau - g; at each sample tau = -K dtheta floor(theta / dtheta) inside the wall, 0 outside,
-held until the next (Hasser, secs 6.2 to 6.4). Over a hold the motion is one matrix exponential.
+J theta'' + b theta' + k theta = tau - g. At each sample tau = -K dtheta floor(theta / dtheta) inside the wall and 0
+outside, held until the next (Hasser, secs 6.2 to 6.4). Over a hold the motion is one matrix exponential.
 """
 
 from collections.abc import Mapping

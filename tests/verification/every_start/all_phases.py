@@ -1,16 +1,15 @@
 """Every clock phase of one start, proven with outward rounding to end in orbits that are proven, too.
 
-Where `everywhere.py` cuts polygons, intervals of phases are halved (`halve.py`): simpler, and at the end undecided by no more than what
-is left around each cut.
+Where `everywhere.py` cuts polygons, intervals of phases are halved (`halve.py`): simpler, and at the end undecided by
+no more than what is left around each cut.
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.verification.every_start.cell import Cell, NotProven, iv
+from tests.verification.every_start.cell import Cell, NotProven, floats, iv
 from tests.verification.every_start.everywhere import Proof, slowest
-from tests.verification.every_start.cell import floats
 from tests.verification.every_start.follow import ALL
 from tests.verification.every_start.halve import LARGEST, halve
 

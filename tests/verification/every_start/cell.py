@@ -1,9 +1,10 @@
 """One cell of a sweep in count units, with every coefficient enclosed, and the proof of one of its orbits.
 
-x is the angle in counts, v its speed in counts a sample, time is in samples: x'' = -alpha v - beta x + u, with alpha = b T / J,
-beta = k T^2 / J and, for a sample that reads level l <= 0, u = -kappa l - gamma, kappa = K T^2 / J, gamma = g T^2 / (J dtheta).
-Numbers are mpmath intervals of 40 digits (`iv`), made from the digits that the spec prints; pi is enclosed. What the
-compiled search needs is rounded outward to floats. Nothing of the package is imported.
+x is the angle in counts, v its speed in counts a sample, time is in samples: x'' = -alpha v - beta x + u. There
+alpha = b T / J and beta = k T^2 / J. After a sample that reads level l <= 0, u = -kappa l - gamma, with
+kappa = K T^2 / J and gamma = g T^2 / (J dtheta). Numbers are mpmath intervals of 40 digits (`iv`), made from the digits
+that the spec prints; pi is enclosed. What the compiled search needs is rounded outward to floats. Nothing of the
+package is imported.
 """
 
 import math
@@ -110,9 +111,10 @@ class Cell:
     def prove(self, levels: tuple[int, ...]) -> Orbit:
         """The orbit that reads ``levels`` over and over.
 
-        The map of one period is affine with the linear part Phi^n, whose fixed point is enclosed by Cramer's rule. Every
-        sample of it must read its level for certain. Then it is an orbit. States nearer to one of its samples than the
-        margin read the same level, are moved by Phi relative to it, and so come to it: it is asymptotically stable.
+        The map of one period is affine with the linear part Phi^n, whose fixed point is enclosed by Cramer's rule.
+        Every sample of it must read its level for certain. Then it is an orbit. States nearer to one of its samples
+        than the margin read the same level, are moved by Phi relative to it, and so come to it: it is asymptotically
+        stable.
 
         Raises:
             NotProven: A sample does not read its level, or not for certain.
@@ -157,7 +159,7 @@ class Cell:
         return table
 
     def shrinking(self, most: int) -> NDArray:
-        """At least the norm of Phi^m, m = 0 ... ``most``: of a matrix it is at most the root of the sum of its squares."""
+        """At least the norm of Phi^m, m = 0 ... ``most``: the root of the sum of squares of its entries, scaled."""
         phi, power, table = self.hold[0], [[iv.mpf(1), iv.mpf(0)], [iv.mpf(0), iv.mpf(1)]], []
         for _ in range(most + 1):
             (a, b), (c, d) = power

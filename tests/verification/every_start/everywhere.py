@@ -1,8 +1,9 @@
 """All starts in ranges of angle and velocity, proven with outward rounding to end in orbits that are proven, too.
 
-The argument is that of docs/every_start.md, programmed again without anything of the package, and in intervals: a rectangle of
-states is followed from sample to sample, cut where it meets a count edge (`follow.py`, `polygon.py`), until each piece is captured
-by a proven orbit (`cell.Cell.prove`). An orbit that is not known yet is guessed by plain simulation, and counts only once it is proven.
+The argument is that of docs/every_start.md, programmed again without anything of the package, and in intervals: a
+rectangle of states is followed from sample to sample, cut where it meets a count edge (`follow.py`, `polygon.py`),
+until each piece is captured by a proven orbit (`cell.Cell.prove`). An orbit that is not known yet is guessed by plain
+simulation, and counts only once it is proven.
 """
 
 import math
@@ -31,7 +32,8 @@ class Proof:
     complete: bool = False
 
     def table(self) -> NDArray:
-        """For each orbit the samples at which it goes deeper (all, where it never does): (x, v, error, margin, orbit)."""
+        """For each orbit the samples at which it goes deeper (all, where it never does): (x, v, error, margin,
+        orbit)."""
         rows = [
             (one.x[i], one.v[i], one.error, one.margin[0], float(number))
             for number, one in enumerate(self.orbits)
@@ -80,7 +82,9 @@ def prove_box(cell: Cell, angle: tuple[float, float], velocity: tuple[float, flo
         if proof.learn(stack[count - 1, X], stack[count - 1, V]):
             patience = first
         elif patience > 1000 * first:
-            raise NotProven(f"a piece {stack[count - 1, :FIRST]} stays near the edge of a margin: {stack[count - 1, BLUR]}")
+            raise NotProven(
+                f"a piece {stack[count - 1, :FIRST]} stays near the edge of a margin: {stack[count - 1, BLUR]}"
+            )
         else:
             patience *= 4
 

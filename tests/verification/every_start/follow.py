@@ -2,8 +2,7 @@
 
 import math
 
-from numba import njit
-
+from tests.verification.every_start.compiling import compiled
 from tests.verification.every_start.outward import add, down, middle, multiply, point, reach, size, up
 from tests.verification.every_start.polygon import (
     BLUR,
@@ -17,11 +16,15 @@ from tests.verification.every_start.polygon import (
     radius,
 )
 
-ALL, UNKNOWN, STOPPED = 0, 1, 2  # why following ended: all pieces are captured; one is in no known orbit; enough for now
+ALL, UNKNOWN, STOPPED = (
+    0,
+    1,
+    2,
+)  # why following ended: all pieces are captured; one is in no known orbit; enough for now
 DEEP = -1e9  # below every level
 
 
-@njit
+@compiled
 def step(piece, phi, drive, inverse_beta):
     """Move the centre by one sample whose torque adds ``drive``; its rounding goes into the blur."""
     x, v = point(piece[X]), point(piece[V])
@@ -37,12 +40,12 @@ def step(piece, phi, drive, inverse_beta):
     piece[BLUR] = up(piece[BLUR] + size(reach(at_x, piece[X]), reach(at_v, piece[V]), inverse_beta))
 
 
-@njit
+@compiled
 def captor(x, v, wide, table, inverse_beta):
     """The orbit that keeps every state within ``wide`` of (x, v), or -1.
 
-    A row of ``table`` is a sample of a proven orbit: x, v, what it may be off by, the orbit's margin, its number. All those
-    states are nearer to it than the margin, so they read what it reads, now and for ever.
+    A row of ``table`` is a sample of a proven orbit: x, v, what it may be off by, the orbit's margin, its number. All
+    those states are nearer to it than the margin, so they read what it reads, now and for ever.
     """
     for i in range(len(table)):
         dx, dv = up(abs(x - table[i, 0])), up(abs(v - table[i, 1]))
@@ -51,18 +54,19 @@ def captor(x, v, wide, table, inverse_beta):
     return -1
 
 
-@njit
+@compiled
 def levels(low, high, piece):
-    """Least and largest level that states with angles from ``low`` to ``high`` read, of those that the piece may read."""
+    """Least and largest level that states with angles from ``low`` to ``high`` read, of those that the piece may
+    read."""
     return max(min(math.floor(low), 0.0), piece[LOWEST]), min(min(math.floor(high), 0.0), piece[HIGHEST])
 
 
-@njit
+@compiled
 def follow(stack, count, powers, drives, inverse_beta, table, captured, patience, most):
     """Follow the ``count`` pieces of the stack, the last first.
 
-    Returns why it ended, how many pieces are left, how many were cut, and samples. UNKNOWN: the last piece of the stack was
-    neither cut nor captured in ``patience`` samples. ``captured`` counts pieces by orbit.
+    Returns why it ended, how many pieces are left, how many were cut, and samples. UNKNOWN: the last piece of the
+    stack was neither cut nor captured in ``patience`` samples. ``captured`` counts pieces by orbit.
     """
     cuts, samples = 0, 0
     while count > 0:

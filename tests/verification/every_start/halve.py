@@ -1,15 +1,15 @@
 """Clock phases of one start, as intervals that are followed as balls, and halved where a ball meets a count edge.
 
-Before the first sample the knob moves freely: s(phi) = s(0) + an integral of its rate, and the difference of two such states a time h
-apart is what the free motion makes of s(h) - s(0), which by the norm is at most h times the norm of the first rate. So phases
-within h of one are a ball around it.
+Before the first sample the knob moves freely: s(phi) = s(0) + an integral of its rate, and the difference of two such
+states a time h apart is what the free motion makes of s(h) - s(0), which by the norm is at most h times the norm of
+the first rate. So phases within h of one are a ball around it.
 """
 
 import math
 
 import numpy as np
-from numba import njit
 
+from tests.verification.every_start.compiling import compiled
 from tests.verification.every_start.follow import ALL, DEEP, UNKNOWN, captor, levels, step
 from tests.verification.every_start.outward import add, down, middle, multiply, point, reach, size, up
 from tests.verification.every_start.polygon import BLUR, HIGHEST, LOWEST, V, X
@@ -18,13 +18,14 @@ TERMS = 80  # of the series of the free motion
 LARGEST = 8.0  # row sum of A for which they are enough
 
 
-@njit
+@compiled
 def flight(piece, start, rate, flow, phase, inverse_beta):
     """Put the centre at the state a ``phase`` of a sample after ``start``.
 
-    The series of the free motion: its first term is the ``rate`` at the start times the phase, each next one A times the
-    phase over its number times the last. ``start``, ``rate`` and the entries of A, ``flow``, are enclosed. By the row sums of A, at most
-    LARGEST, terms fall by more than half at the end: all that are left out are at most twice the first of them.
+    The series of the free motion: its first term is the ``rate`` at the start times the phase, each next one A times
+    the phase over its number times the last. ``start``, ``rate`` and the entries of A, ``flow``, are enclosed. By the
+    row sums of A, at most LARGEST, terms fall by more than half at the end: all that are left out are at most twice
+    the first of them.
     """
     x, v = (start[0, 0], start[0, 1]), (start[1, 0], start[1, 1])
     dx = multiply((rate[0, 0], rate[0, 1]), point(phase))
@@ -40,12 +41,13 @@ def flight(piece, start, rate, flow, phase, inverse_beta):
     piece[BLUR] = size(reach(x, piece[X]), reach(v, piece[V]), inverse_beta)
 
 
-@njit
+@compiled
 def halve(stack, count, start, rate, flow, powers, drives, shrinking, inverse_beta, table, shares, least):
     """Follow the ``count`` intervals of phases on the stack, the last first.
 
-    Returns why it ended, how many are left, how many were followed, the phases that are undecided, as intervals not wider than
-    ``least``; and the state of an interval that no known orbit captured. ``shares`` counts phases by orbit.
+    Returns why it ended, how many are left, how many were followed, the phases that are undecided, as intervals not
+    wider than ``least``; and the state of an interval that no known orbit captured. ``shares`` counts phases by
+    orbit.
     """
     undecided, pieces = 0.0, 0
     first = size(max(abs(rate[0, 0]), abs(rate[0, 1])), max(abs(rate[1, 0]), abs(rate[1, 1])), inverse_beta)

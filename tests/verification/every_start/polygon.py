@@ -1,13 +1,13 @@
 """A piece of the plane: all states centre + d + b, with d in a convex polygon and |b| <= blur, in the norm of the cell.
 
-A piece is a row of numbers: blur, x, v of the centre, the least and the largest level that its next sample may read, how many corners,
-and the corners d around, x and v in turn. The blur takes up every rounding, so that a piece never loses a state.
+A piece is a row of numbers: blur, x, v of the centre, the least and the largest level that its next sample may read,
+how many corners, and the corners d around, x and v in turn. The blur takes up every rounding, so that a piece never
+loses a state.
 """
 
 import math
 
-from numba import njit
-
+from tests.verification.every_start.compiling import compiled
 from tests.verification.every_start.outward import (
     add,
     divide,
@@ -26,7 +26,7 @@ MOST = 40  # corners
 WIDTH = FIRST + 2 * MOST + 2
 
 
-@njit
+@compiled
 def radius(piece, inverse_beta):
     """At least the norm of every d."""
     most = 0.0
@@ -35,7 +35,7 @@ def radius(piece, inverse_beta):
     return most
 
 
-@njit
+@compiled
 def contract(piece, power, inverse_beta):
     """Move every d by Phi^m, whose entries ``power`` encloses: the differences of states that read the same levels."""
     blur = 0.0
@@ -54,7 +54,7 @@ def contract(piece, power, inverse_beta):
     piece[BLUR] = up(piece[BLUR] + blur)
 
 
-@njit
+@compiled
 def angles(piece):
     """Bounds on x of all states of the piece; |x| of a state is at most its norm."""
     low, high = math.inf, -math.inf
@@ -63,13 +63,13 @@ def angles(piece):
     return down(down(piece[X] + low) - piece[BLUR]), up(up(piece[X] + high) + piece[BLUR])
 
 
-@njit
+@compiled
 def cut(piece, edge, side, part, inverse_beta):
     """Write into ``part`` a piece with every state of ``piece`` below the edge (side -1), or at and above it (side 1).
 
-    A state centre + d + b is there only if d is there or within the blur of it: the polygon is cut that much beyond the
-    edge. That line is a float, so that it is certain which corners are beyond it. Corners that the line makes are rounded, which
-    adds to the blur. Returns whether anything is left.
+    A state centre + d + b is there only if d is there or within the blur of it: the polygon is cut that much beyond
+    the edge. That line is a float, so that it is certain which corners are beyond it. Corners that the line makes are
+    rounded, which adds to the blur. Returns whether anything is left.
     """
     gap = subtract(point(edge), point(piece[X]))
     line = up(gap[1] + piece[BLUR]) if side < 0 else down(gap[0] - piece[BLUR])
@@ -103,7 +103,7 @@ def cut(piece, edge, side, part, inverse_beta):
     return True
 
 
-@njit
+@compiled
 def recentre(piece, inverse_beta):
     """Move the centre into the middle of the corners, and the corners by as much the other way."""
     corners, mean_x, mean_v, blur = int(piece[CORNERS]), 0.0, 0.0, 0.0
@@ -120,7 +120,7 @@ def recentre(piece, inverse_beta):
     piece[BLUR] = up(piece[BLUR] + blur)
 
 
-@njit
+@compiled
 def enclose(piece):
     """Put the rectangle around its corners in the place of a polygon that has too many."""
     low_x, high_x, low_v, high_v = math.inf, -math.inf, math.inf, -math.inf
@@ -130,7 +130,7 @@ def enclose(piece):
     rectangle(piece, low_x, high_x, low_v, high_v)
 
 
-@njit
+@compiled
 def rectangle(piece, low_x, high_x, low_v, high_v):
     """Let the polygon be a rectangle."""
     piece[CORNERS] = 4
