@@ -11,6 +11,8 @@ from hknob_cli.engine.cells import FIELD, FIELDS, MEASURES, NUMBERS, UNMEASURED,
 from hknob_cli.engine.orbit.cycle import CycleMeasures
 from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets.cells import TOLD
+from hknob_cli.engine.sets.room import ENDS, make_arc_room, make_known
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
@@ -36,11 +38,22 @@ class Ends(NamedTuple):
     cell: Whole
     outcome: Whole
     reason: Whole
-    trials: Whole
+    trials: Array
     period: Whole
     edge: Array
     closure: Array
     measures: CycleMeasures
+
+
+class FollowedCells(NamedTuple):
+    """Of every cell of a run: whether its list is complete, and how many arcs were followed; no entries if sampled.
+
+    ``share_error``: a bound on the error of a share; NaN where phases are sampled.
+    """
+
+    complete: NDArray[np.bool_]
+    pieces: Whole
+    share_error: Array
 
 
 def run_cells(
@@ -51,49 +64,59 @@ def run_cells(
     max_samples: int | None,
     functions: Mapping[str, Callable[..., Any]],
     stopped: Callable[[], bool] = lambda: False,
-) -> tuple[Ends, int]:
-    """Attractors of all ``cells``, and the trial-samples they took.
+    sampled: bool = True,
+) -> tuple[Ends, FollowedCells, int]:
+    """Attractors of all ``cells``, how completely they are known, and the trial-samples they took.
 
     Args:
         cells: Numbers of each, `engine.cells.NUMBERS`, shape (n, 9).
         sense: Of the encoder, `engine.loop.Loop`.
         phases: Trials of a cell, at most `MOST_PHASES`.
         max_samples: That a trial may take; None: by the plant's slowest mode.
-        functions: The compiled group "cells".
+        functions: The compiled group "cells", or "arc_cells" where phases are not sampled.
         stopped: Asked every fraction of a second whether to give up.
+        sampled: Whether ``phases`` are meant, not all of them; they are sampled also where all cannot be followed.
 
     Raises `StoppedError` when told to stop.
     """
     numbers = np.ascontiguousarray(cells, dtype=np.float64)
     longest_line = int(numbers[:, NUMBERS.index("delay_line")].max()) if len(numbers) else 0
-    room = _room(phases, longest_line)
+    kept = min(CAPACITY, phases)
+    room = _room(phases, longest_line, kept + 1 if sampled else ENDS + 2)
+    told = np.zeros((0 if sampled else len(numbers), TOLD))
+    run, first, more = "run_cells", (), ()
+    if not sampled:
+        arcs, known = make_arc_room(np.zeros, longest_line), make_known(np.zeros, longest_line)
+        known = known._replace(table=room.table[: 10 * (ENDS + 1)], lines=room.lines)
+        run, first, more = "sets.run_arc_cells", (kept, arcs, known), (told.reshape(-1),)
     out = np.empty(FIELD * max(ROWS, 2 * len(room.order)))
     found: list[Array] = []
     at = taken = 0
     while at < len(numbers):
         if stopped():
             raise StoppedError
-        at, rows, samples, holds = functions["run_cells"](
-            numbers.ravel(), at, len(numbers), sense, phases, max_samples or 0, SAMPLES, room, out
+        at, rows, samples, holds = functions[run](
+            numbers.ravel(), at, len(numbers), sense, phases, max_samples or 0, SAMPLES, *first, room, out, *more
         )
         found.append(out[: FIELD * rows].reshape(rows, FIELD).copy())
         taken += samples
         if holds:
             room = room._replace(**_holds(2 * holds))
-    return _columns(np.concatenate(found) if found else np.empty((0, FIELD))), taken
+    followed = FollowedCells(complete=told[:, 0] > 0.0, pieces=told[:, 1].astype(np.int64), share_error=told[:, 2])
+    return _columns(np.concatenate(found) if found else np.empty((0, FIELD))), followed, taken
 
 
-def _room(phases: int, line: int) -> Room:
-    """Work space for cells with delay lines of up to ``line`` commands."""
-    lanes, rows = min(LANES, phases), min(CAPACITY, phases)
+def _room(phases: int, line: int, rows: int) -> Room:
+    """Work space for cells with delay lines of up to ``line`` commands, and ``rows`` ends at most."""
+    lanes = min(LANES, phases)
     return Room(
         x=np.zeros(lanes),
         v=np.zeros(lanes),
         line=np.zeros(lanes * line),
         ring=np.zeros(line),
-        table=np.zeros(10 * (rows + 1)),
+        table=np.zeros(10 * rows),
         lines=np.zeros(max(1, rows * line)),
-        order=np.zeros(rows + 1),
+        order=np.zeros(rows),
         parts=np.zeros(2 * PART),
         outcome_of=OUTCOME_OF.astype(np.float64),
         **_holds(HOLDS),
@@ -106,12 +129,12 @@ def _holds(count: int) -> dict[str, Array]:
 
 def _columns(rows: Array) -> Ends:
     column = dict(zip(FIELDS, rows.T, strict=True))
-    whole = {name: column[name].astype(np.int64) for name in ("cell", "fate", "trials", "period")}
+    whole = {name: column[name].astype(np.int64) for name in ("cell", "fate", "period")}
     return Ends(
         cell=whole["cell"],
         outcome=OUTCOME_OF[whole["fate"]],
         reason=REASON_OF[whole["fate"]],
-        trials=whole["trials"],
+        trials=column["trials"],
         period=whole["period"],
         edge=column["edge"],
         closure=column["closure"],

@@ -142,6 +142,24 @@ def measure_end(row, delay, loop, room, out, base):
     out[base + 4], out[base + 5] = edge, closure
 
 
+def longest_orbit(found, table, loop):
+    """Holds of the longest period of the first rows of a table."""
+    longest = 0
+    for row in range(found):
+        if table[row * 10] <= CYCLE_CONTINUUM:
+            longest = max(longest, int(table[row * 10 + 1]))
+    return longest * holds_per_sample(loop)
+
+
+def write_ends(at, found, delay, loop, room, out, rows):
+    """Write the ends of cell ``at`` to ``out`` from row ``rows`` on, ranked and measured."""
+    rank(found, room.table, room.order, room.outcome_of)
+    for k in range(found):
+        base = (rows + k) * FIELD
+        out[base] = at
+        measure_end(int(room.order[k]), delay, loop, room, out, base)
+
+
 def run_cells(cells, first, stop, sense, phases, max_samples, most, room, out):
     """Run cells ``first`` to ``stop``, or fewer: until ``most`` trial-samples are taken, or ``out`` is full.
 
@@ -160,20 +178,13 @@ def run_cells(cells, first, stop, sense, phases, max_samples, most, room, out):
         loop = make_loop(alpha, beta, kappa, gamma, sense, cells[base + 4], cells[base + 5])
         delay = int(cells[base + 6])
         found, taken = find_ends(loop, cells[base + 7], cells[base + 8], delay, phases, max_samples, capacity, room)
-        longest = 0
-        for row in range(found):
-            if room.table[row * 10] <= CYCLE_CONTINUUM:
-                longest = max(longest, int(room.table[row * 10 + 1]))
-        longest *= holds_per_sample(loop)
+        longest = longest_orbit(found, room.table, loop)
         if longest > len(room.drive):
             return at, rows, samples, longest
-        rank(found, room.table, room.order, room.outcome_of)
         if alpha != plant[0] or beta != plant[1] or loop.split != plant[2]:
             plant = alpha, beta, loop.split
             room.parts[LENGTH] = 0.0  # of another plant than the cell's before
-        for k in range(found):
-            out[rows * FIELD] = at
-            measure_end(int(room.order[k]), delay, loop, room, out, rows * FIELD)
-            rows += 1
+        write_ends(at, found, delay, loop, room, out, rows)
+        rows += found
         samples += taken
     return stop, rows, samples, 0

@@ -11,6 +11,7 @@ from typing import Any
 COMPILING_S = {
     "plain": 12.0,
     "cells": 13.0,
+    "arc_cells": 25.0,
     "bounces": 3.0,
     "general": 40.0,
     "sets": 25.0,

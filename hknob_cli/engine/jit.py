@@ -46,6 +46,17 @@ SETS = (
     *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "lattice", "box")),
     *ORBIT,
     "budget",
+    "cells",
+    "sets.cells",
+)
+# As in "cells", but every clock phase instead of sampled ones.
+ARC_CELLS = (
+    *MOTION,
+    *(f"sets.{name}" for name in ("known", "ball", "arc")),
+    "budget",
+    *ORBIT,
+    "cells",
+    "sets.cells",
 )
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
@@ -59,6 +70,7 @@ PULSE = ("pulse",)
 GROUPS = {
     "plain": (PLAIN, "ensemble.ensemble"),
     "cells": (CELLS, "cells.run_cells"),
+    "arc_cells": (ARC_CELLS, "cells.run_arc_cells"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),

@@ -169,15 +169,20 @@ class CellFinder:
         functions = self.functions.get("sets")
         if self._sets is None or self._sets.compiled != (functions is not None):
             self._sets = SetEngine(functions, self.stopped)
+        self._sets.patience = self.patience("sets")
         starts, most = plan.starts, plan.max_samples
         if starts.span is None:
-            found: Search | None = self._sets.search_phases(
-                knob.loop,
-                x=knob.position(starts.angle),
-                v=knob.speed(starts.velocity),
-                delay_line=knob.delay_line,
-                max_samples=most,
-            )
+            try:
+                found: Search | None = self._sets.search_phases(
+                    knob.loop,
+                    x=knob.position(starts.angle),
+                    v=knob.speed(starts.velocity),
+                    delay_line=knob.delay_line,
+                    max_samples=most,
+                    seconds=plan.seconds_per_cell,
+                )
+            except NeedsCompilerError:
+                raise NeedsCompilerError("sets") from None
             return found
         if functions is None:
             raise NeedsCompilerError("sets")

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.cell_run import MOST_PHASES, Ends, run_cells
 from hknob_cli.engine.cells import NUMBERS
 from hknob_cli.measure.orbit import of_cycle
+from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START
 from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.cells import Cells
@@ -21,6 +22,7 @@ from hknob_cli.stages.found import Found
 from hknob_cli.stages.sweep_tables import SweepTables, lay_out_cells, lay_out_orbits
 
 GROUP = "cells"  # of compiled functions, `engine.jit`
+EVERY_PHASE_GROUP = "arc_cells"
 
 # Axes that decide, by being 0 or not, whether a scene is plain.
 _DECIDING = (
@@ -40,9 +42,14 @@ _DECIDING = (
 def takes_plain(plan: SweepPlan) -> bool:
     """Whether every cell of a sweep is plain, and all that is asked of it is in `plain_chunk`'s tables."""
     asked = plan.scene.controller or plan.perceive or plan.growth_s or plan.seconds_per_cell
-    if asked or not plan.starts.sampled or plan.starts.phases > MOST_PHASES:
+    if asked or plan.starts.span or plan.starts.phases > MOST_PHASES:
         return False
     return all(group_of(scene_at(plan.scene, cell)) == "plain" for cell in Cells(_telling(plan)))
+
+
+def chunk_group(plan: SweepPlan) -> str:
+    """Group of compiled functions that `plain_chunk` takes."""
+    return GROUP if plan.starts.sampled else EVERY_PHASE_GROUP
 
 
 def _telling(plan: SweepPlan) -> dict[str, list[float | int]]:
@@ -77,7 +84,7 @@ def plain_chunk(
     Args:
         plan: The sweep.
         columns: The cells' values on each axis, (n,) each, as `spec.cells.Cells.columns` gives them.
-        functions: The compiled functions of `GROUP`, by name.
+        functions: The compiled functions of its `chunk_group`, by name.
         stopped: Asked every fraction of a second whether to give up.
 
     Raises `ComputationError` where a scene's numbers overflow, and `engine.attractors.StoppedError` when told to stop.
@@ -89,16 +96,26 @@ def plain_chunk(
     numbers = np.empty((count, len(NUMBERS)))
     for i, name in enumerate(NUMBERS):
         numbers[:, i] = given[name]
-    ends, samples = run_cells(
+    ends, followed, samples = run_cells(
         numbers,
         sense=knob.loop.sense,
         phases=plan.starts.phases,
         max_samples=plan.max_samples,
         functions=functions,
         stopped=stopped,
+        sampled=plan.starts.sampled,
     )
     found = _in_si(knob, ends, count)
-    return SweepTables(lay_out_cells(plan, columns, found), lay_out_orbits(plan, columns, found), samples)
+    more: dict[str, Any] = {}
+    kinds = CELLS
+    if not plan.starts.sampled:
+        kinds = (*CELLS, *EVERY_START, *ONE_START)
+        more = {
+            "complete": followed.complete,
+            "piece_count": followed.pieces,
+            "share_error": followed.share_error,
+        }
+    return SweepTables(lay_out_cells(plan, columns, found, kinds, more), lay_out_orbits(plan, columns, found), samples)
 
 
 def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
@@ -119,7 +136,7 @@ def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
         cell=ends.cell,
         outcome=ends.outcome,
         reason=ends.reason,
-        trials=ends.trials.astype(np.float64),
+        trials=ends.trials,
         period=ends.period,
         closed=ends.period > 0,
         edge=ends.edge,

@@ -111,9 +111,9 @@ class SweepStage:
 
     def compile(self) -> None:
         """Compile what pieces of the sweep will take, where it is not compiled yet."""
-        from hknob_cli.stages.plain_chunk import GROUP
+        from hknob_cli.stages.plain_chunk import chunk_group
 
-        for group in [GROUP] if self.plain else self.expected:
+        for group in [chunk_group(self.plan)] if self.plain else self.expected:
             self._compile(group)
 
     def functions(self, group: str) -> dict[str, Callable[..., Any]]:
@@ -132,16 +132,16 @@ class SweepStage:
 
     def find_plain(self, start: int, stop: int) -> SweepTables:
         """The tables of cells ``start`` to ``stop``, all `plain`. Raises `ComputationError`."""
-        from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
+        from hknob_cli.stages.plain_chunk import chunk_group, plain_chunk
 
         columns = cells_of(self.plan).columns(start, stop)
-        return plain_chunk(self.plan, columns, self.functions(GROUP), self.stopped)
+        return plain_chunk(self.plan, columns, self.functions(chunk_group(self.plan)), self.stopped)
 
     def _run_plain(self, progress: Progress) -> SweepTables:
         """All cells, a run of them to a thread at a time."""
-        from hknob_cli.stages.plain_chunk import GROUP
+        from hknob_cli.stages.plain_chunk import chunk_group
 
-        self._compile(GROUP)
+        self._compile(chunk_group(self.plan))
         size = min(MANY, ceil(self.cell_count / (4 * self.jobs)))
         starts = range(0, self.cell_count, size)
         found = []

@@ -17,6 +17,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.room import make_arc_room, make_known
 from hknob_cli.engine.sets.search import Box, SetEngine
 from hknob_cli.engine.trace import trace
+from tests.engine.sets.loops import follow_all
 
 from .reference import build_cell, mp
 from .scenes import COUNTS, RATES_HZ, START_RAD, hand_on_knob, sample
@@ -66,8 +67,9 @@ def test_phases_beside_the_ends_of_every_arc(
     knob = sample(scene, rate, counts)
     known, room = make_known(np.zeros, knob.delay_line), make_arc_room(np.zeros, knob.delay_line)
     x, v = knob.position(START_RAD), knob.speed(0.0)
-    follow = compiled("sets")["sets.follow_arcs"]
-    _, arcs, undecided, _, covered, cut = follow(x, v, knob.delay_line, 65_536, 200, 1e9, room, known, knob.loop)
+    _, arcs, undecided, _, covered, cut = follow_all(
+        x, v, knob.delay_line, 65_536, 200, 1e9, room, known, knob.loop, functions=compiled("sets")
+    )
     assert cut
     assert undecided == 0.0
     assert 0.0 <= covered - 1.0 < 1e-7  # arcs overlap by what rounding may move their ends, and leave no gap

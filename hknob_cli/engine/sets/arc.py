@@ -12,14 +12,29 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, follow
 from hknob_cli.engine.loop import drive_of, level_of, lower_edge, upper_edge
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.engine.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
+from hknob_cli.engine.sets.ball import (
+    CAPTURED,
+    FIRST_REST_TEST,
+    GREW,
+    MEETS_EDGE,
+    OUT_OF_SAMPLES,
+    follow_ball,
+    step_through,
+)
 from hknob_cli.engine.sets.known import add_end
 from hknob_cli.engine.turning import first_zero, zero_spacing
 
-ARC = 9  # numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test
+# Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius (below 0: to be
+# looked up), samples in no known attractor, and those after which one is looked for (0: as many as for all).
+ARC = 12
+# Numbers of a cell that is followed: arcs that wait; samples taken; arcs that ended; the phases that did not end
+# proven, and of them those that ran out of samples; the shortest arc; the length of all that ended, at last 1 and what
+# they overlap by; whether there was room for all parts; and the patience of arcs.
+PROGRESS = 9
+WAITING, TAKEN, DONE, UNDECIDED, SPENT, SHORTEST, COVERED, WHOLE, PATIENCE = range(PROGRESS)
 BISECTIONS = 60
 NEXT = EPSILON  # apart are phases next to each other
-OPEN, ENDED, UNPROVEN, PARTED = range(4)  # what becomes of an arc
+OPEN, ENDED, UNPROVEN, PARTED, INTERRUPTED = range(5)  # what becomes of an arc
 
 
 def free_motion(t, dx, dv, loop):
@@ -41,7 +56,7 @@ def arc_radius(low, high, dx, dv, loop):
 def solve_phase(target, low, high, base, dx, dv, loop):
     """Two phases between ``low`` and ``high``, next to each other, between which a monotone arc passes ``target``.
 
-    Newton's method, each step a little too long, so that it soon closes in from both sides; it halves where it leaves.
+    Newton's method, each step a little too long, so that it closes in from both sides; halves where it leaves them.
     """
     phase, rising = low, True
     for i in range(BISECTIONS):
@@ -135,48 +150,75 @@ def cut(low, high, base, reach, dx, dv, cuts, loop):
     return count
 
 
-def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, loop):
-    """Follow every clock phase of one start to its end; shares into the table of ``known``.
+def position_error(angle, velocity, loop):
+    """Bound on the rounding of a free motion from a start, at any time, in the norm of `certificate.distance`."""
+    rest = drive_of(0.0, loop) / loop.beta
+    scale = abs(angle - rest) + abs(velocity) / sqrt(loop.beta)
+    return 64.0 * EPSILON * (1.0 + sqrt(loop.beta) / loop.alpha) * (scale + abs(rest))
+
+
+def begin_arcs(angle, velocity, delay, patience, room, loop):
+    """Make ready to follow every clock phase of one start, as `follow_arcs` has it: one arc, which waits.
+
+    ``patience``: samples in no known attractor, after which the middle of an arc looks for one of its own.
+    """
+    stack = room.stack
+    rest, slack = drive_of(0.0, loop) / loop.beta, position_error(angle, velocity, loop)
+    x, v = free_motion(0.5, angle - rest, velocity, loop)
+    stack[0], stack[1], stack[2], stack[3], stack[4] = 0.0, 1.0, 0.0, x + rest, v
+    stack[5], stack[6], stack[7], stack[8] = slack, 0.0, 0.0, FIRST_REST_TEST
+    stack[9], stack[10], stack[11] = -1.0, 0.0, 0.0
+    for k in range(delay):
+        room.rings[k] = 0.0
+    for k in range(PROGRESS):
+        room.progress[k] = 0.0
+    room.progress[WAITING] = room.progress[SHORTEST] = room.progress[WHOLE] = 1.0
+    room.progress[PATIENCE] = patience
+
+
+def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known, loop):
+    """Follow the arcs of one start that wait, until none is left or ``most`` samples are taken.
+
+    Where samples end a call, the next one goes on; what comes out does not depend on how often. Shares go into the
+    table of ``known``, all else into ``room.progress``.
 
     Args:
         angle: Of the start, counts.
         velocity: Of the start, counts per sample. The torque is zero until the first sample.
         delay: Commands under way.
         budget: Samples that a motion may take.
-        patience: Samples in no known attractor, after which the middle of an arc looks for one of its own.
         limit: Position past which a motion has diverged.
-        room: `sets.room.ArcRoom`.
+        most: Samples that this call may take, but for what a search for an orbit takes beyond.
+        final: Whether a motion gets no more samples than its budget, as in `follow`.
+        room: `sets.room.ArcRoom`, made ready by `begin_arcs`.
         known: `sets.room.Known`, to be filled.
         loop: The cell, with damping and hand stiffness.
 
-    Returns ``(samples, arcs, undecided, shortest, covered, cut)``: samples taken; arcs that ended; the phases that did
-    not end proven; the shortest arc; the length of all arcs, which is 1 and what they overlap by; and whether there was
-    room for all parts.
+    Returns the samples that this call took.
     """
     stack, rings, ring, spare, cuts = room.stack, room.rings, room.ring, room.spare, room.cuts
-    weight = 1.0 / sqrt(loop.beta)
     rest = drive_of(0.0, loop) / loop.beta
     dx0, dv0 = angle - rest, velocity
-    scale = abs(dx0) + weight * abs(dv0)
-    slack = 64.0 * EPSILON * (1.0 + sqrt(loop.beta) / loop.alpha) * (scale + abs(rest))
-    x, v = free_motion(0.5, dx0, dv0, loop)
-    stack[0], stack[1], stack[2], stack[3], stack[4] = 0.0, 1.0, 0.0, x + rest, v
-    stack[5], stack[6], stack[7], stack[8] = slack, 0.0, 0.0, FIRST_REST_TEST
-    for k in range(delay):
-        rings[k] = 0.0
-    waiting = 1
-    taken, ended, undecided, shortest, covered, whole = 0, 0, 0.0, 1.0, 0.0, True
+    slack = position_error(angle, velocity, loop)
+    progress = room.progress
+    waiting, ended, patience = int(progress[WAITING]), int(progress[DONE]), int(progress[PATIENCE])
+    undecided, shortest, covered = progress[UNDECIDED], progress[SHORTEST], progress[COVERED]
+    taken = 0
     most_waiting = len(stack) // ARC
-    while waiting > 0:
+    while waiting > 0 and taken < most:
         waiting -= 1
         at = waiting * ARC
         low, high, n, x, v = stack[at], stack[at + 1], int(stack[at + 2]), stack[at + 3], stack[at + 4]
         error, level, run, next_test = stack[at + 5], stack[at + 6], int(stack[at + 7]), int(stack[at + 8])
+        radius, since, wait = stack[at + 9], int(stack[at + 10]), int(stack[at + 11])
         for k in range(delay):
             ring[k] = rings[waiting * delay + k]
-        head, since, wait = 0, 0, patience
-        dx, dv = free_motion(float(n), dx0, dv0, loop)
-        radius = arc_radius(low, high, dx, dv, loop)
+        head = 0
+        if wait == 0:
+            wait = patience
+        if radius < 0.0:
+            dx, dv = free_motion(float(n), dx0, dv0, loop)
+            radius = arc_radius(low, high, dx, dv, loop)
         fate = OPEN
         while fate == OPEN:
             event, row, x, v, error, level, run, next_test, head, used = follow_ball(
@@ -189,7 +231,7 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                 next_test,
                 ring,
                 head,
-                min(wait - since, budget - n),
+                max(0, min(wait - since, budget - n, most - taken)),
                 limit,
                 False,
                 known,
@@ -204,6 +246,11 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                 continue
             if event == GREW or n >= budget:
                 fate = UNPROVEN
+                if event != GREW:
+                    progress[SPENT] += high - low
+                continue
+            if event == OUT_OF_SAMPLES and since < wait:
+                fate = INTERRUPTED
                 continue
             dx, dv = free_motion(float(n), dx0, dv0, loop)
             radius = arc_radius(low, high, dx, dv, loop)
@@ -212,12 +259,14 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                 since, wait = 0, 2 * wait
                 for k in range(delay):
                     spare[k] = ring[k]
-                end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop, True)
+                end, period, ox, ov, head_of, steps = follow(x, v, spare, head, budget - n, limit, loop, final)
                 taken += steps
                 rows = int(known.counts[0])
                 row = add_end(end, period, ox, ov, spare, head_of, known, loop)
                 if row < 0 or (end != CYCLE_PROVEN and end != REST_PROVEN):
                     fate = UNPROVEN
+                    if steps >= budget - n:
+                        progress[SPENT] += high - low
                     if row >= 0:
                         known.table[row * 10 + 8] += high - low
                 elif row < rows:
@@ -231,7 +280,7 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
             mid_x, mid_v = free_motion(middle, dx, dv, loop)
             parts = cut(low, high, x - mid_x, error + slack, dx, dv, cuts, loop)
             if parts < 0 or waiting + parts > most_waiting:
-                fate, whole = UNPROVEN, False
+                fate, waiting, progress[WHOLE] = PARTED, 0, 0.0
             elif parts == 1:
                 run, next_test = (run + 1, next_test) if level == cuts[0] else (0, FIRST_REST_TEST)
                 level = cuts[0]
@@ -251,19 +300,31 @@ def follow_arcs(angle, velocity, delay, budget, patience, limit, room, known, lo
                     at = waiting * ARC
                     stack[at], stack[at + 1], stack[at + 2], stack[at + 3] = first, last, float(n + 1), cx
                     stack[at + 4], stack[at + 5], stack[at + 6] = cv, grown, q
-                    stack[at + 7], stack[at + 8] = 0.0, FIRST_REST_TEST
+                    stack[at + 7], stack[at + 8], stack[at + 9] = 0.0, FIRST_REST_TEST, -1.0
+                    stack[at + 10], stack[at + 11] = 0.0, 0.0
                     for k in range(delay):
                         rings[waiting * delay + k] = spare[(to + k) % delay]
                     waiting += 1
                     taken += 1
                 fate = PARTED
+        if fate == INTERRUPTED:
+            at = waiting * ARC
+            stack[at + 2], stack[at + 3], stack[at + 4], stack[at + 5] = float(n), x, v, error
+            stack[at + 6], stack[at + 7], stack[at + 8], stack[at + 9] = level, float(run), float(next_test), radius
+            stack[at + 10], stack[at + 11] = float(since), float(wait)
+            for k in range(delay):
+                rings[waiting * delay + k] = ring[(head + k) % delay]
+            waiting += 1
         if fate == UNPROVEN:
             undecided += high - low
             row = -1
-        if fate != PARTED:
+        if fate == ENDED or fate == UNPROVEN:
             if 3 * ended + 3 <= len(room.ended):
                 room.ended[3 * ended], room.ended[3 * ended + 1], room.ended[3 * ended + 2] = low, high, row
             ended += 1
             covered += high - low
             shortest = min(shortest, high - low)
-    return taken, ended, undecided, shortest, covered, whole
+    progress[WAITING], progress[DONE], progress[PATIENCE] = float(waiting), float(ended), float(patience)
+    progress[UNDECIDED], progress[SHORTEST], progress[COVERED] = undecided, shortest, covered
+    progress[TAKEN] += taken
+    return taken

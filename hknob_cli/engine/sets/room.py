@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.sets.arc import ARC
+from hknob_cli.engine.sets.arc import ARC, PROGRESS
 from hknob_cli.engine.sets.lattice import CELL
 from hknob_cli.engine.sets.polygon import CORNERS, POLYGON
 
@@ -39,7 +39,7 @@ class ArcRoom(NamedTuple):
     """Work space of `sets.arc`.
 
     ``stack`` and ``rings``: of arcs that wait; ``ring``, ``spare``: of one; ``cuts``: its parts; ``ended``: low
-    and high phase, and row of the end, -1 without one, of the first arcs that ended.
+    and high phase, and row of the end, -1 without one, of the first arcs that ended; ``progress``: how far a cell is.
     """
 
     stack: Any
@@ -48,6 +48,7 @@ class ArcRoom(NamedTuple):
     spare: Any
     cuts: Any
     ended: Any
+    progress: Any
 
 
 class PolygonRoom(NamedTuple):
@@ -94,6 +95,7 @@ def make_arc_room(zeros: Zeros, delay: int) -> ArcRoom:
         spare=zeros(delay),
         cuts=zeros(3 * PARTS),
         ended=zeros(3 * ARCS),
+        progress=zeros(PROGRESS),
     )
 
 

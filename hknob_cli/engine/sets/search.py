@@ -9,22 +9,28 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import (
     FATES,
+    USUAL,
     Attractor,
+    NeedsCompilerError,
+    Patience,
     Search,
     StoppedError,
     attractor_of,
     ranked,
+    time_allowed,
+    unfinished,
     whole,
 )
 from hknob_cli.engine.budget import OPEN, UNHELD, prospect
-from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets import arc, box, lattice
+from hknob_cli.engine.sets import arc, box, cells, lattice
 from hknob_cli.engine.sets import known as known_ends
+from hknob_cli.engine.sets.cells import first_patience
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room
 
@@ -34,6 +40,7 @@ SEEN = 16  # polygons of a generation whose ends are looked for
 GENERATIONS = 60  # of lattices, each half as wide as the last
 MAPPED = 4096  # starts of a map between two chances to be interrupted
 SLICE = 5_000_000  # samples between two chances to be interrupted
+SLICE_INTERPRETED = 50_000
 LONGEST = 4_000_000_000  # samples that a cell may take
 
 
@@ -50,10 +57,14 @@ class SetEngine:
     """Follows arcs and polygons of states, plain or compiled; its work space is used again. One per thread."""
 
     def __init__(
-        self, functions: dict[str, Callable[..., Any]] | None = None, stopped: Callable[[], bool] = lambda: False
+        self,
+        functions: dict[str, Callable[..., Any]] | None = None,
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Patience = USUAL,
     ) -> None:
         """Make ready; ``functions``: the compiled group "sets", by name; ``stopped``: asked whether to give up."""
         self.stopped = stopped
+        self.patience = patience
         self.compiled = functions is not None
         self._functions = functions
         self._polygons: Any = None
@@ -66,32 +77,48 @@ class SetEngine:
         return np.zeros(count) if self._functions else [0.0] * count
 
     def search_phases(
-        self, loop: Loop, *, x: float, v: float, delay_line: int, max_samples: int | None
+        self, loop: Loop, *, x: float, v: float, delay_line: int, max_samples: int | None, seconds: float | None = None
     ) -> Search | None:
         """What every clock phase of the start (``x`` counts, ``v`` counts per sample) settles to.
 
-        None where arcs cannot be followed: nothing damps or holds the knob, or they meet too many edges at once.
+        ``seconds``: on the clock, after which the phases that are left are undecided. None where arcs cannot be
+        followed: nothing damps or holds the knob, or they meet too many edges at once.
+
+        Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed, and `StoppedError`
+        when told to stop.
         """
-        fate, most, skip, limit = prospect(x, v, max_samples or 0, loop)
-        if fate != OPEN or not loop.alpha > 0.0 or not loop.beta > 0.0:
+        known, room = make_known(self._zeros, delay_line), make_arc_room(self._zeros, delay_line)
+        follow, progress = self._function(cells, "follow_cell"), room.progress
+        tries, size = (0, SLICE) if self.compiled else (self.patience.samples, SLICE_INTERPRETED)
+        alarm = Alarm(time_allowed(seconds, self.patience, compiled=self.compiled))
+        state = 0
+        while state == 0 and not alarm.over:
+            if self.stopped():
+                raise StoppedError
+            state, _ = follow(loop, x, v, delay_line, max_samples or 0, tries, size, room, known)
+        if state == 0:
+            waiting = range(int(progress[arc.WAITING]))
+            left = sum(room.stack[arc.ARC * k + 1] - room.stack[arc.ARC * k] for k in waiting) or 1.0
+        else:
+            left = 0.0
+        late = unfinished(left, seconds, self.patience, compiled=self.compiled) if left > 0.0 else None
+        if tries and progress[arc.SPENT] > 0.0 and tries < prospect(x, v, max_samples or 0, loop)[1]:
+            raise NeedsCompilerError("sets")
+        if state < 0:
             return None
-        known = make_known(self._zeros, delay_line)
-        taken, arcs, undecided, narrowest, covered, cut = self._function(arc, "follow_arcs")(
-            x, v, delay_line, most, _patience(skip), limit, make_arc_room(self._zeros, delay_line), known, loop
-        )
-        if not cut:
-            return None
-        found = _ends(known, delay_line)
-        lost = 1.0 - sum(one.trials for one in found) / covered
-        if undecided > 0.0 and lost > 1e-9:
-            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
+        found, rows = _ends(known, delay_line), int(known.counts[0])
+        lost = cells.lost_share(known.table, rows, progress)
+        if lost > 0.0:
+            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(lost)))
+        if late:
+            found.append(late)
         return Search(
             ranked(found),
-            int(taken),
-            complete=undecided == 0.0,
-            pieces=int(arcs),
-            narrowest=narrowest,
-            share_error=max(covered - 1.0, 0.0) + EPSILON * (arcs + 1.0),
+            int(progress[arc.TAKEN]),
+            complete=progress[arc.UNDECIDED] == 0.0 and late is None,
+            pieces=int(progress[arc.DONE]),
+            narrowest=progress[arc.SHORTEST],
+            share_error=float(cells.share_error(progress)),
         )
 
     def search_box(self, loop: Loop, states: Box, *, max_samples: int | None, seconds: float | None = None) -> Search:
@@ -108,7 +135,7 @@ class SetEngine:
             return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
         if self._polygons is None:
             self._polygons = make_polygon_room(self._zeros)
-        room, known, patience = self._polygons, make_known(self._zeros, 0), _patience(skip)
+        room, known, patience = self._polygons, make_known(self._zeros, 0), first_patience(skip)
         chance = random.Random(0)
         starts = self._zeros(2 * SAMPLED)
         for k in range(SAMPLED):
@@ -181,11 +208,6 @@ class SetEngine:
         if unproven:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(unproven)))
         return Search(ranked(found), taken, complete=undecided == 0.0, pieces=pieces, undecided=undecided)
-
-
-def _patience(skip: int) -> int:
-    """Samples in no known attractor, after which one is looked for: half the transient, ten time constants."""
-    return max(64, skip // 2)
 
 
 def _ends(known: Any, delay_line: int) -> list[Attractor]:

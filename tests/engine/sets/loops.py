@@ -1,10 +1,13 @@
 """Loops, arcs and polygons that the tests of sets share."""
 
+from typing import Any
+
 import numpy as np
 from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, make_loop
-from hknob_cli.engine.sets.room import Known, make_known
+from hknob_cli.engine.sets import arc
+from hknob_cli.engine.sets.room import ArcRoom, Known, make_known
 
 
 def zeros(count: int) -> list[float]:
@@ -20,6 +23,41 @@ def knob(sense: float = 1.0, offset: float = 0.0, split: float = 0.0) -> Loop:
 def known(delay: int = 0) -> Known:
     """Room for attractors."""
     return make_known(zeros, delay)
+
+
+def follow_all(
+    angle: float,
+    velocity: float,
+    delay: int,
+    budget: int,
+    patience: int,
+    limit: float,
+    room: ArcRoom,
+    ends: Known,
+    loop: Loop,
+    *,
+    most: int = 10**9,
+    functions: Any = None,
+) -> tuple[int, int, float, float, float, bool]:
+    """Follow every clock phase to its end, at most ``most`` samples at a time.
+
+    Returns samples, arcs, undecided phases, the shortest arc, the length of all, and whether there was room.
+    """
+    begin, follow = arc.begin_arcs, arc.follow_arcs
+    if functions:
+        begin, follow = functions["sets.begin_arcs"], functions["sets.follow_arcs"]
+    begin(angle, velocity, delay, patience, room, loop)
+    while room.progress[arc.WAITING] > 0.0:
+        follow(angle, velocity, delay, budget, limit, most, True, room, ends, loop)
+    told = room.progress
+    return (
+        int(told[arc.TAKEN]),
+        int(told[arc.DONE]),
+        told[arc.UNDECIDED],
+        told[arc.SHORTEST],
+        told[arc.COVERED],
+        told[arc.WHOLE] > 0.0,
+    )
 
 
 def expm(matrix: np.ndarray) -> np.ndarray:

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, level_of, lower_edge, make_loop, upper_edge
-from hknob_cli.engine.sets.arc import arc_radius, cut, extent, follow_arcs, free_motion, part_within, turn_after
+from hknob_cli.engine.sets.arc import arc_radius, cut, extent, free_motion, part_within, turn_after
 from hknob_cli.engine.sets.room import make_arc_room
 
-from .loops import free_response, knob, known, loops, zeros
+from .loops import follow_all, free_response, knob, known, loops, zeros
 
 speeds = st.floats(-8.0, 8.0)
 places = st.floats(-6.0, 6.0)
@@ -142,7 +142,7 @@ def test_a_part_takes_in_what_touches_its_edges() -> None:
 def test_shares_of_all_arcs_make_one(delay: int) -> None:
     """The lengths of the arcs of all ends, whatever the delay line."""
     loop, ends = knob(split=0.4 if delay else 0.0), known(delay)
-    samples, arcs, undecided, shortest, covered, cut_whole = follow_arcs(
+    samples, arcs, undecided, shortest, covered, cut_whole = follow_all(
         2.0, 0.0, delay, 65_536, 64, 1e6, make_arc_room(zeros, delay), ends, loop
     )
     rows = int(ends.counts[0])
@@ -157,6 +157,6 @@ def test_shares_of_all_arcs_make_one(delay: int) -> None:
 def test_what_has_no_proven_end_within_the_budget_is_undecided() -> None:
     """All of it, where there are no samples to speak of."""
     ends = known()
-    _, _, undecided, _, covered, cut_whole = follow_arcs(2.0, 0.0, 0, 3, 64, 1e6, make_arc_room(zeros, 0), ends, knob())
+    _, _, undecided, _, covered, cut_whole = follow_all(2.0, 0.0, 0, 3, 64, 1e6, make_arc_room(zeros, 0), ends, knob())
     assert cut_whole
     assert undecided == covered
