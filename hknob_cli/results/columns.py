@@ -64,6 +64,10 @@ EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
 )
+ANYWHERE = (
+    Column("region_rad", _REAL, "rad", "largest angle, either way, of a region that every motion comes into"),
+    Column("region_rad_s", _REAL, "rad/s", "largest speed of that region; both null where none was found"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),

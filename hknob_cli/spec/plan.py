@@ -116,6 +116,7 @@ class Starts(NamedTuple):
     ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
     the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
     velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start.
+    ``anywhere``: every state at a sample instant.
     """
 
     angle: float
@@ -123,6 +124,12 @@ class Starts(NamedTuple):
     phases: int
     sampled: bool = True
     span: tuple[float, float, float, float] | None = None
+    anywhere: bool = False
+
+    @property
+    def many(self) -> bool:
+        """Whether sets of starts are meant, at a sample instant, and not one start."""
+        return self.anywhere or self.span is not None
 
 
 class Pulse(NamedTuple):

@@ -1,6 +1,6 @@
-"""Where the trials of a sweep begin: one start at every clock phase, some phases of it, or every start in a box."""
+"""Where the trials of a sweep begin: one start, at every clock phase or some, every start in a box, or every start."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -95,16 +95,42 @@ class StartsSpec(Part):
         return Starts(self.angle, self.velocity, self.phases or PHASES, self.phases is not None)
 
 
-def span_faults(scene: SceneSpec, axes: Axes, *, population: bool) -> list[tuple[tuple[str, ...], str]]:
-    """What in a scene keeps every start of a box from being followed at once."""
-    why = "must be absent where starts are a range: sets of starts are followed without it; give one start"
+def _kind(value: Any) -> str:
+    return "every start" if isinstance(value, str) else "some starts"
+
+
+AnyStarts = Annotated[
+    Annotated[StartsSpec, Tag("some starts")] | Annotated[Literal["anywhere"], Tag("every start")],
+    Discriminator(_kind),
+    Field(description="one start, ranges of angle and velocity, or anywhere: every state at a sample instant"),
+]
+
+
+def spanned(starts: StartsSpec | str) -> str:
+    """What is said of starts that are not one, with its verb; empty where they are one."""
+    if isinstance(starts, str):
+        return "starts are anywhere"
+    return "starts are a range" if starts.spans else ""
+
+
+def plain_starts(starts: StartsSpec | str) -> Starts:
+    """The starts as plain values."""
+    return Starts(0.0, 0.0, PHASES, False, anywhere=True) if isinstance(starts, str) else starts.plain()
+
+
+def span_faults(
+    scene: SceneSpec, axes: Axes, *, population: bool, starts: StartsSpec | str
+) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene keeps every start of a box, or every start there is, from being followed at once."""
+    said = spanned(starts)
+    why = f"must be absent where {said}: sets of starts are followed without it; give one start"
     found = [(place, why) for path in _UNCUT for place in given(scene, axes, path)]
     if scene.controller:
         found.append((("scene", "controller"), why))
     if scene.encoder == "none":
-        found.append((("scene", "encoder"), "must not be none where starts are a range"))
+        found.append((("scene", "encoder"), f"must not be none where {said}"))
     if scene.sampling == "continuous":
-        found.append((("scene", "sampling"), "must not be continuous where starts are a range"))
+        found.append((("scene", "sampling"), f"must not be continuous where {said}"))
     if not scene.hand and not population:
         found.append((("starts",), "must be one start without a hand: nothing draws the knob back, and no set shrinks"))
     return found

@@ -1,15 +1,16 @@
 """A region that every motion comes into, from however far: the loop with its rounding as a bounded push.
 
-Far from the wall's edge one count is nothing, and the loop does to a motion ten times as large ten times as much. So one
-size suffices: if all states within a distance R are within R/2 some samples later, whatever pushes the rounding adds,
-then so are all within 2 R within R, and every motion comes within R. From there the region is moved on, which makes it
-as small as the rounding lets it become.
+Far out a count is nothing: there the loop does to a motion ten times as large ten times as much. So one size is enough.
+If all states within R are within R/2 some samples later, whatever the rounding pushes, then all within 2 R come within
+R, all within 4 R within 2 R, and so on: every motion comes within R. That region is then moved on, sample by sample,
+for as long as it becomes smaller; where all motions have been, they all come.
 """
 
 import random
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 from math import ceil, inf, sqrt
+from time import monotonic
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.attractors import StoppedError
@@ -23,6 +24,7 @@ LONGEST = 64.0  # time constants of the free plant within which a region has hal
 MOST_SAMPLES = 400_000
 SLICE = 4096  # samples between two chances to be interrupted
 TRIES = 12  # sizes, each eight times the last
+SMALL = 0.01  # counts: what is smaller need not shrink
 SHRINKS = 0.95  # of its area over a time constant: a region that keeps more has become as small as it will
 
 
@@ -50,9 +52,14 @@ class RegionFinder:
         self._function = function
         self._room = room
         self._stopped = stopped
+        self._until = inf
 
-    def find(self, loop: Loop) -> Region | None:
-        """The region, or None if none is found. Raises `StoppedError` when told to stop."""
+    def find(self, loop: Loop, until: float = inf) -> Region | None:
+        """The region, or None if none is found, or none before the monotonic clock says ``until``.
+
+        Raises `StoppedError` when told to stop.
+        """
+        self._until = until
         rate = slowest_rate(loop.alpha, loop.beta)
         most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS)) if rate > 0.0 else MOST_CORNERS
         longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES)) if rate > 0.0 else 0
@@ -63,7 +70,7 @@ class RegionFinder:
         # The wall's torque bends at 0 here. Where it begins at -1, it is off between: by no more than a count's, too.
         least, most_push = min(0.0, low), max(0.0, outside, high)
         any_push = (0.0, least, most_push, least, most_push)
-        radius = 8.0 * first * max(-least, most_push) * (loop.g2 + loop.s2 / sqrt(loop.beta))
+        radius = 8.0 * first * max(-least, most_push) * (abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta))
         for _ in range(TRIES):
             count, used, far = self._shrink(
                 self._square(radius, loop), most, 4 * first + 64, 0.5 * radius, 1e6 * radius, any_push, loop
@@ -73,20 +80,24 @@ class RegionFinder:
             radius *= 8.0
         return None
 
-    def _tighten(
-        self, count: int, used: int, most: int, rate: float, limits: tuple[float, ...], loop: Loop
-    ) -> Region | None:
+    def _tighten(self, count: int, used: int, most: int, rate: float, limits: tuple[float, ...], loop: Loop) -> Region:
         """Move the region on, with the pushes as they are, for as long as that makes it smaller."""
-        region, room, area_of = self._room.region, self._room, self._function("area_of")
+        region, room = self._room.region, self._room
+        area_of, ranges_of = self._function("area_of"), self._function("ranges_of")
         stride, area = max(8, ceil(1.0 / rate)), inf
+        low_x, high_x, low_v, high_v = ranges_of(region, count)
         while (now := area_of(region, count)) < SHRINKS * area and used < MOST_SAMPLES:
+            if high_x - low_x + (high_v - low_v) / sqrt(loop.beta) < SMALL or monotonic() > self._until:
+                break
             area = now
             count, more, _ = self._shrink(count, most, stride, 0.0, inf, limits, loop)
+            low_x, high_x, low_v, high_v = ranges_of(region, count)
             used += more
         count = self._function("simplify_hull")(region, count, CORNERS, room.chain, room.rough)
+        corners = tuple(float(room.rough[k]) for k in range(2 * count))
         if count > CORNERS:
-            return None
-        return Region(tuple(float(room.rough[k]) for k in range(2 * count)), used)
+            corners = (low_x, low_v, high_x, low_v, high_x, high_v, low_x, high_v)
+        return Region(corners, used)
 
     def _square(self, radius: float, loop: Loop) -> int:
         count: int = self._function("fill_square")(self._room.region, radius, loop)
@@ -104,7 +115,7 @@ class RegionFinder:
     ) -> tuple[int, int, float]:
         """`region.shrink` in slices."""
         shrink, room, used, far = self._function("shrink"), self._room, 0, inf
-        while used < samples:
+        while used < samples and monotonic() < self._until:
             if self._stopped():
                 raise StoppedError
             slice_ = min(SLICE, samples - used)
@@ -118,9 +129,10 @@ class RegionFinder:
 def pushes(loop: Loop) -> tuple[float, float, float, float]:
     """Position where the wall begins, the push outside it, and least and largest push inside.
 
-    The last two are beside that of a wall that knows the angle: what its rounding, the encoder's offset and the bias add.
+    The last two are beside that of a wall that knows the angle: they are what rounding, the encoder's offset and the
+    bias add.
     """
-    shift = loop.offset if loop.sense > 0.0 else 1.0 + loop.offset  # a level is at most so much above its angle, or ...
+    shift = loop.offset if loop.sense > 0.0 else 1.0 + loop.offset  # the most that a level and its offset are above x
     least = -loop.gamma - loop.kappa * shift
     return upper_edge(-1.0, loop.sense), -loop.gamma, least, least + loop.kappa
 

@@ -95,27 +95,38 @@ def drop_side(points, count, k):
     return abs((cx - bx) * (v - bv) - (cv - bv) * (x - bx)), x, v
 
 
-def simplify(points, count, most):
-    """Drop sides of a convex polygon, in place, those that add the least area, until ``most`` are left; its corners."""
-    while count > most:
-        least, at, x, v = float("inf"), -1, 0.0, 0.0
+def simplify(points, count, most, areas):
+    """Drop sides of a convex polygon, in place, those that add the least area, until ``most`` are left; its corners.
+
+    ``areas``: work space, a number a side.
+    """
+    if count > most:
         for k in range(count):
-            area, tx, tv = drop_side(points, count, k)
-            if area < least:
-                least, at, x, v = area, k, tx, tv
-        if at < 0:
+            areas[k], _, _ = drop_side(points, count, k)
+    while count > most:
+        at = 0
+        for k in range(1, count):
+            if areas[k] < areas[at]:
+                at = k
+        if areas[at] == float("inf"):
             return count
+        _, x, v = drop_side(points, count, at)
         points[2 * at], points[2 * at + 1] = x, v
-        following = (at + 1) % count
-        for k in range(2 * following, 2 * count - 2):
-            points[k] = points[k + 2]
+        gone = (at + 1) % count
+        for k in range(gone, count - 1):
+            points[2 * k], points[2 * k + 1], areas[k] = points[2 * k + 2], points[2 * k + 3], areas[k + 1]
         count -= 1
+        if gone < at:
+            at -= 1
+        for k in range(-2, 2):
+            near = (at + k) % count
+            areas[near], _, _ = drop_side(points, count, near)
     return count
 
 
 def simplify_hull(points, count, most, chain, out):
     """A convex polygon with at most ``most`` corners, or few more, around points, to ``out``; its corners."""
-    return simplify(out, enclose(points, count, 0.0, 0.0, chain, out), most)
+    return simplify(out, enclose(points, count, 0.0, 0.0, chain, out), most, chain)
 
 
 def advance(region, count, most, limits, room, loop):
@@ -169,6 +180,15 @@ def area_of(region, count):
     for k in range(1, count - 1):
         twice += turn(region, 0, k, region[2 * k + 2], region[2 * k + 3])
     return 0.5 * abs(twice)
+
+
+def ranges_of(region, count):
+    """Least and largest position, least and largest speed of a region."""
+    low_x, high_x, low_v, high_v = region[0], region[0], region[1], region[1]
+    for k in range(1, count):
+        low_x, high_x = min(low_x, region[2 * k]), max(high_x, region[2 * k])
+        low_v, high_v = min(low_v, region[2 * k + 1]), max(high_v, region[2 * k + 1])
+    return low_x, high_x, low_v, high_v
 
 
 def fill_square(region, radius, loop):

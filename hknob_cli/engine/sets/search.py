@@ -112,18 +112,22 @@ class SetEngine:
 
         Raises `StoppedError` when told to stop.
         """
-        until = None if seconds is None else monotonic() + seconds
+        until = inf if seconds is None else monotonic() + seconds
         if self._regions is None:
             room = make_region_room(self._zeros)
             self._regions = RegionFinder(lambda name: self._function(region, name), room, self.stopped)
-        found = self._regions.find(loop) if loop.alpha > 0.0 and loop.beta > 0.0 else None
+        found = self._regions.find(loop, until) if loop.alpha > 0.0 and loop.beta > 0.0 else None
         if found is None:
-            fate = UNDAMPED if loop.alpha == 0.0 else UNHELD if loop.beta == 0.0 else NO_REGION
-            return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
-        states = Box(*found.ranges)
+            why = FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD if loop.beta == 0.0 else NO_REGION][1]
+            if monotonic() > until:
+                why = Reason.TIME_LIMIT
+            return Search((whole(Outcome.UNDECIDED, why, 1.0),), 0, complete=False, undecided=1.0)
+        states, corners = Box(*found.ranges), self._numbers(found.corners)
 
         def fill() -> None:
-            self._function(box, "fill_polygon")(self._numbers(found.corners), len(found.corners) // 2, self._polygons, loop)
+            self._function(box, "fill_polygon")(
+                self._numbers(found.corners), len(found.corners) // 2, self._polygons, loop
+            )
 
         starts = self._numbers(states_in(found.corners, SAMPLED))
         left = None if until is None else until - monotonic()
@@ -138,7 +142,7 @@ class SetEngine:
         max_samples: int | None,
         seconds: float | None,
     ) -> Search:
-        """What the polygon that ``fill`` lets wait settles to, which lies in ``states``; ``starts``: of trials in it."""
+        """What the polygon that ``fill`` lets wait settles to; it lies in ``states``, and so do ``starts``, of trials."""
         until = inf if seconds is None else monotonic() + seconds
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
         fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
