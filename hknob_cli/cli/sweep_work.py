@@ -157,7 +157,7 @@ def _say_what_goes(job: Job, work: Work) -> None:
 
 def _trials(job: Job) -> int:
     """Trials of a cell: without a sample clock there are no phases of it."""
-    if job.plan.starts.span:
+    if job.plan.starts.many:
         from hknob_cli.engine.sets.search import SAMPLED
 
         return min(job.plan.starts.random or SAMPLED, SAMPLED)

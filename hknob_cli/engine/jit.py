@@ -43,7 +43,7 @@ GENERAL = (
 )
 SETS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "lattice", "box")),
+    *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "region", "lattice", "box")),
     *ORBIT,
     "budget",
     "cells",

@@ -15,8 +15,9 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[s
         "complete": sum(row["complete"] for row in cells),
         "sampled": len(sampled),
         "phases": starts.phases,
-        "shares_counted": starts.span is not None,
+        "shares_counted": starts.many,
         **({"random": starts.random} if starts.random else {}),
+        **({"regions": _regions(cells)} if starts.anywhere else {}),
     }
 
 
@@ -43,12 +44,39 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
             f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
             f"{found['phases']} clock phases were sampled there."
         )
+    regions = found.get("regions")
+    if regions:
+        angles, speeds = labels([1e3 * angle for angle in regions["angle_rad"]]), labels(regions["velocity_rad_s"])
+        lines.append(
+            f"Every motion comes within {_range(angles)} mrad and {_range(speeds)} rad/s, from however far"
+            + (f": in {regions['cells']} of {total} cells." if regions["cells"] < total else ".")
+        )
     if found["shares_counted"] and found["sampled"] < total:
-        lines.append("Shares are counted: 4096 random starts, with a standard error of at most 0.8 %.")
+        where = " in that region" if regions else ""
+        lines.append(f"Shares are counted: 4096 random starts{where}, with a standard error of at most 0.8 %.")
     return lines
 
 
+def _regions(cells: list[dict[str, Any]]) -> dict[str, Any]:
+    """In how many cells every motion comes into a region, and the least and the largest of these; empty for none."""
+    known = [row for row in cells if row["region_rad"] is not None]
+    if not known:
+        return {}
+    angles, speeds = ([row[name] for row in known] for name in ("region_rad", "region_rad_s"))
+    return {
+        "cells": len(known),
+        "angle_rad": [min(angles), max(angles)],
+        "velocity_rad_s": [min(speeds), max(speeds)],
+    }
+
+
+def _range(ends: list[str]) -> str:
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
 def _scope(starts: Starts) -> str:
+    if starts.anywhere:
+        return "every start at a sample, however far,"
     if starts.span is None:
         return "every clock phase of the start"
     low, high = labels([1e3 * angle for angle in starts.span[:2]])

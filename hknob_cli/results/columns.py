@@ -72,6 +72,10 @@ RANGED = (
 ONE_START = (
     Column("share_error", _REAL, "1", "bound on the rounding of a basin_fraction; null where phases are sampled"),
 )
+ANYWHERE = (
+    Column("region_rad", _REAL, "rad", "largest angle, either way, of a region that every motion comes into"),
+    Column("region_rad_s", _REAL, "rad/s", "largest speed of that region; both null where none was found"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),

@@ -16,7 +16,6 @@ from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
 from hknob_cli.spec.remedies import beyond, misfit, sets
 from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
-from hknob_cli.spec.starts import with_random
 
 MOST_DESIGNS = 20_000
 
@@ -151,7 +150,7 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
     values = {
         "kind": "sweep",
         "name": spec.name,
-        **with_random(source.value["base"]),
+        **source.value["base"],
         "grid": grid,
         "perceive": source.value["perceive"],
         **people,

@@ -116,7 +116,7 @@ class Starts(NamedTuple):
     ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
     the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
     velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start. ``random``:
-    how many of them are drawn where they cannot be followed all at once; 0: a scene for which that is so is refused.
+    how many of them are drawn where they cannot be followed all at once. ``anywhere``: every state at a sample instant.
     """
 
     angle: float
@@ -125,6 +125,12 @@ class Starts(NamedTuple):
     sampled: bool = True
     span: tuple[float, float, float, float] | None = None
     random: int = 0
+    anywhere: bool = False
+
+    @property
+    def many(self) -> bool:
+        """Whether sets of starts are meant, at a sample instant, and not one start."""
+        return self.anywhere or self.span is not None
 
 
 BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges

@@ -1,6 +1,6 @@
-"""Where the trials of a sweep begin: one start at every clock phase, some phases of it, or every start in a box."""
+"""Where the trials of a sweep begin: one start, at every clock phase or some, every start in a box, or every start."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
@@ -62,15 +62,14 @@ class StartsSpec(Part):
             description="trials, whose first samples spread over an interval; null: every clock phase, exactly",
         ),
     ] = None
-
     random: Annotated[
         int | None,
         Field(
             strict=True,
             ge=1,
             le=1_000_000,
-            description="of ranges: starts drawn at random where a scene's starts cannot be followed all at once; null:"
-            " such a scene is refused",
+            description="of ranges: starts drawn at random in a cell whose starts cannot be followed all at once; null:"
+            f" {RANDOM}",
         ),
     ] = None
 
@@ -103,34 +102,59 @@ class StartsSpec(Part):
         if isinstance(self.angle, tuple) and isinstance(self.velocity, tuple):
             span = (*self.angle, *self.velocity)
             middle = 0.5 * (span[0] + span[1]), 0.5 * (span[2] + span[3])
-            return Starts(*middle, self.random or PHASES, False, span, self.random or 0)
+            random = self.random or RANDOM
+            return Starts(*middle, random, False, span, random)
         assert isinstance(self.angle, float)
         assert isinstance(self.velocity, float)
         return Starts(self.angle, self.velocity, self.phases or PHASES, self.phases is not None)
 
 
-def with_random(base: dict[str, Any]) -> dict[str, Any]:
-    """A sweep's values whose starts, if they are ranges, are drawn where not all can be followed at once."""
-    starts = base.get("starts")
-    if not isinstance(starts, dict) or not any(
-        _form(starts.get(name)) == "two values" for name in ("angle", "velocity")
-    ):
-        return base
-    return {**base, "starts": {"random": RANDOM, **starts}}
+def _kind(value: Any) -> str:
+    return "every start" if isinstance(value, str) else "some starts"
 
 
-def span_faults(scene: SceneSpec, axes: Axes, *, population: bool, random: bool) -> list[tuple[tuple[str, ...], str]]:
-    """What in a scene keeps every start of a box from being followed at once; ``random``: some are drawn then."""
-    why = "must be absent where starts are a range: sets of starts are followed without it; give starts.random"
-    found: list[tuple[tuple[str, ...], str]] = []
-    if not random:
-        found += [(place, why) for path in _UNCUT for place in given(scene, axes, path)]
-    if scene.controller and not random:
-        found.append((("scene", "controller"), why))
-    if scene.encoder == "none" and not random:
-        found.append((("scene", "encoder"), "must not be none where starts are a range"))
+AnyStarts = Annotated[
+    Annotated[StartsSpec, Tag("some starts")] | Annotated[Literal["anywhere"], Tag("every start")],
+    Discriminator(_kind),
+    Field(description="one start, ranges of angle and velocity, or anywhere: every state at a sample instant"),
+]
+
+
+def spanned(starts: StartsSpec | str) -> str:
+    """What is said of starts that are not one, with its verb; empty where they are one."""
+    if isinstance(starts, str):
+        return "starts are anywhere"
+    return "starts are a range" if starts.spans else ""
+
+
+def plain_starts(starts: StartsSpec | str) -> Starts:
+    """The starts as plain values."""
+    return Starts(0.0, 0.0, PHASES, False, anywhere=True) if isinstance(starts, str) else starts.plain()
+
+
+def start_faults(
+    scene: SceneSpec, axes: Axes, *, population: bool, starts: StartsSpec | str
+) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene excludes starts that are many."""
+    if isinstance(starts, str):
+        why = "must be absent where starts are anywhere: no region is known that every motion comes into; give ranges"
+        found = unfollowed(scene, axes, why)
+        if not scene.hand and not population:
+            found.append((("starts",), "must not be anywhere without a hand: nothing draws the knob back"))
+        return found
     if scene.sampling == "continuous":
-        found.append((("scene", "sampling"), "must not be continuous where starts are a range"))
-    if not scene.hand and not population and not random:
-        found.append((("starts",), "must be one start without a hand: nothing draws the knob back, and no set shrinks"))
+        return [(("scene", "sampling"), "must not be continuous where starts are a range")]
+    return []
+
+
+def unfollowed(scene: SceneSpec, axes: Axes, why: str) -> list[tuple[tuple[str, ...], str]]:
+    """Places in a scene of what plain cells do not have, and ``why`` that must be absent."""
+    found = [(place, why) for path in _UNCUT for place in given(scene, axes, path)]
+    if scene.controller:
+        found.append((("scene", "controller"), why))
+    kept = why.partition(" where ")[2]
+    if scene.encoder == "none":
+        found.append((("scene", "encoder"), f"must not be none where {kept}"))
+    if scene.sampling == "continuous":
+        found.append((("scene", "sampling"), f"must not be continuous where {kept}"))
     return found

@@ -12,7 +12,7 @@ from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
 from hknob_cli.spec.scene import Part, SceneSpec, given
-from hknob_cli.spec.starts import StartsSpec, span_faults
+from hknob_cli.spec.starts import AnyStarts, StartsSpec, plain_starts, spanned, start_faults, unfollowed
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
@@ -123,7 +123,7 @@ class SweepSpec(Part):
     name: Annotated[Name, Field(description="names the results folder; letters, digits, '.', '_', '-'")]
     scene: SceneSpec
     grid: Grid
-    starts: Annotated[StartsSpec, Field(default_factory=StartsSpec)]
+    starts: Annotated[AnyStarts, Field(default_factory=StartsSpec)]
     limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
     record: RecordSpec | None = None
     growth: GrowthSpec | None = None
@@ -138,16 +138,15 @@ class SweepSpec(Part):
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
             found += growth_faults(self.scene, axes)
-        found += self.starts.faults()
-        if self.starts.spans:
-            drawn = self.starts.random is not None
-            found += span_faults(self.scene, axes, population=self.population is not None, random=drawn)
-            if drawn and self.basins:
-                found.append((("starts", "random"), "must be absent where basins are mapped: a map is of every start"))
-            why = "must be absent where starts are a range"
+        found += [] if isinstance(self.starts, str) else self.starts.faults()
+        if said := spanned(self.starts):
+            found += start_faults(self.scene, axes, population=self.population is not None, starts=self.starts)
+            why = f"must be absent where {said}"
             found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
-        if self.basins and not self.starts.spans:
+        if self.basins and (isinstance(self.starts, str) or not self.starts.spans):
             found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        elif self.basins:
+            found += unfollowed(self.scene, axes, "must be absent where basins are mapped")
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))
@@ -177,7 +176,7 @@ class SweepSpec(Part):
         assert self.record
         record = self.record.plain()
         rates = axes.get(RATE, [0.0]) if self.scene.sampling != "continuous" else [0.0]
-        trials = min(record.trials, self.starts.plain().phases) if self.scene.sampling != "continuous" else 1
+        trials = min(record.trials, plain_starts(self.starts).phases) if self.scene.sampling != "continuous" else 1
         each = [trials * record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates]
         each_cell = max(each) if points else sum(each) / len(each)
         return len(cells_over(axes, points)) * max(1, len(record.angles)) * each_cell
@@ -189,7 +188,7 @@ class SweepSpec(Part):
             scene=self.scene.plain(),
             axes=axes,
             units=units,
-            starts=self.starts.plain(),
+            starts=plain_starts(self.starts),
             max_samples=self.limits.max_samples,
             seconds_per_cell=self.limits.seconds_per_cell,
             record=self.record.plain() if self.record else None,

@@ -26,7 +26,8 @@ class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
     Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
-    ``undecided``, ``share_error``: as in `engine.attractors.Search`.
+    ``undecided``, ``share_error``: as in `engine.attractors.Search`. ``region_rad``, ``region_rad_s``: largest angle
+    and speed of the region that every motion comes into, where starts are anywhere.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -43,6 +44,8 @@ class CellResult(NamedTuple):
     pieces: int = 0
     undecided: float | None = None
     share_error: float | None = None
+    region_rad: float | None = None
+    region_rad_s: float | None = None
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
@@ -103,7 +106,7 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
         return group, phases * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
-    if group == "sets" and plan.starts.span:
+    if group == "sets" and plan.starts.many:
         return group, BOXED
     return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
@@ -155,7 +158,13 @@ class CellFinder:
                 seconds=plan.seconds_per_cell,
             )
         measurer = Measurer(knob, self._engine)
-        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
+        found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
+        if search.region:
+            low, high, slowest, fastest = search.region
+            angle = max(abs(knob.angle_rad(low)), abs(knob.angle_rad(high)))
+            speed = max(abs(slowest), abs(fastest)) * knob.quantum_rad / knob.period_s
+            found = found._replace(region_rad=angle, region_rad_s=speed)
+        return _perceived(plan, measurer, found)
 
     def trace(self, loop: Loop, orbit: Attractor) -> Any:
         """One period of an orbit of the plain loop, as `engine.attractors.Engine.trace`."""
@@ -171,7 +180,7 @@ class CellFinder:
             self._sets = SetEngine(functions, self.stopped)
         self._sets.patience = self.patience("sets")
         starts, most = plan.starts, plan.max_samples
-        if starts.span is None:
+        if not starts.many:
             try:
                 found: Search | None = self._sets.search_phases(
                     knob.loop,
@@ -186,6 +195,10 @@ class CellFinder:
             return found
         if functions is None:
             raise NeedsCompilerError("sets")
+        if starts.anywhere:
+            every: Search = self._sets.search_anywhere(knob.loop, max_samples=most, seconds=plan.seconds_per_cell)
+            return every
+        assert starts.span
         low, high, slowest, fastest = starts.span
         box = Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
         boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most, seconds=plan.seconds_per_cell)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.cell_run import MOST_PHASES, Ends, run_cells
 from hknob_cli.engine.cells import NUMBERS
 from hknob_cli.measure.orbit import of_cycle
-from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START
+from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START, Column
 from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.cells import Cells
@@ -107,7 +107,7 @@ def plain_chunk(
     )
     found = _in_si(knob, ends, count)
     more: dict[str, Any] = {}
-    kinds = CELLS
+    kinds: tuple[Column, ...] = CELLS
     if not plan.starts.sampled:
         kinds = (*CELLS, *EVERY_START, *ONE_START)
         more = {

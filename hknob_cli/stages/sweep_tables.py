@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.outcome import WORDS, Outcome, Reason
 from hknob_cli.results.arrays import join_columns, spell
 from hknob_cli.results.columns import (
+    ANYWHERE,
     CELLS,
     CONTACT,
     EVERY_START,
@@ -59,11 +60,14 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
-        if plan.starts.span:
+        if plan.starts.many:
             more["undecided_fraction"] = [_undecided(one) for one in results]
         else:
             columns = (*columns, *ONE_START)
             more["share_error"] = [one.share_error for one in results]
+        if plan.starts.anywhere:
+            columns = (*columns, *ANYWHERE)
+            more |= {one.name: [getattr(result, one.name) for result in results] for one in ANYWHERE}
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row

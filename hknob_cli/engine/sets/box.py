@@ -30,6 +30,7 @@ from hknob_cli.engine.sets.polygon import (
     corner_radius,
     move_corners,
     part,
+    put,
     put_box,
 )
 
@@ -81,6 +82,16 @@ def fill_box(low_x, high_x, low_v, high_v, room, loop):
     room.stack[ERROR] = 4.0 * EPSILON * (abs(low_x) + abs(high_x) + weight * (abs(low_v) + abs(high_v)))
     room.stack[LEVEL], room.stack[SAMPLE], room.stack[WEIGHT], room.stack[COUNT] = 0.0, 0.0, 1.0, 4.0
     put_box(room.stack, 7, low_x - x, high_x - x, low_v - v, high_v - v)
+    room.counts[0] = 0.0
+
+
+def fill_polygon(corners, count, room, loop):
+    """Let the convex polygon with these corners be the only polygon that waits."""
+    size_x, size_v = 0.0, 0.0
+    for k in range(count):
+        size_x, size_v = max(size_x, abs(corners[2 * k])), max(size_v, abs(corners[2 * k + 1]))
+    error = 8.0 * EPSILON * (size_x + size_v / sqrt(loop.beta))
+    put(room.stack, 0, 0.0, 0.0, error, 0.0, 0.0, 1.0, corners, count)
     room.counts[0] = 0.0
 
 

@@ -12,6 +12,7 @@ POINTS = 16_384  # samples of proven orbits at which sets are compared with them
 ARCS = 4096  # that wait to be followed
 PARTS = 1024  # of one arc
 CELLS = 2**18  # of a lattice
+REGION_CORNERS = 2048  # of a region that moves on, and of what it becomes in a sample
 POLYGONS = CELLS + 2**14  # that wait to be followed
 
 Zeros = Callable[[int], Any]
@@ -74,6 +75,18 @@ class PolygonRoom(NamedTuple):
     counts: Any
 
 
+class RegionRoom(NamedTuple):
+    """Work space of `sets.region`.
+
+    ``region``: its corners; ``cloud``: what they become in a sample; ``chain``, ``rough``: of the hull of those.
+    """
+
+    region: Any
+    cloud: Any
+    chain: Any
+    rough: Any
+
+
 def make_known(zeros: Zeros, delay: int) -> Known:
     """Room for the ends of a cell with a delay line of ``delay`` commands."""
     return Known(
@@ -116,3 +129,8 @@ def make_polygon_room(zeros: Zeros) -> PolygonRoom:
         taken=zeros(CELLS),
         counts=zeros(1),
     )
+
+
+def make_region_room(zeros: Zeros) -> RegionRoom:
+    """Room for a convex region that moves on."""
+    return RegionRoom(*(zeros(2 * REGION_CORNERS) for _ in range(4)))

@@ -1,7 +1,7 @@
 """All starts of a cell at once: its attractors, with their shares, and whether the list is proven to be complete."""
 
 import random
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, sqrt
 from time import monotonic
 from typing import Any, NamedTuple
@@ -24,15 +24,16 @@ from hknob_cli.engine.attractors import (
     unfinished,
     whole,
 )
-from hknob_cli.engine.budget import OPEN, UNHELD, prospect
+from hknob_cli.engine.budget import NO_REGION, OPEN, UNHELD, prospect
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets import arc, box, cells, lattice
+from hknob_cli.engine.sets import arc, box, cells, lattice, region
 from hknob_cli.engine.sets import known as known_ends
+from hknob_cli.engine.sets.absorbing import RegionFinder, states_in
 from hknob_cli.engine.sets.cells import first_patience
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
-from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room
+from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room, make_region_room
 
 SAMPLED = 4096  # random starts in a box, whose ends are counted for shares
 WIDEST = 8.0  # the first lattice has so many cells across the box
@@ -68,6 +69,7 @@ class SetEngine:
         self.compiled = functions is not None
         self._functions = functions
         self._polygons: Any = None
+        self._regions: RegionFinder | None = None
 
     def _function(self, module: Any, name: str) -> Callable[..., Any]:
         found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(module, name)
@@ -75,6 +77,9 @@ class SetEngine:
 
     def _zeros(self, count: int) -> Any:
         return np.zeros(count) if self._functions else [0.0] * count
+
+    def _numbers(self, values: Sequence[float]) -> Any:
+        return np.array(values) if self._functions else list(values)
 
     def search_phases(
         self, loop: Loop, *, x: float, v: float, delay_line: int, max_samples: int | None, seconds: float | None = None
@@ -126,6 +131,51 @@ class SetEngine:
 
         Raises `StoppedError` when told to stop.
         """
+
+        def fill() -> None:
+            self._function(box, "fill_box")(*states, self._polygons, loop)
+
+        chance = random.Random(0)
+        starts = self._zeros(2 * SAMPLED)
+        for k in range(SAMPLED):
+            starts[2 * k] = chance.uniform(states.low_x, states.high_x)
+            starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
+        return self._search(loop, states, starts, fill, max_samples, seconds)
+
+    def search_anywhere(self, loop: Loop, *, max_samples: int | None, seconds: float | None = None) -> Search:
+        """What every state settles to, however far, no command under way; shares are of the region that all come into.
+
+        Raises `StoppedError` when told to stop.
+        """
+        until = inf if seconds is None else monotonic() + seconds
+        if self._regions is None:
+            room = make_region_room(self._zeros)
+            self._regions = RegionFinder(lambda name: self._function(region, name), room, self.stopped)
+        found = self._regions.find(loop, until) if loop.alpha > 0.0 and loop.beta > 0.0 else None
+        if found is None:
+            why = FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD if loop.beta == 0.0 else NO_REGION][1]
+            if monotonic() > until:
+                why = Reason.TIME_LIMIT
+            return Search((whole(Outcome.UNDECIDED, why, 1.0),), 0, complete=False, undecided=1.0)
+        states, corners = Box(*found.ranges), self._numbers(found.corners)
+
+        def fill() -> None:
+            self._function(box, "fill_polygon")(corners, len(found.corners) // 2, self._polygons, loop)
+
+        starts = self._numbers(states_in(found.corners, SAMPLED))
+        left = None if until is None else until - monotonic()
+        return self._search(loop, states, starts, fill, max_samples, left)._replace(region=found.ranges)
+
+    def _search(
+        self,
+        loop: Loop,
+        states: Box,
+        starts: Any,
+        fill: Callable[[], None],
+        max_samples: int | None,
+        seconds: float | None,
+    ) -> Search:
+        """What the polygon that ``fill`` lets wait settles to; it and the ``starts`` of trials lie in ``states``."""
         until = inf if seconds is None else monotonic() + seconds
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
         fate, most, skip, limit = prospect(far_x, far_v, max_samples or 0, loop)
@@ -136,11 +186,6 @@ class SetEngine:
         if self._polygons is None:
             self._polygons = make_polygon_room(self._zeros)
         room, known, patience = self._polygons, make_known(self._zeros, 0), first_patience(skip)
-        chance = random.Random(0)
-        starts = self._zeros(2 * SAMPLED)
-        for k in range(SAMPLED):
-            starts[2 * k] = chance.uniform(states.low_x, states.high_x)
-            starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
         sample, ends = self._function(box, "sample_box"), self._zeros(SAMPLED)
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(skip, 1))
         while followed < SAMPLED and monotonic() < until:
@@ -153,7 +198,7 @@ class SetEngine:
             return self._boxed(known, int(taken), 0, 1.0, unproven, SAMPLED - followed)
         follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
         release = self._function(lattice, "release")
-        self._function(box, "fill_box")(*states, room, loop)
+        fill()
         across = max(states.high_x - states.low_x, (states.high_v - states.low_v) / sqrt(loop.beta))
         width, waiting, pieces, undecided = across / WIDEST, 1, 0, 0.0
         for generation in range(GENERATIONS):
