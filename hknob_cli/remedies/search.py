@@ -26,9 +26,9 @@ ROOM = 12_000_000  # numbers that a batch of proofs holds at once, roughly
 class Settled(NamedTuple):
     """One end of trials of one cell.
 
-    ``lane``: one of them; ``trials`` how many, or what share of all starts; ``period`` in samples, 0 where nothing repeats; ``x``, ``v`` (n m + 1),
-    ``drive`` (n m): the motion over a period, or over a window where nothing repeats, in the m parts of each interval;
-    ``begin``: position, velocity and memory at its first sample, and the counts at the looks before.
+    ``lane``: one of them; ``trials`` how many, or what share of all starts; ``period`` in samples, 0 where nothing
+    repeats; ``x``, ``v`` (n m + 1), ``drive`` (n m): the motion over a period, or over a window where nothing repeats,
+    in the m parts of each interval; ``begin``: position, velocity and memory at its first sample, and the counts at the looks before.
     """
 
     lane: int

@@ -5,9 +5,14 @@ from typing import Any
 from hknob_cli.report.matrix import labels
 from hknob_cli.spec.plan import Starts
 
+RANDOM = 256  # starts of ranges, where a controller keeps them from being followed all at once
 
-def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[str, Any]:
-    """Of how many cells the list is proven to be complete, and why not of the others, as plain data."""
+
+def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:
+    """Of how many cells the list is proven to be complete, and why not of the others, as plain data.
+
+    ``controlled``: whether the wall has a controller.
+    """
     sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
     return {
         "starts": _scope(starts),
@@ -15,7 +20,8 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[s
         "complete": sum(row["complete"] for row in cells),
         "sampled": len(sampled),
         "phases": starts.phases,
-        "shares_counted": starts.span is not None,
+        "shares_counted": starts.span is not None and not controlled,
+        **({"random_starts": RANDOM} if starts.span is not None and controlled else {}),
     }
 
 
@@ -31,9 +37,11 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     if found["sampled"] and found["shares_counted"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
     elif found["sampled"]:
+        what = (
+            f"{found['random_starts']} random starts" if "random_starts" in found else f"{found['phases']} clock phases"
+        )
         lines.append(
-            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
-            f"{found['phases']} clock phases were sampled there."
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; {what} were sampled there."
         )
     if found["shares_counted"] and found["sampled"] < total:
         lines.append("Shares are counted: 4096 random starts, with a standard error of at most 0.8 %.")

@@ -145,6 +145,8 @@ class SweepSpec(Part):
             found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
         if self.basins and not self.starts.spans:
             found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        if self.basins and self.scene.controller:
+            found.append((("basins",), "must be absent where a controller is given"))
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))

@@ -68,7 +68,8 @@ class Arcs:
     def _begin(self, cell: int, after: float) -> tuple[float, float]:
         """The flight at the sample, of phase 0."""
         flight = self.flights[cell]
-        return free_motion(self.samples + after, flight.dx, flight.dv, flight)
+        found: tuple[float, float] = free_motion(self.samples + after, flight.dx, flight.dv, flight)
+        return found
 
     def radius(self, sets: np.ndarray) -> Array:
         """The length on either side times the largest speed along it."""

@@ -15,8 +15,8 @@ from hknob_cli.remedies.search import alike
 from hknob_cli.remedies.sets.counting import Counting
 
 SURE = 0.999  # of an orbit's reach
-POINTS = 4  # samples of an orbit that are compared with, where the count falls
-LONG = 1024  # samples of a period, from which on only one is
+POINTS = 8  # samples of an orbit that are compared with, where the count falls
+LONG = 1024  # samples of a period, from which on only two are
 
 
 class Point(NamedTuple):
@@ -91,7 +91,7 @@ class Captors:
         if (off[point.frozen] != 0.0).any():
             return False
         off /= point.scale
-        return bool(np.sqrt(max(0.0, off @ point.form @ off)) + reach * point.stretch < point.reach)
+        return bool(max(0.0, float(off @ point.form @ off)) ** 0.5 + reach * point.stretch < point.reach)
 
 
 def make_points(
@@ -126,24 +126,22 @@ def make_points(
     return found
 
 
-def _samples(
-    mover: Mover, state: State, period: np.ndarray, counting: Counting
-) -> list[tuple[list[State], bool]]:
+def _samples(mover: Mover, state: State, period: np.ndarray, counting: Counting) -> list[tuple[list[State], bool]]:
     """Of each orbit, states at some samples at which its count falls, and True; its beginning and False without any."""
     begin, lanes = state, np.arange(len(state.x))
     falls: list[list[State]] = [[] for _ in lanes]
-    counts = [counting.count(state.x)]
+    counts = [counting.at(state.x)]
     for i in range(1, int(period.max()) + 1):
         state = mover.step(state).state
-        counts.append(counting.count(state.x))
-        for lane in np.flatnonzero((counts[-1] < counts[-2]) & (i <= period)):
+        counts.append(counting.at(state.x))
+        for lane in np.flatnonzero((counts[-1] < counts[-2]) & (i <= period)).tolist():
             falls[lane].append(take(state, lane))
     found = []
     for lane, some in enumerate(falls):
         if not some:
             found.append(([take(begin, lane)], False))
             continue
-        number = 1 if period[lane] >= LONG else min(POINTS, len(some))
+        number = min(2 if period[lane] >= LONG else POINTS, len(some))
         found.append(([some[k * len(some) // number] for k in range(number)], True))
     return found
 
@@ -154,4 +152,15 @@ def _point(end: int, hold: Hold, i: int, seen: Array | None, beta: float, deeper
     stretch = float(np.sqrt(np.linalg.eigvalsh(form[:2, :2] * np.outer(unit, unit)).max())) * (1.0 + 1e-9)
     reach = max(0.0, SURE * float(hold.reach[i]))
     near = reach * float(np.sqrt(np.linalg.inv(form)[0, 0])) * float(scale[0]) * (1.0 + 1e-9)
-    return Point(end, hold.rows[:, i].copy(), scale.copy(), form.copy(), seen, hold.frozen[i].copy(), reach, stretch, near, deeper)
+    return Point(
+        end,
+        hold.rows[:, i].copy(),
+        scale.copy(),
+        form.copy(),
+        seen,
+        hold.frozen[i].copy(),
+        reach,
+        stretch,
+        near,
+        deeper,
+    )

@@ -16,7 +16,7 @@ class Counting(NamedTuple):
     sense: float
     outside: bool
 
-    def count(self, x: Array) -> Array:
+    def at(self, x: Array) -> Array:
         """The count at positions."""
         return self.told(count_at(x, np.array([self.sense])))
 

@@ -10,16 +10,17 @@ from hknob_cli.remedies.lanes import Array
 from hknob_cli.remedies.motion import Mover, State, take
 from hknob_cli.remedies.repeat import GREW, Effort, time_constants
 from hknob_cli.remedies.search import EFFORTS, Settled, count_end, settle
-from hknob_cli.remedies.sets.captors import Captors, make_points
+from hknob_cli.remedies.sets.captors import Captors, Point, make_points
 from hknob_cli.remedies.sets.counting import Counting
 from hknob_cli.remedies.sets.front import Cutter, Front
 from hknob_cli.remedies.sets.shape import Shape
 
 LOOK = 32  # samples between looks at what does not move much, has grown, or waits
 FIRST = 5.0  # time constants, after which the end of a set's centre is looked for
-SEEKERS = 64  # of the sets of a cell whose ends are looked for at once
+SEEKERS = 64  # of the sets of a cell whose ends are looked for at first; then four times as many
 SIDE_BY_SIDE = 16_384  # sets
 NONE = Reason.NONE
+NEARLY = (Reason.ON_EDGE, Reason.AT_SWITCH, Reason.REST_ON_EDGE)  # of an orbit that may be proven from nearer by
 AT_ONCE = (Effort(settle=0.0, patience=4.0, fewest=1024, near=1e-4), EFFORTS[1])
 
 
@@ -36,10 +37,14 @@ class Ends(NamedTuple):
 
 
 class Limits(NamedTuple):
-    """``samples`` that the sets of a cell may take in all, and how many may come to an end that is not proven."""
+    """``samples`` that the sets of a cell may take in all, and how many may come to an end that is not proven.
+
+    ``seekers``: sets of a cell whose ends may be looked for at once.
+    """
 
     samples: int
     unproven: int
+    seekers: int
 
 
 class _Cell:
@@ -87,6 +92,8 @@ class Follower:
         self.wait = np.maximum(64, np.ceil(FIRST * slowest)).astype(np.int64)
         self.budget = np.minimum(65_536, np.ceil(40.0 * slowest)).astype(np.int64) + 16_384
         self.samples = np.zeros(len(self.cells), dtype=np.int64)
+        self.longest = np.zeros(len(self.cells), dtype=np.int64)  # of the periods found
+        self.sought = np.zeros(len(self.cells), dtype=np.int64)  # times that ends were looked for
         self.waiting: list[Front] = []
 
     def follow(self, cell: np.ndarray, x: Array, v: Array, shape: Shape, radius: Array, error: Array) -> list[Ends]:
@@ -149,9 +156,7 @@ class Follower:
             self._end(front, sets[ends >= 0], ends[ends >= 0], left, proven=True)
         return left
 
-    def _end(
-        self, front: Front, sets: np.ndarray, numbers: np.ndarray, left: np.ndarray, *, proven: bool
-    ) -> None:
+    def _end(self, front: Front, sets: np.ndarray, numbers: np.ndarray, left: np.ndarray, *, proven: bool) -> None:
         """Enter the ends of ``sets``, and take them out of those that are ``left``."""
         share = front.shape.share()
         for one, number in zip(sets.tolist(), numbers.tolist(), strict=True):
@@ -187,13 +192,15 @@ class Follower:
         chosen = []
         for cell in np.unique(front.cell[late]):
             mine = late[front.cell[late] == cell]
-            front.since[mine] -= front.wait[mine] // 8 + LOOK
-            chosen.append(mine[np.unique(np.linspace(0, len(mine) - 1, SEEKERS).astype(np.int64))])
+            most = min(self.limits.seekers, SEEKERS * 4 ** int(self.sought[cell]))
+            chosen.append(mine[np.unique(np.linspace(0, len(mine) - 1, most).astype(np.int64))])
+            self.sought[cell] += 1
         sets = np.concatenate(chosen)
         mover = self.mover.take(front.cell[sets])
         found: dict[int, Settled] = {}
         taken = settle(mover, take(front.state, sets), lambda one: found.update({one.lane: one}), self.over, AT_ONCE)
         self.samples += taken // len(sets) * np.bincount(front.cell[sets], minlength=len(self.cells))
+        found = self._proven_at_last(mover, found)
         new: dict[tuple[int, int], Settled] = {}
         for lane, one in sorted(found.items()):
             at, cell = int(sets[lane]), int(front.cell[sets[lane]])
@@ -205,19 +212,37 @@ class Follower:
             again = front.wait[at] > self.wait[cell]
             if again or not any(point.end == number for point in self.captors.points[cell]):
                 new.setdefault((cell, lane if again else -1 - number), one)
-            front.since[at], front.wait[at] = 0, 2 * front.wait[at]
+            self.longest[cell] = max(self.longest[cell], one.period)
+            front.since[at], front.wait[at] = 0, 2 * max(int(front.wait[at]), one.period)
+        # The others wait for what was found, which comes by once a period.
+        front.since[late] = np.minimum(
+            front.since[late], front.wait[late] - np.maximum(self.wait // 8 + LOOK, self.longest)[front.cell[late]]
+        )
         if new:
-            self._enter_orbits(mover, new)
+            some = list(new.values())
+            cells = [cell for cell, _ in new]
+            ends = np.array([self.cells[cell].enter(one) for cell, one in zip(cells, some, strict=True)])
+            for lane, point in _points_of(mover, some, ends, self.counting):
+                self.captors.enter(cells[lane], point)
 
-    def _enter_orbits(self, mover: Mover, new: dict[tuple[int, int], Settled]) -> None:
-        """Enter orbits among what captures; ``new``, by cell and any second number, of lanes of ``mover``."""
-        some = list(new.values())
-        rows = np.stack([one.begin[0] for one in some], axis=1)
-        seen = [one.begin[1] for one in some if one.begin[1] is not None]
-        state = State(rows[0], rows[1], rows[2:], np.stack(seen, axis=1) if seen else None)
-        cells = [cell for cell, _ in new]
-        ends = np.array([self.cells[cell].enter(one) for cell, one in zip(cells, some, strict=True)])
-        at = mover.take(np.array([one.lane for one in some]))
-        period = np.array([one.period for one in some])
-        for lane, point in make_points(at, state, period, ends, at.lanes.beta, self.counting):
-            self.captors.enter(cells[lane], point)
+    def _proven_at_last(self, mover: Mover, found: dict[int, Settled]) -> dict[int, Settled]:
+        """The same ends, but proven where the orbit is, although its trial was too far away to be captured."""
+        lanes = [lane for lane, one in found.items() if one.reason in NEARLY]
+        if not lanes:
+            return found
+        proven = {
+            lane for lane, _ in _points_of(mover, [found[lane] for lane in lanes], np.zeros(len(lanes)), self.counting)
+        }
+        return {
+            **found,
+            **{lane: found[lane]._replace(reason=NONE) for i, lane in enumerate(lanes) if i in proven},
+        }
+
+
+def _points_of(mover: Mover, orbits: list[Settled], ends: np.ndarray, counting: Counting) -> list[tuple[int, Point]]:
+    """Points of orbits, whose lanes are of ``mover``, that are called ``ends``: number of the orbit, and point."""
+    rows = np.stack([one.begin[0] for one in orbits], axis=1)
+    seen = [one.begin[1] for one in orbits if one.begin[1] is not None]
+    state = State(rows[0], rows[1], rows[2:], np.stack(seen, axis=1) if seen else None)
+    at, period = mover.take(np.array([one.lane for one in orbits])), np.array([one.period for one in orbits])
+    return make_points(at, state, period, ends, at.lanes.beta, counting)

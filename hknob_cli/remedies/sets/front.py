@@ -37,11 +37,7 @@ class Front:
     def take(self, sets: np.ndarray) -> "Front":
         """Some of them, by index; copies."""
         return Front(
-            **{
-                one.name: getattr(self, one.name)[sets]
-                for one in fields(self)
-                if one.name not in ("state", "shape")
-            },
+            **{one.name: getattr(self, one.name)[sets] for one in fields(self) if one.name not in ("state", "shape")},
             state=take(self.state, sets),
             shape=self.shape.take(sets),
         )
@@ -85,7 +81,7 @@ class Cutter:
         The index is of each set that is now, of the one that it was.
         """
         state, reach = front.state, front.radius + front.error
-        of, fresh, count = self._parted(front, 0.0, state.x, state.x, reach, radius=True)
+        of, fresh, count = self._parted(front, 0.0, state.x, reach, radius=True)
         if fresh is None:
             return replace(front, count=count), np.arange(len(front))
         self._centre(fresh)
@@ -94,22 +90,22 @@ class Cutter:
         return whole, of
 
     def _parted(
-        self, front: Front, after: float, at: Array, rounded: Array, reach: Array, *, radius: bool
+        self, front: Front, after: float, at: Array, reach: Array, *, radius: bool
     ) -> tuple[np.ndarray, Front | None, Array]:
         """Counts of all sets where their centres are ``at``; those with several as parts of one count each, at the end.
 
         Which set each is of, the parts if any, and the counts.
         """
-        counting, shape = self.counting, front.shape
-        low, high = counting.count(at - reach), counting.count(at + reach)
+        count_at, shape = self.counting.at, front.shape
+        low, high = count_at(at - reach), count_at(at + reach)
         every = np.arange(len(front))
         met = np.flatnonzero(low != high)
         if met.size == 0:
             return every, None, low
         least, most = shape.extent(met, after)
-        slack = front.error[met] + shape.blur(met) + 8.0 * EPSILON * (np.abs(rounded[met]) + 1.0)
+        slack = front.error[met] + shape.blur(met) + 8.0 * EPSILON * (np.abs(at[met]) + 1.0)
         count = low
-        first, last = counting.count(at[met] + least - slack), counting.count(at[met] + most + slack)
+        first, last = count_at(at[met] + least - slack), count_at(at[met] + most + slack)
         count[met] = first
         if radius:
             front.radius[met] = np.minimum(front.radius[met], shape.radius(met))
@@ -143,7 +139,7 @@ class Cutter:
 
         ``mover`` has a lane for each set.
         """
-        before = front.state
+        before, radius = front.state, front.radius
         step = mover.step(before, front.count)
         beta = mover.lanes.beta
         front = replace(
@@ -157,17 +153,24 @@ class Cutter:
         if step.looked is None:
             front.shape.advance()
             return front, np.arange(len(front))
-        return self._look(front, step.looked)
+        return self._look(front, step.looked, radius)
 
-    def _look(self, front: Front, looked: Array) -> tuple[Front, np.ndarray]:
-        """The counts at the looks of an interval, one look after the other; then on to the next sample."""
+    def _look(self, front: Front, looked: Array, radius: Array) -> tuple[Front, np.ndarray]:
+        """The counts at the looks of an interval, one look after the other; then on to the next sample.
+
+        ``looked``: positions of centres, (looks, sets); ``radius`` at the sample before.
+        """
         origin, parted = np.arange(len(front)), np.zeros(len(front), dtype=bool)
-        reach_of = front.radius / self._decay[front.cell]  # at the sample before
-        for k, after in enumerate(self.mover.remedy.looks):
-            of, fresh, count = self._parted(front, after, looked[k], looked[k], reach_of + front.error, radius=False)
+        seen, room = front.state.seen, radius + front.error
+        assert seen is not None
+        seen[:] = self.counting.at(looked - room)
+        met = (seen != self.counting.at(looked + room)).any(axis=1)
+        for k in np.flatnonzero(met):
+            after = self.mover.remedy.looks[k]
+            of, fresh, count = self._parted(front, after, looked[k], radius + front.error, radius=False)
             if fresh is not None:
                 front = front.take(of[: len(of) - len(fresh)]).join(fresh)
-                origin, looked, reach_of = origin[of], looked[:, of], reach_of[of]
+                origin, looked, radius = origin[of], looked[:, of], radius[of]
                 parted = np.concatenate([parted[of[: len(of) - len(fresh)]], np.ones(len(fresh), dtype=bool)])
             assert front.state.seen is not None
             front.state.seen[k] = count

@@ -30,13 +30,13 @@ class Plants:
         if most > known:
             more = [[self._one(i, float(n)) for n in range(known, 2 * most)] for i in range(len(self.alpha))]
             self._powers = np.concatenate([self._powers, np.array(more)], axis=1)
-        return self._powers[cell, samples].T
+        return np.asarray(self._powers[cell, samples].T)
 
     def within(self, cell: np.ndarray, after: float) -> Array:
         """S, G, F of each over a part of a sample, (3, lanes)."""
         if after not in self._parts:
             self._parts[after] = np.array([self._one(i, after) for i in range(len(self.alpha))])
-        return self._parts[after][cell].T
+        return np.asarray(self._parts[after][cell].T)
 
     def _one(self, cell: int, time: float) -> tuple[float, float, float]:
         found: tuple[float, float, float] = hold_coefficients(float(self.alpha[cell]), float(self.beta[cell]), time)
@@ -79,7 +79,7 @@ class Polygons:
 
     def blur(self, sets: np.ndarray) -> Array:
         """Rounding of the free response."""
-        return self.plants.blur[self.cell[sets]] * self.first[sets]
+        return np.asarray(self.plants.blur[self.cell[sets]] * self.first[sets])
 
     def now(self, sets: np.ndarray) -> Array:
         """Corners at this sample, (sets, K, 2)."""
@@ -91,15 +91,15 @@ class Polygons:
     def radius(self, sets: np.ndarray) -> Array:
         """Largest distance of a corner from the centre."""
         found = _farthest(self.now(sets), self.count[sets], self.plants.beta[self.cell[sets]])
-        return np.minimum(found, self.first[sets]) + self.blur(sets)
+        return np.asarray(np.minimum(found, self.first[sets]) + self.blur(sets))
 
     def _places(self, sets: np.ndarray, corners: Array, after: float) -> Array:
         """Positions of corners a part of a sample on, (sets, K)."""
         if after == 0.0:
-            return corners[:, :, 0]
+            return np.asarray(corners[:, :, 0])
         s, g, _ = self.plants.within(self.cell[sets], after)[:, :, None]
         beta = self.plants.beta[self.cell[sets]][:, None]
-        return corners[:, :, 0] + (s * corners[:, :, 1] - beta * g * corners[:, :, 0])
+        return np.asarray(corners[:, :, 0] + (s * corners[:, :, 1] - beta * g * corners[:, :, 0]))
 
     def extent(self, sets: np.ndarray, after: float) -> tuple[Array, Array]:
         """Least and largest position less the centre's."""
@@ -143,7 +143,9 @@ def box_polygons(plants: Plants, wide: Array, fast: Array) -> Polygons:
     corners[:, :4, 0] = np.stack([-wide, wide, wide, -wide], axis=1)
     corners[:, :4, 1] = np.stack([-fast, -fast, fast, fast], axis=1)
     count = np.full(len(wide), 4)
-    return Polygons(plants, np.arange(len(wide)), corners, count, np.zeros(len(wide), dtype=np.int64), np.ones(len(wide)))
+    return Polygons(
+        plants, np.arange(len(wide)), corners, count, np.zeros(len(wide), dtype=np.int64), np.ones(len(wide))
+    )
 
 
 def clip(corners: Array, count: np.ndarray, places: Array, limit: Array) -> tuple[Array, np.ndarray]:

@@ -1,4 +1,4 @@
-"""From cells of a grid to sets of starts under a controller: every clock phase of one start, or every state of a box."""
+"""From cells of a grid to their starts under a controller: every clock phase of one, or every state of a box."""
 
 from collections.abc import Callable, Sequence
 
@@ -14,14 +14,15 @@ from hknob_cli.remedies.sets.polygons import Plants, box_polygons
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.plan import Starts
 
-ARCS = Limits(samples=100_000_000, unproven=100_000)
-BOXES = Limits(samples=20_000_000, unproven=64)
+ARCS = Limits(samples=20_000_000, unproven=16_384, seekers=4096)
+BOXES = Limits(samples=100_000_000, unproven=256, seekers=64)
 
 
-def follows_sets(remedy: Remedy, lanes: Lanes) -> bool:
-    """Whether sets of starts can be followed: counts alone are read, all is affine, and each knob is damped and held."""
-    drawn = bool((lanes.alpha > 0.0).all() and (lanes.beta > 0.0).all())
-    return drawn and remedy.provable and not remedy.senses_speed
+def followable(remedy: Remedy, lanes: Lanes) -> np.ndarray:
+    """Lanes of which sets of starts can be followed: counts alone are read, all is affine, the knob damped and held."""
+    if not remedy.provable or remedy.senses_speed:
+        return np.empty(0, dtype=np.int64)
+    return np.flatnonzero((lanes.alpha > 0.0) & (lanes.beta > 0.0))
 
 
 def follow_starts(
