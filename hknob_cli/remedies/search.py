@@ -28,7 +28,8 @@ class Settled(NamedTuple):
 
     ``lane``: one of them; ``trials`` how many, or what share of all starts; ``period`` in samples, 0 where nothing
     repeats; ``x``, ``v`` (n m + 1), ``drive`` (n m): the motion over a period, or over a window where nothing repeats,
-    in the m parts of each interval; ``begin``: position, velocity and memory at its first sample, and the counts at the looks before.
+    in the m parts of each interval; ``begin``: position, velocity and memory at its first sample, and the counts at the
+    looks before.
     """
 
     lane: int
