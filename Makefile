@@ -10,10 +10,10 @@ SEED ?= 1000000
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help fuzz sweep paper ladder maps smoke test long firmware lint schemas compare bench clean
+.PHONY: help fuzz sweep every-start paper ladder maps smoke test long firmware lint schemas compare bench clean
 
 help: ## this list
-	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-10s %s\n", $$1, $$2}'
+	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-11s %s\n", $$1, $$2}'
 
 $(VENV)/.made:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "hknob needs Python 3.11 or newer, found " + sys.version.split()[0] + "; choose one with make PYTHON=...")'
@@ -33,6 +33,9 @@ $(VENV)/.dev: $(VENV)/.made pyproject.toml constraints.txt
 
 sweep: $(VENV)/.run ## the 7x7 grid of sample rate and encoder resolution: table, files, picture
 	@$(BIN)/hknob sweep experiments/hand_on_knob.yaml --plot --out $(OUT)/hand-on-knob
+
+every-start: $(VENV)/.run ## that grid from every start within 50 mrad and 5 rad/s: all limit cycles there are, proven
+	@$(BIN)/hknob sweep experiments/every_start.yaml --plot --out $(OUT)/every-start
 
 paper: $(VENV)/.run ## the dissertation, recomputed: every figure and claim on one page; again, only what has changed
 	@$(BIN)/hknob run experiments/dissertation.yaml --out $(OUT)/dissertation

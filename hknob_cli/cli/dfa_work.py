@@ -9,7 +9,7 @@ from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.spec.cells import cells_of
-from hknob_cli.stages import compare
+from hknob_cli.stages import compare, listed
 from hknob_cli.stages.dfa import DfaStage
 
 
@@ -34,7 +34,11 @@ class DfaWork(Work):
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""
-        return {"against_sha256": compare.digest(job.plan.against)} if job.plan.against else {}
+        if not job.plan.against:
+            return {}
+        found = {"against_sha256": compare.digest(job.plan.against)}
+        orbits = listed.digest(job.plan.against) if "sampled" in job.plan.methods else None
+        return {**found, **({"against_orbits_sha256": orbits} if orbits else {})}
 
     def compute(self, job: Job) -> Tables:
         """The tables of `files`."""

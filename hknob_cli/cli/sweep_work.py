@@ -160,7 +160,7 @@ def _trials(job: Job) -> int:
     if job.plan.starts.span:
         from hknob_cli.engine.sets.search import SAMPLED
 
-        return SAMPLED
+        return min(job.plan.starts.random or SAMPLED, SAMPLED)
     return int(job.plan.starts.phases) if job.plan.scene.sampled else 1
 
 

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.lanes import Array, Lanes, flow_over, moved
+from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Cell, Scene, Starts, scene_at
-
-RANDOM = 256  # starts in a box, where they cannot be followed all at once
 
 
 class Batch(NamedTuple):
@@ -24,37 +23,24 @@ class Batch(NamedTuple):
 
 def make_batch(scene: Scene, some: Sequence[Cell], starts: Starts) -> Batch:
     """Lanes of all trials of ``some`` cells. Raises `ComputationError` if a scene's numbers overflow."""
-    knobs, lanes = _knobs(scene, some, starts.phases)
-    x = np.repeat([knob.position(starts.angle) for knob in knobs], starts.phases)
-    v = np.repeat([knob.speed(starts.velocity) for knob in knobs], starts.phases)
-    wait = np.tile((np.arange(starts.phases) + 0.5) / starts.phases, len(knobs))
-    x, v = moved(x, v, -lanes.gamma, lanes.beta, flow_over(lanes, wait))
-    return Batch(knobs, lanes, x, v, np.repeat(np.arange(len(knobs)), starts.phases))
-
-
-def make_random_batch(scene: Scene, some: Sequence[Cell], starts: Starts) -> Batch:
-    """Lanes of trials of ``some`` cells from random starts in the box of ``starts``, `RANDOM` each, the same for all.
-
-    Raises `ComputationError` if a scene's numbers overflow.
-    """
-    assert starts.span
-    knobs, lanes = _knobs(scene, some, RANDOM)
-    low, high, slowest, fastest = starts.span
-    angle, speed = np.random.default_rng(0).uniform((low, slowest), (high, fastest), (RANDOM, 2)).T
-    x = np.concatenate([[knob.position(one) for one in angle] for knob in knobs])
-    v = np.concatenate([[knob.speed(one) for one in speed] for knob in knobs])
-    return Batch(knobs, lanes, x, v, np.repeat(np.arange(len(knobs)), RANDOM))
-
-
-def _knobs(scene: Scene, some: Sequence[Cell], trials: int) -> tuple[tuple[SampledKnob, ...], Lanes]:
-    """The knobs of cells, and their plants, one lane a trial."""
     scenes = [scene_at(scene, cell) for cell in some]
     knobs = tuple(
         sample_knob(one, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         for one, cell in zip(scenes, some, strict=True)
     )
     columns = np.array([_numbers(one, knob) for one, knob in zip(scenes, knobs, strict=True)]).T
-    return knobs, Lanes(*np.repeat(columns, trials, axis=1))
+    lanes = Lanes(*np.repeat(columns, starts.phases, axis=1))
+    cell = np.repeat(np.arange(len(knobs)), starts.phases)
+    if starts.span:  # states at a sample
+        drawn = random_starts(starts)
+        x = np.array([knob.position(angle) for knob in knobs for angle, _ in drawn])
+        v = np.array([knob.speed(velocity) for knob in knobs for _, velocity in drawn])
+        return Batch(knobs, lanes, x, v, cell)
+    x = np.repeat([knob.position(starts.angle) for knob in knobs], starts.phases)
+    v = np.repeat([knob.speed(starts.velocity) for knob in knobs], starts.phases)
+    wait = np.tile((np.arange(starts.phases) + 0.5) / starts.phases, len(knobs))
+    x, v = moved(x, v, -lanes.gamma, lanes.beta, flow_over(lanes, wait))
+    return Batch(knobs, lanes, x, v, cell)
 
 
 def _numbers(scene: Scene, knob: SampledKnob) -> tuple[float, ...]:

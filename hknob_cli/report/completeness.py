@@ -5,13 +5,11 @@ from typing import Any
 from hknob_cli.report.matrix import labels
 from hknob_cli.spec.plan import Starts
 
-RANDOM = 256  # starts of ranges, where a controller keeps them from being followed all at once
-
 
 def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:
     """Of how many cells the list is proven to be complete, and why not of the others, as plain data.
 
-    ``controlled``: whether the wall has a controller.
+    ``controlled``: whether the wall has a controller; of ranges, shares are areas then.
     """
     sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
     return {
@@ -20,8 +18,9 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, contro
         "complete": sum(row["complete"] for row in cells),
         "sampled": len(sampled),
         "phases": starts.phases,
+        "ranged": starts.span is not None,
         "shares_counted": starts.span is not None and not controlled,
-        **({"random_starts": RANDOM} if starts.span is not None and controlled else {}),
+        **({"random": starts.random} if starts.random else {}),
     }
 
 
@@ -32,16 +31,21 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     lines = [f"Complete{where}: {found['starts']} is proven to end in one of these."]
     if complete == 0:
         lines = ["The list is not proven to be complete."]
+    if complete == total and found["ranged"]:
+        lines[0] += " However the knob is let go there, its buzz is no larger than the largest cycle above."
     if left := total - complete - found["sampled"]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
-    if found["sampled"] and found["shares_counted"]:
+    if found["sampled"] and "random" in found:
+        lines.append(
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
+            f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
+        )
+    elif found["sampled"] and found["ranged"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
     elif found["sampled"]:
-        what = (
-            f"{found['random_starts']} random starts" if "random_starts" in found else f"{found['phases']} clock phases"
-        )
         lines.append(
-            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; {what} were sampled there."
+            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
+            f"{found['phases']} clock phases were sampled there."
         )
     if found["shares_counted"] and found["sampled"] < total:
         lines.append("Shares are counted: 4096 random starts, with a standard error of at most 0.8 %.")

@@ -6,6 +6,7 @@ import pyarrow as pa
 
 from hknob_cli.perception.doubt import REDRAWS, doubts
 from hknob_cli.report.matrix import matrix, short
+from hknob_cli.report.ranged import from_where
 from hknob_cli.report.table import table
 from hknob_cli.spec.design_plan import DesignPlan
 from hknob_cli.spec.plan import COUNTS, RATE
@@ -119,6 +120,7 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
     else:
         proof = "every orbit of everyone proven" if chosen["certified"] else _unproven(chosen)
         lines = [f"Cheapest that meets every limit: {name_of(plan, chosen)}", f"  cost {chosen['cost']:g}; {proof}"]
+        lines += [f"  {_extent(chosen)}"] if plan.ranged else []
         if chosen.get("in_domain") is False:
             lines.append(
                 "  WARNING: for some hands its bounded_lag is outside the domain that docs/controllers.md states"
@@ -132,6 +134,7 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
             felt = f"felt {more:+.1f} dB" if more is not None else f"touch {_level(cheaper)}, not {_level(chosen)}"
             lines.append(f"  next cheaper: {name_of(plan, cheaper)}, cost {cheaper['cost']:g}, {felt}")
     lines.append(f"Present design: {name_of(plan, there)}, cost {there['cost']:g}, touch {_level(there)}")
+    lines += [f"  {_extent(there)}"] if plan.ranged else []
     return [*lines, *_how_sure(plan, summary)]
 
 
@@ -171,6 +174,22 @@ def _others_drawn(plan: DesignPlan, summary: Row) -> list[str]:
     if other:
         lines.append(f"    {100 * other['redrawn']:.0f} %: {name_of(plan, other)}, cost {other['cost']:g}")
     return lines
+
+
+def _extent(row: Row) -> str:
+    """How large its largest cycle is, of which starts that is, and what one start ends in."""
+    from_ = from_where(row)
+    whose = {
+        "all": "of every start in the ranges, as is proven",
+        "not all": "of the starts in the ranges whose end is proven",
+    }.get(from_, f"of {from_} random starts in the ranges; others may end in larger ones")
+    return (
+        f"its largest cycle is {_size(row['p2p_max_rad'])}, {whose}; from one start {_size(row['p2p_one_start_rad'])}"
+    )
+
+
+def _size(value: float | None) -> str:
+    return "unbounded" if value is None else "none (at rest)" if value == 0.0 else f"{1e3 * value:.3g} mrad"
 
 
 def _unproven(row: Row) -> str:

@@ -40,7 +40,7 @@ def dfa_text(summary: dict[str, Any]) -> str:
     for method in summary["methods"] if wide else ():
         of = [row for row in rows if row["method"] == method]
         lines += ["", *_method(method, of, wide)]
-    notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary)]
+    notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary), *_listed(rows, list(summary["axes"]))]
     lines += ["", *notes] if notes else []
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]
@@ -128,6 +128,24 @@ def _notes(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
         ]
         notes.append(f"~ outside the domain of {method}: {'; '.join(why)}")
     return notes
+
+
+def _listed(rows: list[dict[str, Any]], axes: list[str]) -> list[str]:
+    """How the cycles found by formula and the complete lists of the sweep agree; nothing without such lists."""
+    some = [row for row in rows if row.get("listed_count") is not None]
+    if not some:
+        return []
+    counts = {tuple(row[axis] for axis in axes): row["listed_count"] for row in some}
+    found = [row["listed"] for row in some if row["listed"] is not None]
+    both, every = sum(found), sum(counts.values())
+    cells = "cell" if len(counts) == 1 else f"{len(counts)} cells"
+    lines = [f"sampled against the complete list{'s' * (len(counts) > 1)} of the {cells}:"]
+    lines.append(f"  {both} of its {len(found)} cycles are listed" + ("" if both == len(found) else ";"))
+    if both < len(found):
+        lines[-1] += f" no start of the sweep ends in the other {len(found) - both}"
+    if both < every:
+        lines.append(f"  the lists have {every - both} more: over more than two levels, or of several turns a period")
+    return lines
 
 
 def statistics_lines(name: str, groups: dict[str, Any]) -> list[str]:

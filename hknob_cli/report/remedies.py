@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
+from hknob_cli.report.ranged import from_where, together
 from hknob_cli.report.remedies_grid import grid_text
 from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 from hknob_cli.report.table import table
@@ -14,6 +15,7 @@ from hknob_cli.report.table import table
 Row = dict[str, Any]
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
 _HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
+_RANGED = ("from", "one start")
 _FELT = ("touch dB", "louder", "by ear")
 
 
@@ -87,6 +89,7 @@ def _together(rows: list[Row]) -> Row:
         "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
         "stiffness_kept": _mean(rows, "stiffness_kept"),
         "knock_ratio": _mean(rows, "knock_ratio"),
+        **(together(rows) if "complete" in rows[0] else {}),
         **({name: _most(rows, name) for name in LEVELS} if LEVELS[0] in rows[0] else {}),
     }
 
@@ -108,7 +111,8 @@ def trial_text(summary: dict[str, Any]) -> str:
     cells = next(iter(summary["grid"].values()))["cells"] // hands
     lines = [f"{summary['name']}: {remedies} remedies, {hands} hands, a grid of {cells} cells{stale}"]
     felt = any(LEVELS[0] in row for rows in summary["cases"].values() for row in rows)
-    heads = (*_HEAD, *(_FELT if felt else ()))
+    ranged = any("complete" in row for rows in summary["cases"].values() for row in rows)
+    heads = (*_HEAD[:1], *(_RANGED if ranged else ()), *_HEAD[1:], *(_FELT if felt else ()))
     for case, rows in summary["cases"].items():
         body = [[row["remedy"], *_line(row, summary["grid"][row["remedy"]], len(heads))] for row in rows]
         lines += ["", f"{case}: of the hand that buzzes most", *table(["", *heads], body, left={0})]
@@ -125,6 +129,11 @@ def trial_text(summary: dict[str, Any]) -> str:
             "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
             "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
         ]
+    if ranged:
+        lines += [
+            "one start: max mrad from 20 mrad, at rest.",
+            "from: all starts of the ranges, none of which ends in a larger cycle; or so many random ones.",
+        ]
     lines += [f"{name}: tuned to {text}" for name, text in summary["tuned"].items()]
     for name, count in summary["outside_domain"].items():
         rows = f"{count} row{'s' if count > 1 else ''}"
@@ -140,11 +149,14 @@ def trial_text(summary: dict[str, Any]) -> str:
 
 
 def _line(row: Row, grid: Row, count: int) -> list[str]:
+    ranged = _starts(row) if "complete" in row else []
     if row["p2p_max_rad"] is None:
-        return ["diverges", *[""] * 5, _times(grid["ratio_median"]), *[""] * (count - 7)]
+        blank = [*ranged, *[""] * 5, _times(grid["ratio_median"])]
+        return ["diverges", *blank, *[""] * (count - 1 - len(blank))]
     rests = row["p2p_max_rad"] == 0.0
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
+        *ranged,
         "" if rests else short(row["frequency_at_max_hz"]),
         "rest" if rests else "starts" if row["ratio_least"] == 0.0 else _times(row["ratio_least"]),
         "" if rests else short(1e3 * row["p2p_rad"]),
@@ -154,6 +166,12 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
         f"{100 * row['certified_fraction']:.0f}",
         *(decibel(row[name], signed=name != "touch_db") for name in LEVELS if name in row),
     ]
+
+
+def _starts(row: Row) -> list[str]:
+    """The largest from one start, and how many starts the largest of all is of."""
+    single = row["p2p_one_start_rad"]
+    return [from_where(row), "-" if single is None else "rest" if single == 0.0 else short(1e3 * single)]
 
 
 def _times(value: float | None) -> str:

@@ -64,6 +64,11 @@ EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
 )
+RANGED = (
+    Column("complete", _FLAG, "", "whether every start of the ranges is proven to end in a cycle that counts here"),
+    Column("random_starts", _WHOLE, "1", "starts drawn from the ranges, and simulated; null where all were followed"),
+    Column("p2p_one_start_rad", _REAL, "rad", "p2p_max_rad from one start, 20 mrad and at rest, at 16 clock phases"),
+)
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),
     Column("growth_std_j_per_s2", _REAL, "J/s^2", "standard deviation of the coefficient over the trials"),

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pyarrow as pa
 
-from hknob_cli.results.columns import Column, axis_column
+from hknob_cli.results.columns import RANGED, Column, axis_column
 from hknob_cli.results.perceived_columns import STEP_DB
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
@@ -54,12 +54,18 @@ DOMAIN = Column(
 
 
 def design_columns(
-    choices: Sequence[tuple[str, str]], *, gained: bool, drawn: bool = False, domain: bool = False
+    choices: Sequence[tuple[str, str]],
+    *,
+    gained: bool,
+    drawn: bool = False,
+    domain: bool = False,
+    ranged: bool = False,
 ) -> tuple[Column, ...]:
     """All columns, with one for each choice (name, unit).
 
-    ``gained``: with a sound gain; ``drawn``: people are drawn from a population; ``domain``: a controller has one.
+    ``gained``: with a sound gain; ``drawn``: people are drawn from a population; ``domain``: a controller has one;
+    ``ranged``: starts are ranges.
     """
     axes = [axis_column(name, unit) for name, unit in choices]
-    more = [*([REDRAWN] if drawn else []), *([DOMAIN] if domain else [])]
+    more = [*([REDRAWN] if drawn else []), *([DOMAIN] if domain else []), *(RANGED if ranged else [])]
     return (REMEDY, *axes, COST, *MOTION, *([HEARING_DB] if gained else []), *PEOPLE, *VERDICT, *more)

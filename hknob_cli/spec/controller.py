@@ -92,6 +92,11 @@ class ControllerSpec(Part):
         _UNLESS.time_constant
     )
 
+    @property
+    def counts_alone(self) -> bool:
+        """Whether what it remembers and commands follows from the encoder's counts, exactly."""
+        return self.velocity == "differenced" and self.estimate == "last"
+
     def plain(self) -> Controller:
         """The controller as plain values."""
         return Controller(**dict(self))

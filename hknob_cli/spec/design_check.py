@@ -16,6 +16,7 @@ from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Axes, Hand, SweepPlan
 from hknob_cli.spec.remedies import beyond, misfit, sets
 from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
+from hknob_cli.spec.starts import with_random
 
 MOST_DESIGNS = 20_000
 
@@ -150,7 +151,7 @@ def _candidate(source: Source, spec: DesignSpec, name: str) -> Candidate:
     values = {
         "kind": "sweep",
         "name": spec.name,
-        **source.value["base"],
+        **with_random(source.value["base"]),
         "grid": grid,
         "perceive": source.value["perceive"],
         **people,

@@ -82,6 +82,11 @@ class DesignPlan(NamedTuple):
         return not isinstance(self.values["people"], list)
 
     @property
+    def ranged(self) -> bool:
+        """Whether every start in a range is meant."""
+        return self.candidates[0].sweep.starts.span is not None
+
+    @property
     def perceive(self) -> Perceive:
         """How levels are judged."""
         how: Perceive = self.candidates[0].sweep.perceive

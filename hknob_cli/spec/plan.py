@@ -115,7 +115,8 @@ class Starts(NamedTuple):
 
     ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
     the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
-    velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start.
+    velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start. ``random``:
+    how many of them are drawn where they cannot be followed all at once; 0: a scene for which that is so is refused.
     """
 
     angle: float
@@ -123,6 +124,10 @@ class Starts(NamedTuple):
     phases: int
     sampled: bool = True
     span: tuple[float, float, float, float] | None = None
+    random: int = 0
+
+
+BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
 
 
 class Pulse(NamedTuple):

@@ -23,6 +23,7 @@ from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy, Tuned
 from hknob_cli.spec.scene import Part
 from hknob_cli.spec.scene_paths import scalar_field, scalar_paths
 from hknob_cli.spec.source import Path_, Source
+from hknob_cli.spec.starts import with_random
 from hknob_cli.spec.sweep import MOST_ROWS, Name
 
 # Where what a derived sweep is made of stands in the spec.
@@ -102,7 +103,7 @@ def validate_remedies(source: Source) -> RemediesPlan:
         raise SpecError(faults_of(source, RemediesSpec, error)) from None
     faults = _contradictions(source, spec)
     felt = {"perceive": source.value["perceive"]} if spec.perceive else {}
-    base = {"kind": "sweep", "name": spec.name, **source.value["base"], **felt}
+    base = {"kind": "sweep", "name": spec.name, **with_random(source.value["base"]), **felt}
     axes: set[str] = set()
     if not faults:
         axes = set(derived_sweep(source, base, PLACES).axes)  # faults of the base alone are said once

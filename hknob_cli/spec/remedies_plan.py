@@ -62,6 +62,11 @@ class RemediesPlan(NamedTuple):
         return {name: unit for name, unit in self.further.items() if len(grid.axes[name]) > 1}
 
     @property
+    def ranged(self) -> bool:
+        """Whether every start in a range is meant."""
+        return self.remedies[0].grid.starts.span is not None
+
+    @property
     def perceive(self) -> Perceive | None:
         """How levels are judged, where they are asked for."""
         how: Perceive | None = self.remedies[0].grid.perceive

@@ -138,9 +138,12 @@ class SweepSpec(Part):
         found: list[tuple[tuple[str, ...], str]] = []
         if self.growth:
             found += growth_faults(self.scene, axes)
+        found += self.starts.faults()
         if self.starts.spans:
-            found += self.starts.faults()
-            found += span_faults(self.scene, axes, population=self.population is not None)
+            drawn = self.starts.random is not None
+            found += span_faults(self.scene, axes, population=self.population is not None, random=drawn)
+            if drawn and self.basins:
+                found.append((("starts", "random"), "must be absent where basins are mapped: a map is of every start"))
             why = "must be absent where starts are a range"
             found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
         if self.basins and not self.starts.spans:

@@ -10,6 +10,7 @@ from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
+from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
 from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 
@@ -77,7 +78,16 @@ def group_of(scene: Scene) -> str:
 def engine_group(plan: SweepPlan, scene: Scene) -> str:
     """Group of engine functions that a cell of a sweep takes: of a plain scene by whether all starts are meant."""
     group = group_of(scene)
-    return "sets" if group == "plain" and not plan.starts.sampled else group
+    if group != "plain" or plan.starts.sampled:
+        return group
+    return "general" if plan.starts.random and not _follows_boxes(scene) else "sets"
+
+
+def _follows_boxes(scene: Scene) -> bool:
+    """Whether ranges of starts of a plain scene are followed as sets: without a delay, damped, and held by a spring."""
+    late = scene.actuator is not None and scene.actuator.delay_samples > 0.0
+    hand = scene.hand or Hand()
+    return not late and scene.knob.damping + hand.damping > 0.0 and hand.stiffness > 0.0
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
@@ -92,7 +102,7 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
         return group, phases * UNKNOWN
     loop = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell.get(COUNTS, 1))).loop
     rate = slowest_rate(loop.alpha, loop.beta)
-    if plan.starts.span:
+    if group == "sets" and plan.starts.span:
         return group, BOXED
     return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
@@ -185,11 +195,16 @@ class CellFinder:
         if self._general is None:
             self._general = GeneralEngine(self.functions.get("general"), self.stopped)
         self._general.patience = self.patience("general")
+        start, several = knob.start(plan.starts.angle, plan.starts.velocity), None
+        if plan.starts.span:
+            several = [knob.start(*one) for one in random_starts(plan.starts)]
+            start = [max(map(abs, values)) for values in zip(*several, strict=True)]
         try:
             search = self._general.search(
                 knob.body,
                 knob.wall,
-                knob.start(plan.starts.angle, plan.starts.velocity),
+                start,
+                several=several,
                 rate=knob.rate,
                 phases=plan.starts.phases,
                 delay_line=knob.delay_line,

@@ -108,8 +108,7 @@ class Against:
             raise UsageError(f"against: {path} has no cell of this grid")
 
     def _key(self, cell: Cell) -> tuple[str, ...]:
-        """Axis values to 12 digits: grids written in two ways meet."""
-        return tuple(f"{cell[axis]:.12g}" for axis in self._axes)
+        return key_of(cell, self._axes)
 
     def partners(self, cells: Iterable[Cell]) -> int:
         """How many of these cells the sweep has, too."""
@@ -130,6 +129,11 @@ class Against:
             "amplitude_difference": _relative(None if p2p_rad is None else 0.5 * p2p_rad, p2p),
             "frequency_difference": _relative(frequency_hz, frequency),
         }
+
+
+def key_of(cell: Cell, axes: Iterable[str]) -> tuple[str, ...]:
+    """Axis values to 12 digits: grids written in two ways meet."""
+    return tuple(f"{cell[axis]:.12g}" for axis in axes)
 
 
 def overlap(folder: str, axes: Axes, cells: Cells) -> dict[str, int]:

@@ -100,6 +100,7 @@ class DesignStage:
             gained=self.plan.perceive.sound_gain is not None,
             drawn=self.plan.drawn,
             domain=any(has_domain(one.sweep.scene) for one in self.plan.candidates),
+            ranged=self.plan.ranged,
         )
         return build_table(columns, rows)
 

@@ -12,6 +12,7 @@ from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.cell import CellResult
 from hknob_cli.stages.design_space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain
+from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table
 
@@ -28,6 +29,7 @@ class Evaluator:
         how = plan.perceive._replace(others=self.others)
         sweeps = [one.sweep._replace(perceive=how) for one in plan.candidates]
         self._stages = [SweepStage(sweep, jobs=jobs, notify=notify) for sweep in sweeps]
+        self._singles = [SweepStage(one_start(sweep), jobs=jobs, notify=notify) for sweep in sweeps if plan.ranged]
         self._presses = [SweepStage(_press(one), jobs=jobs, notify=notify) for one in plan.candidates]
 
     def evaluate(self, some: Sequence[Design]) -> list[tuple[Rows, float]]:
@@ -42,6 +44,10 @@ class Evaluator:
             results = list(stage.find(cells))
             found_rows = cells_table(stage.plan, results).to_pylist()
             rows = [self._person(row, one, stage.plan.scene) for row, one in zip(found_rows, results, strict=True)]
+            if self.plan.ranged:
+                for row, single in zip(rows, self._singles[i].find(cells), strict=True):
+                    row |= extent(row, stage.plan)
+                    row["p2p_one_start_rad"] = sizes_of_result(single).p2p_max_rad
             stiffness = self._stiffness(i, candidate, cells)
             for j, design in enumerate(mine):
                 part = slice(j * self.plan.people, (j + 1) * self.plan.people)
@@ -113,7 +119,7 @@ def _press(candidate: Candidate) -> Any:
     plan = candidate.sweep
     return plan._replace(
         scene=plan.scene._replace(bias=Bias(torque=0.0)),
-        starts=plan.starts._replace(phases=1),
+        starts=one_start(plan).starts._replace(phases=1),
         axes={**plan.axes, PUSH: [0.0]},
         units={**plan.units, PUSH: "N*m"},
         perceive=None,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
+from hknob_cli.report.ranged import together
 from hknob_cli.spec.design_plan import DesignPlan, Limit
 
 Rows = Sequence[dict[str, Any]]
@@ -67,6 +68,7 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
         "certified": all(one["certified_fraction"] == 1.0 for one in rows),
         "feasible": not fails,
         "fails": ", ".join(f"{name} {text}" for name, text in fails.items()),
+        **(together(list(rows)) if plan.ranged else {}),
     }
     return Judged(
         row=row, fails=fails, felt_db=found["touch_db"], asked=asked_of, others=_by_other_sets(plan, rows, present)

@@ -12,7 +12,7 @@ from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan, scene_at
-from hknob_cli.stages import compare
+from hknob_cli.stages import compare, listed
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
 
@@ -41,17 +41,21 @@ class DfaStage:
         self.plan = plan
         self.notify = notify
         self.against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
+        self.lists: listed.Lists | None = None
+        if plan.against and "sampled" in plan.methods:
+            self.lists = listed.Lists(plan.against, list(plan.axes), plan.scene)
         self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
 
     def run(self, progress: Progress = lambda _done, _total: None) -> pa.Table:
         """Rows for every cell, method and cycle; ``progress`` is told of the cells. Raises `ComputationError`."""
         columns = [axis_column(name, self.plan.units[name]) for name in self.plan.axes]
         columns += [*COLUMNS, *(SAMPLED if "sampled" in self.plan.methods else ())]
+        columns += listed.COLUMNS if self.lists and self.lists.any else ()
         columns += compare.COLUMNS if self.against else ()
         return build_table(columns, list(self._rows(progress)))
 
     def _rows(self, progress: Progress) -> Iterator[dict[str, Any]]:
-        blank = {column.name: None for column in (*COLUMNS, *SAMPLED)}
+        blank = {column.name: None for column in (*COLUMNS, *SAMPLED, *listed.COLUMNS)}
         every = cells_of(self.plan)
         for done, cell in enumerate(every):
             progress(done, len(every))
@@ -59,8 +63,10 @@ class DfaStage:
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
             for method in self.plan.methods:
                 found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method))
+                found = [{**blank, **row} for row in found]
+                if method == "sampled" and self.lists:
+                    self.lists.mark(cell, found)
                 for number, row in enumerate(found):
-                    row = {**blank, **row}
                     if row["p2p_rad"] is not None:
                         row["amplitude_rad"] = 0.5 * row["p2p_rad"]
                     beside = (

@@ -13,7 +13,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
 from hknob_cli.remedies.catalogue import make_remedy
-from hknob_cli.remedies.cells import make_batch, make_random_batch
+from hknob_cli.remedies.cells import make_batch
 from hknob_cli.remedies.remedy import Remedy
 from hknob_cli.remedies.search import Settled, search
 from hknob_cli.remedies.sets.starts import follow_starts, followable
@@ -62,7 +62,7 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
     found: dict[int, CellResult] = {}
     if not plan.starts.sampled:
-        batch = make_batch(plan.scene, some, plan.starts._replace(phases=1))
+        batch = make_batch(plan.scene, some, plan.starts._replace(phases=1, span=None))
         at = followable(remedy, batch.lanes)
         if at.size:
             knobs = [batch.knobs[i] for i in at]
@@ -79,13 +79,12 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
 
 def _sampled(plan: SweepPlan, remedy: Remedy, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
     """Results of cells by trials: from phases of one start, or from random starts in a box."""
-    batch = (make_random_batch if plan.starts.span else make_batch)(plan.scene, some, plan.starts)
+    batch = make_batch(plan.scene, some, plan.starts._replace(random=plan.starts.phases))
     ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, over)
-    found = [
+    return [
         _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
         for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))
     ]
-    return [one._replace(undecided=1.0) for one in found] if plan.starts.span else found
 
 
 def _result(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import Column, axis_column
+from hknob_cli.results.columns import RANGED, Column, axis_column
 from hknob_cli.results.remedy_columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED
 from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import PERSON
@@ -126,7 +126,8 @@ class RemediesStage:
         """Columns for the domain of controllers, where one has a domain, and for what is tuned."""
         stated = any(has_domain(one.grid.scene) for one in self.plan.remedies)
         tunes = any(one.tuned for one in self.plan.remedies)
-        return (*([TUNED] if tunes else []), *([DOMAIN] if stated else []))
+        ranged = RANGED if self.plan.ranged else ()
+        return (*ranged, *([TUNED] if tunes else []), *([DOMAIN] if stated else []))
 
 
 def _rows(plan: RemediesPlan, task: Task) -> Rows:

@@ -7,6 +7,7 @@ from hknob_cli.spec.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_a
 from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
+from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.remedy_levels import level_columns
 from hknob_cli.stages.sweep import SweepStage
@@ -38,12 +39,9 @@ def case_rows(plan: RemediesPlan, remedy: Remedy, case: int) -> Rows:
 
 
 def _swept(plan: RemediesPlan, sweep: SweepPlan) -> Rows:
-    tables = SweepStage(sweep, jobs=1).run()
+    rows, orbits = _cells(sweep)
     axes = list(sweep.axes)
-    orbits: dict[tuple[Any, ...], Rows] = {}
-    for row in tables.orbits.to_pylist():
-        orbits.setdefault(tuple(row[name] for name in axes), []).append(row)
-    rows = tables.cells.to_pylist()
+    single = _cells(one_start(sweep))[1] if sweep.starts.span else {}
     scenes = [scene_at(sweep.scene, {name: row[name] for name in axes}) for row in rows]
     kept = [name for name in axes if name != PERSON]
     names = [*kept, *SHARES, *(one.name for one in level_columns(plan) if rows and one.name in rows[0])]
@@ -52,15 +50,30 @@ def _swept(plan: RemediesPlan, sweep: SweepPlan) -> Rows:
             "hand": plan.hands[row[PERSON] - 1],
             **{name: row[name] for name in names},
             **sizes_of_rows(orbits[tuple(row[name] for name in axes)])._asdict(),
+            **(_beside(row, sweep, single[tuple(row[name] for name in axes)]) if single else {}),
             "in_domain": in_domain(scene),
         }
         for row, scene in zip(rows, scenes, strict=True)
     ]
 
 
+def _cells(sweep: SweepPlan) -> tuple[Rows, dict[tuple[Any, ...], Rows]]:
+    """Rows of the cells, and those of their orbits by the cell's values on the axes."""
+    tables = SweepStage(sweep, jobs=1).run()
+    orbits: dict[tuple[Any, ...], Rows] = {}
+    for row in tables.orbits.to_pylist():
+        orbits.setdefault(tuple(row[name] for name in sweep.axes), []).append(row)
+    return tables.cells.to_pylist(), orbits
+
+
+def _beside(row: Row, sweep: SweepPlan, single: Rows) -> Row:
+    """Of which starts the largest cycle of a cell is, and the largest from one start."""
+    return {**extent(row, sweep), "p2p_one_start_rad": sizes_of_rows(single).p2p_max_rad}
+
+
 def _depths(plan: RemediesPlan, sweep: SweepPlan, torque: float) -> list[float]:
     """Angle about which each hand's knob ends under a steady push, rad: the middle of its motion."""
-    pushed = sweep._replace(scene=sweep.scene._replace(bias=Bias(torque=torque)), perceive=None)
+    pushed = one_start(sweep)._replace(scene=sweep.scene._replace(bias=Bias(torque=torque)))
     orbits = SweepStage(pushed, jobs=1).run().orbits.to_pylist()
     found = []
     for person in range(1, len(plan.hands) + 1):

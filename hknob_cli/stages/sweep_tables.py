@@ -59,7 +59,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
         if plan.starts.span:
-            more["undecided_fraction"] = [one.undecided for one in results]
+            more["undecided_fraction"] = [_undecided(one) for one in results]
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row
@@ -196,6 +196,14 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
         return nan
     stiffness = scene_at(plan.scene, result.cell).wall.stiffness
     return step_db(plan.perceive, stiffness=stiffness, counts=int(result.cell[COUNTS]))
+
+
+def _undecided(result: CellResult) -> float:
+    """Bound on the share of starts without a proven end; where some were drawn, the share of those."""
+    if result.undecided is not None:
+        return result.undecided
+    unknown = sum(one.trials for one in result.attractors if one.outcome is Outcome.UNDECIDED)
+    return unknown / sum(one.trials for one in result.attractors)
 
 
 def _has_friction(plan: SweepPlan) -> bool:

@@ -4,17 +4,20 @@ Unlike `relay`, nothing is approximated: the zero-order hold, the sampling and t
 out is only the choice between orbits that a trial's start makes, and cycles over more than two levels or several turns.
 """
 
-from math import ceil, floor, sqrt
+from math import ceil, floor, pi, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hknob_cli.engine.loop import Loop, drive_of
+from hknob_cli.engine.propagator import hold_coefficients
 
 MOST_PAIRS = 20_000_000
 CAPACITY = 512
 _SHALLOW = 12.0  # jumps above the wall's edge that the mean of a cycle may reach
-_DEEPEST = 400  # levels apart
+_DEEPEST = 10_000  # levels apart
+_GUESSED = 400  # levels apart, where no bound is known
+_LONGEST = 1000  # samples on one side, for which the depths of cycles are worked out
 
 
 class SampledCycle(NamedTuple):
@@ -34,23 +37,63 @@ class SampledCycle(NamedTuple):
     lower: int
 
 
-def level_pairs(loop: Loop) -> list[tuple[int, int]]:
+def level_pairs(loop: Loop, *, delayed: bool = False) -> list[tuple[int, int]]:
     """Pairs of an upper and a lower level between which torque turns the knob back on both sides.
 
     Levels further apart than one are taken together only by a knob fast enough to jump over those between, and turned
-    back within a count all the same: (d - 1)^2 / (2 kappa d) < 1 + d asks for kappa > 1/4.
+    back within a count all the same: (d - 1)^2 / (2 kappa d) < 1 + d asks for kappa > 1/4. ``delayed``: whether the
+    torque is; then, and for an overdamped plant, how far apart they may be is a guess.
     """
     if loop.kappa == 0.0 or loop.beta + loop.gamma == 0.0:
         return []
     rest = -(loop.gamma / (loop.kappa + loop.beta))
     uppers = {q for q in range(floor(rest) - 2, ceil(rest) + 3) if q <= 0} | {0}
-    deepest = 1 if loop.kappa < 0.25 else min(_DEEPEST, int(20 - 10 * rest))
     return [
-        (upper, lower)
+        (upper, upper - depth)
         for upper in sorted(uppers, reverse=True)
-        for lower in range(upper - 1, upper - deepest - 1, -1)
-        if drive_of(float(upper), loop) < loop.beta * (upper + 1.0) and drive_of(float(lower), loop) > loop.beta * lower
+        for depth in _depths(loop, upper, rest, delayed=delayed)
+        if drive_of(float(upper), loop) < loop.beta * (upper + 1.0)
+        and drive_of(float(upper - depth), loop) > loop.beta * (upper - depth)
     ]
+
+
+def _depths(loop: Loop, upper: int, rest: float, *, delayed: bool) -> list[int]:
+    """How many levels below ``upper`` the other level of a cycle can be, ascending.
+
+    Under a constant torque the knob stays on one side of its place of rest for at most half a turn of the plant, which
+    bounds the samples inside and outside. For given numbers of them all positions are linear in the depth, and that the
+    first and the last sample inside see the lower level leaves a range of depths.
+    """
+    if loop.kappa < 0.25:
+        return [1]
+    turn = sqrt(max(loop.beta - 0.25 * loop.alpha * loop.alpha, 0.0))
+    if delayed or not pi / _LONGEST < turn < pi:
+        return list(range(1, min(_GUESSED, int(20 - 10 * rest)) + 1))
+    most = 2 + int(pi / turn)
+    s, g, f = np.array([hold_coefficients(loop.alpha, loop.beta, float(t)) for t in range(2 * most + 1)]).T
+    inside, outside = (one.ravel() for one in np.meshgrid(np.arange(1, most + 1), np.arange(1, most + 1)))
+    n = inside + outside
+    # The periodic motion under a unit torque inside and none outside, at its first sample inside and at the last.
+    zx = g[inside] - loop.beta * g[outside] * g[inside] + s[outside] * s[inside]
+    zv = f[outside] * s[inside] - loop.beta * s[outside] * g[inside]
+    p = loop.beta * g[n]
+    q = p + loop.alpha * s[n]
+    det = p * q + loop.beta * s[n] * s[n]
+    x, v = (q * zx + s[n] * zv) / det, (p * zv - loop.beta * s[n] * zx) / det
+    last = inside - 1
+    low, high = np.ones(len(n)), np.full(len(n), float(_DEEPEST))
+    for at in (x, x + s[last] * v + g[last] * (1.0 - loop.beta * x)):
+        slope = loop.kappa * at + 1.0
+        shift = loop.kappa * loop.offset * at if upper == 0 else 0.0
+        level = upper - drive_of(float(upper), loop) / loop.beta + shift
+        with np.errstate(divide="ignore"):
+            ends = (level - 1.0) / slope, (level + 1.0) / slope  # a count to both sides, however the encoder rounds
+        low, high = np.maximum(low, np.minimum(*ends)), np.minimum(high, np.maximum(*ends))
+    some = low <= high
+    found: set[int] = set()
+    for first, final in zip(low[some], high[some], strict=True):
+        found.update(range(ceil(first), floor(final) + 1))
+    return sorted(found)
 
 
 def _bounds(loop: Loop, upper: int, lower: int, delay: float) -> tuple[int, int]:
@@ -81,7 +124,7 @@ def sampled_cycles(loop: Loop, *, delay_line: int, functions: dict[str, Any]) ->
     whole = max(0, delay_line - 1)
     found: list[SampledCycle] = []
     pairs = 0
-    for upper, lower in level_pairs(loop):
+    for upper, lower in level_pairs(loop, delayed=delay_line > 0):
         inside, outside = _bounds(loop, upper, lower, whole + loop.split)
         pairs += inside * outside
         if pairs > MOST_PAIRS:

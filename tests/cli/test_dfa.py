@@ -127,3 +127,36 @@ def test_one_cell_is_one_and_a_mark_that_is_not_there_is_not_explained(hknob, sp
     several = hknob("dfa", spec_file(HALF + "methods: [sampled]\n"), "-o", "several")
     assert sum(line.startswith("sampled ") for line in several.stdout.splitlines()) > 1  # of one cell all are listed
     assert "the largest shown" not in several.stdout
+
+
+def test_beside_a_complete_list_it_says_which_cycles_the_list_has(hknob, spec_file, tmp_path: Path) -> None:
+    """At 1 kHz x 1024 counts the list has the 8 even periods that sampled finds, and nothing else."""
+    half = SPEC.replace("{torque: 0.001}", "{half_quantum: true}")
+    box = half.replace("{angle: 0.02, phases: 8}", "{angle: [-20 mrad, 20 mrad], velocity: [-2, 2]}")
+    assert hknob("sweep", spec_file(box), "-o", "every").returncode == 0
+    spec = spec_file(HALF + "against: every\n", "dfa.yaml")
+    done = hknob("dfa", spec, "-o", "out")
+    assert "sampled against the complete list of the cell:\n  8 of its 8 cycles are listed\n" in done.stdout
+    rows = pq.read_table(tmp_path / "out" / "dfa.parquet").to_pylist()
+    assert [(row["listed"], row["listed_count"]) for row in rows if row["method"] == "sampled"] == [(True, 8)] * 8
+    assert {(row["listed"], row["listed_count"]) for row in rows if row["method"] != "sampled"} == {(None, None)}
+    # A box too small for the largest: no start ends in that, and at 100 Hz there are cycles of several turns.
+    small = box.replace("[-20 mrad, 20 mrad], velocity: [-2, 2]", "[-0.1 mrad, 0.1 mrad], velocity: [-0.01, 0.01]")
+    assert hknob("sweep", spec_file(small), "-o", "every").returncode == 0
+    listed = pq.read_table(tmp_path / "every" / "orbits.parquet").num_rows
+    assert 0 < listed < 8
+    text = f"  {listed} of its 8 cycles are listed; no start of the sweep ends in the other {8 - listed}\n"
+    assert text in hknob("dfa", spec, "-o", "out").stdout
+
+
+@pytest.mark.parametrize(
+    "change", [("{half_quantum: true}", "{torque: 0.002}"), ("angle: 0.02", "angle: 0.02, phases: 8")]
+)
+def test_without_a_complete_list_of_its_push_it_says_nothing_of_lists(
+    change: tuple[str, str], hknob, spec_file, tmp_path: Path
+) -> None:
+    every = SPEC.replace("{torque: 0.001}", "{half_quantum: true}").replace(", phases: 8", "")
+    assert hknob("sweep", spec_file(every.replace(*change)), "-o", "swept").returncode == 0
+    done = hknob("dfa", spec_file(HALF + "against: swept\n", "dfa.yaml"), "-o", "out")
+    assert "complete" not in done.stdout
+    assert "listed" not in pq.read_schema(tmp_path / "out" / "dfa.parquet").names

@@ -85,6 +85,8 @@ FAULTS = [
     ("scene.hand=null", "starts: must be one start without a hand"),
     ("record={duration: 0.1}", "record: must be absent where starts are a range"),
     ("basins={points: 5000}", "basins.points: must be <= 2000"),
+    ("starts={angle: 0.02, random: 8}", "starts.random: must be absent where angle and velocity are not ranges"),
+    ("starts.random=0", "starts.random: must be >= 1, got 0"),
 ]
 
 
@@ -104,3 +106,42 @@ def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
     done = hknob("sweep", write(PHASES + "basins: {points: 20}\n"))
     assert done.returncode == 2
     assert "basins: must be absent where starts are not ranges" in done.stderr
+
+
+UNCUT = [
+    "scene.knob.coulomb_torque=1e-4",
+    "scene.actuator.delay_samples=1",
+    "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.05}",
+]
+
+
+@pytest.mark.parametrize("setting", UNCUT)
+def test_starts_are_drawn_where_they_cannot_be_followed(hknob: Run, write: Callable[[str], Path], setting: str) -> None:
+    """Of so many random starts, which is said; the list is not called complete."""
+    path = write(RANGES.replace("velocity: [-5, 5]", "velocity: [-5, 5], random: 20"))
+    done = hknob("sweep", path, "--set", setting, "--out", "out")
+    assert done.returncode == 0, done.stderr
+    words = " ".join(done.stdout.split())
+    assert "The list is not proven to be complete." in words
+    assert "starts cannot be followed all at once; 20 random ones were simulated there" in words
+    cell = pq.read_table(path.parent / "out" / "cells.parquet").to_pylist()[0]
+    assert (cell["complete"], cell["piece_count"], cell["undecided_fraction"]) == (False, 0, 0.0)
+    shares = pq.read_table(path.parent / "out" / "orbits.parquet")["basin_fraction"].to_pylist()
+    assert [20 * share for share in shares] == pytest.approx([round(20 * share) for share in shares])
+
+
+def test_where_all_can_be_followed_none_is_drawn(hknob: Run, write: Callable[[str], Path]) -> None:
+    """The files are those of ranges alone, but for the spec that they name."""
+    every = write(RANGES)
+    folder = every.parent
+    assert hknob("sweep", every, "--out", "all").returncode == 0
+    assert hknob("sweep", every, "--set", "starts.random=20", "--out", "drawn").returncode == 0
+    for name in ("cells", "orbits"):
+        one, other = (pq.read_table(folder / out / f"{name}.parquet") for out in ("all", "drawn"))
+        assert one.equals(other)
+
+
+def test_maps_are_of_every_start(hknob: Run, write: Callable[[str], Path]) -> None:
+    done = hknob("sweep", write(RANGES + "basins: {points: 20}\n"), "--set", "starts.random=20")
+    assert done.returncode == 2
+    assert "starts.random: must be absent where basins are mapped" in done.stderr

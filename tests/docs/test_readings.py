@@ -97,3 +97,26 @@ def test_cells_that_rest(results: dict[str, Path]) -> None:
     assert nearly == 1
     assert (cells.at_rest_fraction > 0.0).sum() == rests + nearly
     says(PAGE, f"the knob rests in {rests} cells, and in a ninth in nearly all trials")
+
+
+@pytest.mark.long
+def test_against_the_largest_of_all_cycles(tmp_path: Path) -> None:
+    wrong = []
+    bias = {"0.001 N·m": "{torque: 0.001}", "half a count": "{half_quantum: true}"}
+    for i, row in enumerate(table(PAGE, "## Against the largest")):
+        stiffness, push = row[0].removesuffix(" (41 cells)").split(", ")
+        hand = ["-q", "--set", f"scene.hand.stiffness={stiffness}"]
+        sweep = tmp_path / f"sweep{i}"
+        ran("sweep", EXPERIMENTS / "every_start.yaml", "-o", sweep, *hand, "--set", f"scene.bias={bias[push]}")
+        dfa, laws = (EXPERIMENTS / f"{stage}_hand_on_knob.yaml" for stage in ("dfa", "predict"))
+        against = [*hand, "--set", f"against={sweep}"]
+        ran("dfa", dfa, "-o", tmp_path / f"dfa{i}", *against, "--set", "methods=[df1, df4]")
+        ran("predict", laws, "-o", tmp_path / f"laws{i}", *against, "--set", "constant=500.0")
+        found = pd.read_parquet(tmp_path / f"dfa{i}" / "dfa.parquet")
+        law = pd.read_parquet(tmp_path / f"laws{i}" / "predict.parquet")
+        several = [found[found.method == "df1"], found[found.method == "df4"], law[law.law == "quantum_period"]]
+        for printed, here in zip(row[1:], several, strict=True):
+            values = 100.0 * here.p2p_max_difference.dropna()
+            assert len(values) == (41 if "41 cells" in row[0] else 49)
+            wrong += [f"{row[0]}: {fault}" for fault in compare(printed, values)]
+    assert not wrong

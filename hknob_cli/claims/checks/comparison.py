@@ -5,7 +5,12 @@ from hknob_cli.claims.checks.rows import Where, matching, one_number, percent, r
 from hknob_cli.errors import UsageError
 from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Rows
 
-QUANTITIES = {"p2p": "p2p_difference", "amplitude": "amplitude_difference", "frequency": "frequency_difference"}
+QUANTITIES = {
+    "p2p": "p2p_difference",
+    "largest": "p2p_max_difference",
+    "amplitude": "amplitude_difference",
+    "frequency": "frequency_difference",
+}
 _NEEDS = ("p2p_rad", "frequency_hz")
 
 
@@ -21,9 +26,9 @@ def difference(
 ) -> float | None:
     """A statistic of (result - sweep) / sweep over the cells, %.
 
-    ``quantity``: `p2p`, `frequency`, or `amplitude` (half of peak to peak, against the sweep's peak to peak: unlike
-    with unlike). ``file`` and ``where`` pick a method or a law. Cells that rest on either side do not count; of several
-    cycles in a cell the one nearest to the sweep does.
+    ``quantity``: `p2p`, `frequency`, `largest` (peak to peak against that of the sweep's largest cycle), or `amplitude`
+    (half of peak to peak, against the sweep's peak to peak: unlike with unlike). ``file`` and ``where`` pick a method
+    or a law. Cells that rest on either side do not count; of several cycles in a cell the nearest to the sweep does.
     """
     return one_number(
         (100.0 * value for value in _differences(evidence, result, against, quantity, where, file)), statistic

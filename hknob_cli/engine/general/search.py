@@ -38,6 +38,7 @@ GENERAL_FATES = {
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
 }
+AT_ONCE = 2**40  # phases, of which the first is half a trillionth of a sample after the start
 FIRST_SLICE = 8  # trials until the first chance to be interrupted
 MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
 TRAIL = 8192  # readings of a candidate period that are kept to compare it with the next
@@ -121,8 +122,11 @@ class GeneralEngine:
         delay_line: int,
         max_samples: int | None,
         seconds: float | None = None,
+        several: list[list[float]] | None = None,
     ) -> Search:
         """Run ``phases`` trials from the state ``start`` and name what they settle to.
+
+        ``several``: as many states at a sample, a trial from each; ``start`` is then as far out as any of them.
 
         ``rate``: decay of the slowest mode, per sample; ``seconds``: on the clock, after which the trials that are left
         are undecided, None: as long as it takes. Raises `NeedsCompilerError` in the interpreter, where the same
@@ -155,27 +159,29 @@ class GeneralEngine:
                     raise StoppedError
                 stop = min(first + slice_size, phases)
                 begin = perf_counter()
-                rows, full, taken = self._crowd(
-                    self._filled(start),
-                    phases,
-                    first,
-                    stop,
-                    skip,
-                    min(budget, patience + skip) if cut else budget,
-                    not cut,
-                    1e6 * scale,
-                    ROWS,
-                    rows,
-                    table,
-                    states,
-                    lines,
-                    ready,
-                    wall,
-                    space,
-                    *work,
-                )
-                overflow += full
-                samples += int(taken)
+                runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
+                for state, among, low, high in runs or [(start, phases, first, stop)]:
+                    rows, full, taken = self._crowd(
+                        self._filled(state),
+                        among,
+                        low,
+                        high,
+                        skip,
+                        min(budget, patience + skip) if cut else budget,
+                        not cut,
+                        1e6 * scale,
+                        ROWS,
+                        rows,
+                        table,
+                        states,
+                        lines,
+                        ready,
+                        wall,
+                        space,
+                        *work,
+                    )
+                    overflow += full
+                    samples += int(taken)
                 # Compiled code does not hear an interruption. The result does not depend on the slices.
                 spent, first = perf_counter() - begin, stop
                 slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))

@@ -172,7 +172,7 @@ class Follower:
             self._give_up(front, left.copy(), Reason.TIME_LIMIT, left)
         spent = self.samples > self.limits.samples
         spent |= np.array([one.unproven > self.limits.unproven for one in self.cells])
-        self._give_up(front, left & spent[front.cell], Reason.TOO_MANY, left)
+        self._give_up(front, left & spent[front.cell], Reason.WORK_LIMIT, left)
         self._give_up(front, left & (front.taken > self.budget[front.cell]), Reason.NO_REPEAT, left)
         late = np.flatnonzero(left & (front.since >= front.wait))
         if late.size:

@@ -31,7 +31,12 @@ CHANGES: list[dict[str, Any]] = [
 
 
 def make_cell(
-    name: str, starts: Starts = PHASES, *, rate: float = 1000.0, counts: int = 1024, change: dict[str, Any] | None = None
+    name: str,
+    starts: Starts = PHASES,
+    *,
+    rate: float = 1000.0,
+    counts: int = 1024,
+    change: dict[str, Any] | None = None,
 ) -> tuple[Remedy, Batch, dict[str, Any]]:
     """A controller of `reference.CONTROLLERS`, a cell with it, one lane, and its scene as a spec has it."""
     scene = {**SCENE, **(change or {}), "controller": CONTROLLERS[name]}
