@@ -168,7 +168,8 @@ def _completeness(job: Job, cells: list[dict[str, Any]]) -> dict[str, Any]:
     """Where all starts are meant, of how many cells the list of attractors is complete, as part of the summary."""
     if job.plan.starts.sampled or not job.plan.scene.sampled:
         return {}
-    return {"completeness": describe_completeness(cells, job.plan.starts)}
+    controlled = job.plan.scene.controller is not None
+    return {"completeness": describe_completeness(cells, job.plan.starts, controlled=controlled)}
 
 
 def _unpushed(job: Job, rests: bool) -> dict[str, Any]:

@@ -36,6 +36,7 @@ class Reason(IntEnum):
     AT_SWITCH = 18
     TIME_LIMIT = 19
     NO_REGION = 20
+    WORK_LIMIT = 21
 
 
 WORDS = {
@@ -59,5 +60,6 @@ WORDS = {
     Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.TIME_LIMIT: "not settled within the time limit of a cell (limits.seconds_per_cell)",
     Reason.NO_REGION: "no region was found that every motion comes into from any distance",
+    Reason.WORK_LIMIT: "sets of starts were still under way after all the work that a cell may take",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

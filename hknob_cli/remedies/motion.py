@@ -86,10 +86,11 @@ class Mover:
         seen = np.repeat(count[None], looks, axis=0) if looks else None
         return State(x, v, self.remedy.recall(self.lanes, count), seen)
 
-    def step(self, state: State) -> Step:
-        """One sample interval."""
+    def step(self, state: State, count: Array | None = None) -> Step:
+        """One sample interval; ``count``: what the encoder shows, where that is known better than from the position."""
         lanes = self.lanes
-        count = count_at(state.x, lanes.sense)
+        if count is None:
+            count = count_at(state.x, lanes.sense)
         reading = Reading(
             count, wall_depth(count, lanes.offset), state.v if self.remedy.senses_speed else None, state.seen
         )

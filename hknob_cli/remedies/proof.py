@@ -25,13 +25,28 @@ ROUNDING = 1e-15  # of a value in a step, relative
 SURE = 1e-9  # relative to the motion: what rounding may move a sample by, with all that follows from it
 
 
+class Hold(NamedTuple):
+    """What a proven orbit holds, of every lane, at the sample where its period begins.
+
+    Every motion of the same ``frozen`` rows (lanes, rows) and of the same counts at the looks before stays with the
+    orbit for ever, whose distance is below ``reach``: sqrt(d^T P d), d = (its rows - ``rows``) / ``scale``, both
+    (rows, lanes), P = ``form`` (lanes, rows, rows).
+    """
+
+    rows: Array
+    scale: Array
+    form: Array
+    frozen: np.ndarray
+    reach: Array
+
+
 class Orbits(NamedTuple):
     """Orbits, one a lane, of n samples each.
 
     ``proven``; ``contracts``: whether nearby motions approach it; ``off_edges``: whether no count edge is in the
     way of the proof; ``margin``: least distance of a sample or look to a
     count edge; ``closure``: what the position misses after a period; ``path`` the motion, of which the first n samples
-    count; ``turn``: samples after which the orbit is back already, n or a divisor of it.
+    count; ``turn``: samples after which the orbit is back already, n or a divisor of it; ``hold``: what it captures.
     """
 
     proven: np.ndarray
@@ -41,6 +56,7 @@ class Orbits(NamedTuple):
     closure: Array
     path: Path
     turn: np.ndarray
+    hold: Hold
 
 
 class _Found(NamedTuple):
@@ -91,7 +107,8 @@ def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _F
     noise = ROUNDING / NUDGE * (8.0 + np.sqrt(period)) * size
     form, contracts = contraction_form(slopes, noise)
     off = (found.rows - better) / scale
-    reach = _length(form, off) + _length(form, fixed_point_step(slopes, rest))
+    amiss = _length(form, fixed_point_step(slopes, rest))
+    reach = _length(form, off) + amiss
     size_of = 1.0 + np.abs(path.x).max(axis=0) + np.abs(path.drive + mover.lanes.gamma).max(axis=0) / mover.lanes.kappa
     slope = (values[..., 1:] - values[..., :1]) / NUDGE
     slope[np.broadcast_to(frozen, slope.shape)] = 0.0
@@ -113,6 +130,7 @@ def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _F
         closure=np.abs(lap.end.x - better[0]),
         path=path,
         turn=_turn(path.rows, period),
+        hold=Hold(better, scale, form, frozen, _room(gap - SURE * size_of, bend, noise, inside) - amiss),
     )
     return _Found(orbits, better, settled)
 
@@ -156,6 +174,16 @@ def _bend(root: Array, slope: Array) -> Array:
         return np.asarray(np.sqrt((found * found).sum(axis=2)).reshape(lanes, samples, kinds).transpose(1, 2, 0))
 
 
+def _room(gap: Array, bend: Array, noise: Array, inside: np.ndarray) -> Array:
+    """The largest distance of two motions at which no value (samples, kinds, lanes) goes further than its ``gap``.
+
+    ``noise`` (lanes,): how wrong the slopes may be, which weigh no more than that, for P is at least the identity.
+    """
+    with np.errstate(all="ignore"):
+        room = np.where((bend == 0.0) | ~inside, np.inf, gap / (bend + noise))
+    return np.asarray(room.min(axis=(0, 1)))
+
+
 def _turn(rows: Array, period: np.ndarray) -> np.ndarray:
     """The shortest of each period's divisors after which the lane is where it began."""
     found = period.copy()
@@ -174,3 +202,6 @@ def _replace(orbits: Orbits, lanes: np.ndarray, more: Orbits) -> None:
         getattr(orbits, name)[lanes] = getattr(more, name)
     for old, new in zip(orbits.path, more.path, strict=True):
         old[: len(new), ..., lanes] = new
+    orbits.hold.rows[:, lanes], orbits.hold.scale[:, lanes] = more.hold.rows, more.hold.scale
+    for name in ("form", "frozen", "reach"):
+        getattr(orbits.hold, name)[lanes] = getattr(more.hold, name)

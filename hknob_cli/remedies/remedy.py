@@ -37,6 +37,7 @@ class Remedy(Protocol):
 
     ``parts``: lengths of the parts of an interval in which the torque is constant, their sum 1; ``looks``: instants
     in an interval at which the encoder is read as well; ``senses_speed``: whether it has a velocity sensor;
+    ``reads_outside``: whether it tells counts outside the wall from one another;
     ``settling``: the longest time constant of its memory, sample periods; ``provable``: whether it is piecewise
     affine; ``counted``: rows of its memory that hold what was counted, a place or a time, so that no guard tells when
     they change.
@@ -45,6 +46,7 @@ class Remedy(Protocol):
     parts: tuple[float, ...]
     looks: tuple[float, ...]
     senses_speed: bool
+    reads_outside: bool
     provable: bool
     counted: tuple[int, ...]
 
@@ -67,6 +69,7 @@ class Plain:
     parts: tuple[float, ...] = (1.0,)
     looks: tuple[float, ...] = ()
     senses_speed: bool = False
+    reads_outside: bool = False
     provable: bool = True
     counted: tuple[int, ...] = ()
     rows: int = 0
@@ -89,6 +92,7 @@ class Differencing(Plain):
     """What those share that remember, first of all, the place at the last sample; at the first the difference is 0."""
 
     rows = 1
+    reads_outside: bool = True
     counted: tuple[int, ...] = (0,)
 
     def recall(self, lanes: Lanes, count: Array) -> Array:

@@ -26,12 +26,14 @@ ROOM = 12_000_000  # numbers that a batch of proofs holds at once, roughly
 class Settled(NamedTuple):
     """One end of trials of one cell.
 
-    ``lane``: one of them; ``trials`` how many; ``period`` in samples, 0 where nothing repeats; ``x``, ``v`` (n m + 1),
-    ``drive`` (n m): the motion over a period, or over a window where nothing repeats, in the m parts of each interval.
+    ``lane``: one of them; ``trials`` how many, or what share of all starts; ``period`` in samples, 0 where nothing
+    repeats; ``x``, ``v`` (n m + 1), ``drive`` (n m): the motion over a period, or over a window where nothing repeats,
+    in the m parts of each interval; ``begin``: position, velocity and memory at its first sample, and the counts at the
+    looks before.
     """
 
     lane: int
-    trials: int
+    trials: float
     outcome: Outcome
     reason: Reason
     period: int = 0
@@ -40,6 +42,7 @@ class Settled(NamedTuple):
     x: Array = np.empty(0)
     v: Array = np.empty(0)
     drive: Array = np.empty(0)
+    begin: tuple[Array, Array | None] = (np.empty(0), None)
 
 
 def search(
@@ -50,33 +53,49 @@ def search(
     ``over``: whether the time is over, after which the trials that are left are undecided.
     """
     mover = Mover(remedy, lanes)
-    going, state, samples = np.arange(len(x)), mover.start(x, v), 0
     ends: dict[int, list[Settled]] = {int(one): [] for one in np.unique(cell)}
+
+    def enter(one: Settled) -> None:
+        count_end(ends[int(cell[one.lane])], one)
+
+    return ends, settle(mover, mover.start(x, v), enter, over)
+
+
+def settle(
+    mover: Mover,
+    state: State,
+    enter: Callable[[Settled], None],
+    over: Callable[[], bool] = lambda: False,
+    efforts: tuple[Effort, ...] = EFFORTS,
+) -> int:
+    """Follow all lanes from ``state``, and ``enter`` the end of each; trial-samples taken."""
+    going, samples = np.arange(len(state.x)), 0
     reason = Reason.NO_REPEAT
-    for effort in EFFORTS:
+    for effort in efforts:
         with np.errstate(over="ignore", invalid="ignore"):
             found = find_repeats(mover.take(going), state, effort, over)
         samples += found.samples
         for lane in going[found.grew]:
-            _count(ends[int(cell[lane])], Settled(int(lane), 1, Outcome.DIVERGED, Reason.GREW))
+            enter(Settled(int(lane), 1, Outcome.DIVERGED, Reason.GREW))
         done = found.grew.copy()
-        for part in _alike(found.period, (len(state.memory) + 3) * (len(remedy.looks) + 5)):
-            orbits = prove(mover.take(going[part]), take(found.state, part), found.period[part])
+        for part in alike(found.period, (len(state.memory) + 3) * (len(mover.remedy.looks) + 5)):
+            begin = take(found.state, part)
+            orbits = prove(mover.take(going[part]), begin, found.period[part])
             for i, lane in enumerate(going[part]):
-                if orbits.proven[i] or effort is EFFORTS[-1]:
-                    _count(ends[int(cell[lane])], _settled(mover, orbits, i, int(lane)))
+                if orbits.proven[i] or effort is efforts[-1]:
+                    enter(_settled(mover, orbits, i, int(lane), begin.seen))
                     done[part[i]] = True
         going, state = going[~done], take(found.state, np.flatnonzero(~done))
         if len(going) == 0:
-            return ends, samples
+            return samples
         if over():
             reason = Reason.TIME_LIMIT
             break
-    _windows(mover.take(going), state, going, cell, ends, reason)
-    return ends, samples
+    _windows(mover.take(going), state, going, enter, reason)
+    return samples
 
 
-def _alike(period: np.ndarray, weight: int) -> Iterator[np.ndarray]:
+def alike(period: np.ndarray, weight: int) -> Iterator[np.ndarray]:
     """Lanes that repeat, in batches of similar periods that need room for at most `ROOM` numbers, or of one lane."""
     order = np.argsort(period, kind="stable")
     order = order[period[order] > 0]
@@ -89,13 +108,16 @@ def _alike(period: np.ndarray, weight: int) -> Iterator[np.ndarray]:
         order = order[count:]
 
 
-def _count(ends: list[Settled], one: Settled) -> None:
-    """Add a trial to the end that it shares, or as a new one."""
+def count_end(ends: list[Settled], one: Settled) -> int:
+    """Add trials to the end that they share, or as a new one; its number."""
     for i, other in enumerate(ends):
+        if other.outcome is Outcome.UNDECIDED:
+            continue
         if (other.outcome, other.period, other.reason) == (one.outcome, one.period, one.reason) and _same(other, one):
-            ends[i] = other._replace(trials=other.trials + 1)
-            return
+            ends[i] = other._replace(trials=other.trials + one.trials)
+            return i
     ends.append(one)
+    return len(ends) - 1
 
 
 def _same(one: Settled, other: Settled) -> bool:
@@ -106,7 +128,7 @@ def _same(one: Settled, other: Settled) -> bool:
     return all(abs(float(of(one.x[:-1]) - of(other.x[:-1]))) <= SAME * size for of in (np.min, np.max, np.mean, np.std))
 
 
-def _settled(mover: Mover, orbits: Orbits, i: int, lane: int) -> Settled:
+def _settled(mover: Mover, orbits: Orbits, i: int, lane: int, seen: Array | None) -> Settled:
     period = int(orbits.turn[i])
     held = period * len(mover.remedy.parts)
     x, v = orbits.path.x[: held + 1, i].copy(), orbits.path.v[: held + 1, i].copy()
@@ -122,6 +144,7 @@ def _settled(mover: Mover, orbits: Orbits, i: int, lane: int) -> Settled:
         x=x,
         v=v,
         drive=orbits.path.drive[:held, i].copy(),
+        begin=(orbits.path.rows[0, :, i].copy(), None if seen is None else seen[:, i].copy()),
     )
 
 
@@ -137,9 +160,7 @@ def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> 
     return Reason.NONE
 
 
-def _windows(
-    mover: Mover, state: State, at: np.ndarray, cell: np.ndarray, ends: dict[int, list[Settled]], reason: Reason
-) -> None:
+def _windows(mover: Mover, state: State, at: np.ndarray, enter: Callable[[Settled], None], reason: Reason) -> None:
     """Motion of lanes that did not repeat, over a window of time."""
     period_s = float(mover.lanes.period_s[0])
     count = int(np.clip(WINDOW_S / period_s, *WINDOW))
@@ -158,5 +179,4 @@ def _windows(
     vs.append(state.v)
     x, v, drive = np.stack(xs), np.stack(vs), np.stack(drives)
     for i, lane in enumerate(at):
-        found = Settled(int(lane), 1, Outcome.UNDECIDED, reason, x=x[:, i], v=v[:, i], drive=drive[:, i])
-        ends[int(cell[lane])].append(found)
+        enter(Settled(int(lane), 1, Outcome.UNDECIDED, reason, x=x[:, i], v=v[:, i], drive=drive[:, i]))

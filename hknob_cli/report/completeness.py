@@ -6,8 +6,11 @@ from hknob_cli.report.matrix import labels
 from hknob_cli.spec.plan import Starts
 
 
-def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[str, Any]:
-    """Of how many cells the list is proven to be complete, and why not of the others, as plain data."""
+def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:
+    """Of how many cells the list is proven to be complete, and why not of the others, as plain data.
+
+    ``controlled``: whether the wall has a controller; of ranges, shares are areas then.
+    """
     sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
     return {
         "starts": _scope(starts),
@@ -15,7 +18,8 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[s
         "complete": sum(row["complete"] for row in cells),
         "sampled": len(sampled),
         "phases": starts.phases,
-        "shares_counted": starts.many,
+        "ranged": starts.many,
+        "shares_counted": starts.many and not controlled,
         **({"random": starts.random} if starts.random else {}),
         **({"regions": _regions(cells)} if starts.anywhere else {}),
     }
@@ -28,7 +32,7 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     lines = [f"Complete{where}: {found['starts']} is proven to end in one of these."]
     if complete == 0:
         lines = ["The list is not proven to be complete."]
-    if complete == total and found["shares_counted"]:
+    if complete == total and found["ranged"]:
         lines[0] += " However the knob is let go there, its buzz is no larger than the largest cycle above."
     if left := total - complete - found["sampled"]:
         lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
@@ -37,7 +41,7 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
             f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
             f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
         )
-    elif found["sampled"] and found["shares_counted"]:
+    elif found["sampled"] and found["ranged"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
     elif found["sampled"]:
         lines.append(

@@ -1,7 +1,7 @@
-"""Cells of a sweep whose wall has a controller: all trials of one sample rate and one controller side by side."""
+"""Cells of a sweep whose wall has a controller: all starts of one sample rate and one controller side by side."""
 
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import nan
 from typing import Any
 
@@ -14,7 +14,9 @@ from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
 from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import make_batch
+from hknob_cli.remedies.remedy import Remedy
 from hknob_cli.remedies.search import Settled, search
+from hknob_cli.remedies.sets.starts import follow_starts, followable
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import RATE, Cell, SweepPlan, scene_at
@@ -57,9 +59,28 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     controller = scene_at(plan.scene, some[0]).controller
     assert controller
     remedy = make_remedy(controller)
-    batch = make_batch(plan.scene, some, plan.starts)
     alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
-    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, lambda: alarm.over)
+    found: dict[int, CellResult] = {}
+    if not plan.starts.sampled:
+        batch = make_batch(plan.scene, some, plan.starts._replace(phases=1, span=None))
+        at = followable(remedy, batch.lanes)
+        if at.size:
+            knobs = [batch.knobs[i] for i in at]
+            ends = follow_starts(remedy, batch.lanes.take(at), knobs, plan.starts, lambda: alarm.over)
+            for i, knob, one in zip(at.tolist(), knobs, ends, strict=True):
+                result = _result(plan, some[i], knob, remedy.parts, one.ends, one.samples)
+                bound = one.undecided if plan.starts.span else None
+                found[i] = result._replace(complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound)
+    left = [i for i in range(len(some)) if i not in found]
+    if left:
+        found.update(zip(left, _sampled(plan, remedy, [some[i] for i in left], lambda: alarm.over), strict=True))
+    return [found[i] for i in range(len(some))]
+
+
+def _sampled(plan: SweepPlan, remedy: Remedy, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
+    """Results of cells by trials: from phases of one start, or from random starts in a box."""
+    batch = make_batch(plan.scene, some, plan.starts._replace(random=plan.starts.phases))
+    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, over)
     return [
         _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
         for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))
@@ -74,7 +95,7 @@ def _result(
     loose = [one for one in ends if one.outcome is Outcome.UNDECIDED]
     if loose:
         measured = [measure_settled(knob, parts, one) for one in loose]
-        many = _attractor(loose[0])._replace(trials=len(loose))
+        many = _attractor(loose[0])._replace(trials=sum(one.trials for one in loose))
         rows.append((many, _mean(measured), _perceived(plan, knob, parts, loose[0])))
     rows.sort(key=lambda row: (-row[0].trials, row[0].outcome, row[0].period, row[0].x))
     return CellResult(
