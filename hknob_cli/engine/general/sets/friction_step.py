@@ -17,7 +17,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.slide_two import coefficients, rub_two
-from hknob_cli.engine.sets.convex import extent, radius_of, recentre, widen
+from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen
 from hknob_cli.engine.turning import first_zero
 
 SLID, HELD, ENCLOSED, CUT = range(4)  # what a hold does with a set
@@ -43,13 +43,6 @@ def parts_of_hold(span, body):
             return n
         n *= 2
     return 0
-
-
-def hold_error(x, v, u, body):
-    """Bound on what rounding adds to the error of a state in one hold, in the norm sqrt(x^2 + v^2 / beta)."""
-    weight = 1.0 / sqrt(body.beta)
-    pull = abs(u) + abs(body.drive) + body.friction + body.beta * abs(x)
-    return ROUNDED * EPSILON * ((1.0 + weight) * (abs(v) + pull) + abs(x))
 
 
 def take_in(jac, entry, low, high):
@@ -157,7 +150,8 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         space: Work space, as much as ``corners`` and eight numbers more.
         line: Three numbers: where a cut is asked for, that at ``line[0] dx + line[1] dv = line[2]``.
 
-    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved.
+    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0, with
+    no error.
     """
     beta, friction = body.beta, body.friction
     free = u + body.drive
@@ -223,7 +217,8 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
     for k in range(count):
         dx, dv = corners[2 * k], corners[2 * k + 1]
         corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
+    stuck = space[4] == 0.0 and space[5] == 0.0 and space[6] == 0.0 and space[7] == 0.0
     to_x, to_v = rub_two(mid_x, mid_v, u, span, s, g, f, body)
     if more_x > 0.0 or more_v > 0.0:
         count = widen(corners, count, more_x, more_v, space)
-    return ENCLOSED, to_x, to_v, count
+    return (HELD if stuck and to_v == 0.0 else ENCLOSED), to_x, to_v, count

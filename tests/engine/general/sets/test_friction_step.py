@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.slide_two import coefficients, rub_two
-from hknob_cli.engine.sets.convex import MOST_CORNERS, keep_side, radius_of
-from hknob_cli.engine.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
+from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius_of
+from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.spec.plan import Bias, Hand, Knob, Scene, Wall
 
