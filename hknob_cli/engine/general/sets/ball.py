@@ -63,29 +63,57 @@ def follow_ball(
     Returns ``(event, row, before, head, error, level, run, next_test, used)``; ``row`` of the attractor where captured.
     """
     pad = known.space.pad
+    two, delay = body.order == 2, len(ring)
+    always, by_command, by_x, by_v = drift.once[0], drift.once[1], drift.once[2], drift.once[3]
+    x, v = z[0], z[1]  # of second order the state is in these two alone, until it is asked for
+    event, row, taken = OUT_OF_SAMPLES, -1, samples
     for i in range(samples):
-        x = z[0]
         reach = body.reach * (radius + error)
         last = level
         level = acting(x, drift.bottom, wall)
         if acting(x - reach, drift.bottom, wall) != level or acting(x + reach, drift.bottom, wall) != level:
-            return MEETS_EDGE, -1, before, head, error, last, run, next_test, i
+            event, level, taken = MEETS_EDGE, last, i
+            break
         if not -limit < x < limit:
-            return GREW, -1, before, head, error, level, run, next_test, i
+            event, taken = GREW, i
+            break
         if level < last and level < 0.0:
+            z[0], z[1] = x, v
             row = captor(z, before, ring, head, radius + error, known, body, wall)
             if row >= 0:
-                return CAPTURED, row, before, head, error, level, run, next_test, i
+                event, taken = CAPTURED, i
+                break
             if small and i > 0:
-                return STEPS_DEEPER, -1, before, head, error, last, run, next_test, i
+                event, level, taken = STEPS_DEEPER, last, i
+                break
         if level == last:
             run += 1
             if run >= next_test:
                 next_test = 2 * run
+                z[0], z[1] = x, v
                 row = resting(z, before, ring, radius + error, known, body, wall)
                 if row >= 0:
-                    return CAPTURED, row, before, head, error, level, run, next_test, i
+                    event, taken = CAPTURED, i
+                    break
         else:
             run, next_test = 0, FIRST_REST_TEST
-        before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, pad)
-    return OUT_OF_SAMPLES, -1, before, head, error, level, run, next_test, samples
+        if not two:
+            before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, pad)
+            x, v = z[0], z[1]
+            continue
+        u = command(level, before, wall)
+        before = remembered(level, wall)
+        older = u
+        if delay > 0:
+            older = ring[head]
+            ring[head] = u
+            head = head + 1 if head + 1 < delay else 0
+            u = ring[head]
+        error += always + by_command * max(abs(u), abs(older)) + by_x * abs(x) + by_v * abs(v)
+        if wall.split > 0.0:
+            y = older + body.drive - body.beta * x
+            x, v = x + (body.s1 * v + body.g1 * y), body.f1 * v + body.s1 * y
+        y = u + body.drive - body.beta * x
+        x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
+    z[0], z[1] = x, v
+    return event, row, before, head, error, level, run, next_test, taken

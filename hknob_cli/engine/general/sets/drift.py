@@ -10,11 +10,12 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, SECOND, Body, norm
+from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.sets.readings import deepest_level
 
 BITS = 320  # after the point
+POINT = 1 << BITS
 TERMS = 48  # of the exponential's series, of a matrix below 1/8: the rest is below 2^-340
 POWERS = 24  # Phi, Phi^2, Phi^4, ...; 2^24 samples are the most that a trial takes
 MARGIN = 1.01  # for the roundings of the bounds themselves
@@ -28,13 +29,15 @@ class Drift(NamedTuple):
     ``powers``: (`POWERS` * n * n), of Phi; ``once``: (n + 2), bound on what roundings add in one interval to the error
     of a state, in `body.norm`: a constant, and what there is of it by the largest command and by each |z|. ``units``:
     (n), norm of a unit of each. ``blur``: relative error of a difference moved by any number of samples.
-    ``bottom``: `readings.deepest_level`.
+    ``coast``: bound on what roundings add to a state that moves freely for up to a sample period, by the norm of its
+    rate. ``bottom``: `readings.deepest_level`.
     """
 
     powers: Any
     once: Any
     units: Any
     blur: float
+    coast: float
     bottom: float
 
 
@@ -51,13 +54,13 @@ def make_drift(body: Body, wall: Controller) -> Drift:
     powers: list[float] = []
     blur = 16.0 * EPSILON  # for what cutting a polygon and telling it from another centre rounds
     for _ in range(POWERS):
-        entries = [[entry / 2**BITS for entry in row] for row in phi]
+        entries = [[entry / POINT for entry in row] for row in phi]
         powers += [entry for row in entries for entry in row]
         blur += sum(
             units[i] * (n + 2) * EPSILON * sum(abs(entries[i][j]) * spans[j] for j in range(n)) for i in range(n)
         )
         phi = _product(phi, phi)
-    once, reach = _hold(body, d2, second, SECOND)
+    once, _ = _hold(body, d2, second, SECOND)
     if wall.split > 0.0:
         before, reach_before = _hold(body, d1, first, FIRST)
         later = [sum(once[2 + j] * reach_before[j][k] for j in range(n)) for k in range(n + 2)]
@@ -74,8 +77,38 @@ def make_drift(body: Body, wall: Controller) -> Drift:
         once=[MARGIN * value for value in once],
         units=units,
         blur=MARGIN * overlap * blur,
+        coast=MARGIN * _coast(body, a, units, spans),
         bottom=deepest_level(wall),
     )
+
+
+def _coast(body: Body, a: Matrix, units: list[float], spans: list[float]) -> float:
+    """Bound on the error of `arc.drift_over`, and of a rate by it, for a rate of norm 1."""
+    n = body.order
+    if n == 2:
+        # S and F are at most 1, G at most 1/2, each good to a few units in the last place.
+        within = units[0] * (2.0 * spans[0] * (1.0 + body.alpha) + spans[1]) + units[1] * (
+            spans[1] + body.beta * spans[0]
+        )
+        size = sum(units[i] * abs(body.matrices[i * n + j]) * spans[j] for i in range(n) for j in range(n))
+        return float(32.0 * EPSILON * (1.0 + size) * (1.0 + within))
+    total = 0.0
+    exact: list[Matrix] = []
+    power, integral = _exponential(a, 0.5 ** (HALVINGS - 1))
+    for _ in range(HALVINGS):
+        exact.append(integral)
+        further = _product(power, integral)
+        integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
+        power = _product(power, power)
+    size = [spans[i] + sum(abs(body.matrices[i * n + j]) * spans[j] for j in range(n)) for i in range(n)]
+    for half in range(HALVINGS):
+        base, right = (HALVES + half) * n * n, exact[HALVINGS - 1 - half]
+        for i in range(n):
+            for j in range(n):
+                held = body.matrices[base + i * n + j]
+                total += units[i] * (_off(held, right[i][j]) * spans[j] + (2 * n + 6) * EPSILON * abs(held) * size[j])
+    ways = sum(units[i] * size[i] for i in range(n))
+    return float((total + 0.5 ** (HALVINGS - 1)) * (1.0 + ways) + (n + 2) * EPSILON * ways)
 
 
 def _largest(body: Body) -> list[float]:
@@ -128,11 +161,11 @@ def _add(base: list[float], one: list[float], other: list[float], by: float, by_
 
 def _off(value: float, exact: int) -> float:
     """How far a float is from an exact number."""
-    return abs(_whole(value) - exact) / 2**BITS
+    return float(abs(_whole(value) - exact) / POINT)
 
 
 def _whole(value: float) -> int:
-    return int(Fraction(value) * 2**BITS)
+    return int(Fraction(value) * POINT)
 
 
 def _product(a: Matrix, b: Matrix) -> Matrix:

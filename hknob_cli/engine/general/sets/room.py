@@ -5,11 +5,13 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.period_map import Space
+from hknob_cli.engine.general.sets.arc import arc_size
 from hknob_cli.engine.general.sets.lattice import CELL
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
 
 ENDS = 512  # distinct ends that a cell keeps
 POINTS = 16_384  # samples of proven orbits at which sets are compared with them
+ARCS = 4096  # that wait to be followed
 CELLS = 2**17  # of a lattice
 DEEP = 2**14  # pieces that wait beside those of a lattice
 
@@ -69,6 +71,31 @@ class PieceRoom(NamedTuple):
     scale: Any
 
 
+class ArcRoom(NamedTuple):
+    """Work space of `arc`.
+
+    ``stack``: arcs that wait; ``own_z``, ``own_ring``: centre of the one that is followed; ``rate``: of the curve of
+    first states, at phase 0; ``below``, ``above``: ends of the arc; ``ended``: low and high phase, and row of the end,
+    -1 without one, of the first arcs that ended. The others are work space.
+    """
+
+    stack: Any
+    own_z: Any
+    own_ring: Any
+    rate: Any
+    speed: Any
+    turn: Any
+    below: Any
+    above: Any
+    z: Any
+    ring: Any
+    matrix: Any
+    power: Any
+    spare: Any
+    pad: Any
+    ended: Any
+
+
 def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
     """Room for the ends of a cell of this order and number of commands under way."""
     return Known(
@@ -112,4 +139,25 @@ def make_piece_room(zeros: Zeros, order: int, delay: int) -> PieceRoom:
         taken=zeros(cells),
         counts=zeros(1),
         scale=zeros(1),
+    )
+
+
+def make_arc_room(zeros: Zeros, order: int, delay: int) -> ArcRoom:
+    """Room for the arcs of a cell."""
+    return ArcRoom(
+        stack=zeros(arc_size(order, delay) * ARCS),
+        own_z=zeros(order),
+        own_ring=zeros(delay),
+        rate=zeros(order),
+        speed=zeros(order),
+        turn=zeros(order),
+        below=zeros(order),
+        above=zeros(order),
+        z=zeros(order),
+        ring=zeros(delay),
+        matrix=zeros(order * order),
+        power=zeros(order * order),
+        spare=zeros(order),
+        pad=zeros(2 * order),
+        ended=zeros(3 * ARCS),
     )

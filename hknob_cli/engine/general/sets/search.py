@@ -14,10 +14,10 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.search import MOST_SAMPLES, as_arrays, attractor_of, make_space
-from hknob_cli.engine.general.sets import box, lattice
+from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
-from hknob_cli.engine.general.sets.room import Known, make_known, make_piece_room
+from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known, make_piece_room
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import GENERATIONS, LONGEST, SAMPLED, SEEN, SLICE, WIDEST, Box
 
@@ -78,6 +78,69 @@ class GeneralSetEngine:
         if self.compiled:
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
+
+    def search_phases(
+        self,
+        body: Body,
+        wall: Controller,
+        start: list[float],
+        *,
+        rate: float,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
+    ) -> Search | None:
+        """What every clock phase of one start, the state ``start``, settles to.
+
+        None where arcs cannot be followed: nothing damps or holds the knob, or they meet too many edges at once. Raises
+        `StoppedError` when told to stop.
+        """
+        until = inf if seconds is None else monotonic() + seconds
+        if not can_follow(body, wall):
+            return None
+        scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
+        if not scope.fine:
+            return None
+        body, drift, known = self.ready(body, wall, delay_line)
+        room = make_arc_room(self._zeros, body.order, delay_line)
+        totals = self._zeros(4)
+        totals[2] = 1.0
+        begin = np.array(start) if self.compiled else list(start)
+        slack = self._function(arc, "fill_arcs")(begin, delay_line, room, drift, body)
+        follow = self._function(arc, "follow_arcs")
+        waiting, taken = 1, 0
+        while waiting > 0 and monotonic() < until:
+            if self.stopped():
+                raise StoppedError
+            waiting, used = follow(
+                waiting,
+                delay_line,
+                slack,
+                scope.budget,
+                scope.patience,
+                scope.limit,
+                SLICE,
+                totals,
+                room,
+                drift,
+                known,
+                body,
+                wall,
+            )
+            taken += int(used)
+        if waiting < 0:
+            return None
+        found = ends_of(known, body.order, delay_line)
+        size = arc.arc_size(body.order, delay_line)
+        left = sum(room.stack[k * size + arc.HIGH] - room.stack[k * size + arc.LOW] for k in range(waiting))
+        covered = float(totals[3]) + left
+        lost = 1.0 - left / covered - sum(one.trials for one in found) / covered
+        if left > 0.0:
+            found.append(whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, left / covered))
+        if totals[1] > 0.0 and lost > 1e-9:
+            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, lost))
+        complete = bool(totals[1] == 0.0 and left == 0.0)
+        return Search(ranked(found), taken, complete=complete, pieces=int(totals[0]), narrowest=float(totals[2]))
 
     def search_box(
         self,
