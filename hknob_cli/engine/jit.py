@@ -49,7 +49,7 @@ SETS = (
 )
 GENERAL_SETS = (
     *GENERAL,
-    *(f"general.sets.{name}" for name in ("readings", "known", "ball", "piece", "lattice", "box", "arc")),
+    *(f"general.sets.{name}" for name in ("readings", "known", "ball", "piece", "lattice", "box", "curve", "arc")),
 )
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (

@@ -1,19 +1,19 @@
 """All clock phases of one start: an arc of states, cut where a sample of it meets a count edge.
 
-The state at the first sample, after phi of a period of free motion, is a curve over the phase; its rate, q(phi), goes
-by exp(A phi), and while all of an arc acts alike by Phi from sample to sample. So an arc is a centre trial and two
-phases: its states differ from the centre's by D(t) q. Where an edge has to be found on it, it is a chord, and the
-energy of the rate's own rate bounds how far the arc bulges from it.
+An arc is a centre, which is a trial, and two clock phases; `curve` says how its other states lie. Where an edge has to
+be found on it, it is a chord, and the rate of its rate bounds how far it bulges from it: an arc that bulges by more
+than rounding is cut beside the edge first, and what is left there is so short that it is straight.
 """
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import CONSTANT, HALVES, HALVINGS, norm
+from hknob_cli.engine.follow import GREW as GREW_FATE
+from hknob_cli.engine.follow import UNSETTLED
+from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
-from hknob_cli.engine.general.sets.known import is_proven, seek
-from hknob_cli.engine.general.sets.piece import power_of
+from hknob_cli.engine.general.sets.curve import measure_arc, move_centre, place_on
+from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
-from hknob_cli.engine.propagator import hold_coefficients
 
 LOW, HIGH, ARC_ERROR, ARC_BEFORE, ARC_LEVEL, ARC_SAMPLE, ARC_STATE = range(7)
 SHORTEST = 1e-13  # phases: no shorter arc is told apart
@@ -24,108 +24,6 @@ FLAT = 0.0625  # bulge by the way from end to end, above which an arc is halved 
 def arc_size(n, delay):
     """Numbers of an arc that waits: `LOW` to `ARC_SAMPLE`, its state, and the commands under way, oldest first."""
     return ARC_STATE + n + delay
-
-
-def drift_over(t, rate, out, body, pad):
-    """D(t) times ``rate``, to ``out``, for a time from 0 to 1; not in place."""
-    n = body.order
-    if n == 2:
-        s, g, _ = hold_coefficients(body.alpha, body.beta, t)
-        out[0] = (s + body.alpha * g) * rate[0] + g * rate[1]
-        out[1] = s * rate[1] - body.beta * g * rate[0]
-        return
-    for i in range(n):
-        out[i] = 0.0
-    h, left = 1.0, t
-    for half in range(HALVINGS):
-        if left >= h:
-            left -= h
-            base = (HALVES + half) * n * n
-            for i in range(n):
-                total = rate[i]
-                for j in range(n):
-                    total += body.matrices[i * n + j] * out[j]
-                pad[i] = total
-            for i in range(n):
-                total = 0.0
-                for j in range(n):
-                    total += body.matrices[base + i * n + j] * pad[j]
-                out[i] += total
-        h *= 0.5
-
-
-def apply(matrix, vector, n, out):
-    """``matrix`` times ``vector``, to ``out``."""
-    for i in range(n):
-        total = 0.0
-        for j in range(n):
-            total += matrix[i * n + j] * vector[j]
-        out[i] = total
-
-
-def place_on(phase, start, z, room, body):
-    """State at the first sample, of a start that has moved freely for ``phase`` of a period."""
-    n = body.order
-    for i in range(n):
-        total = body.vectors[CONSTANT * n + i]
-        for j in range(n):
-            total += body.matrices[i * n + j] * start[j]
-        room.rate[i] = total
-    drift_over(phase, room.rate, z, body, room.pad)
-    for i in range(n):
-        z[i] += start[i]
-
-
-def rate_at(phase, room, body, out):
-    """Rate of the curve at a phase, to ``out``: `place_on` has left that at phase 0 in ``room.rate``."""
-    n = body.order
-    drift_over(phase, room.rate, room.spare, body, room.pad)
-    for i in range(n):
-        total = room.rate[i]
-        for j in range(n):
-            total += body.matrices[i * n + j] * room.spare[j]
-        out[i] = total
-
-
-def measure_arc(low, high, sample, room, drift, body):
-    """How an arc lies ``sample`` samples on: ``(radius, bulge)`` in the norm; `room.below`, `room.above`: its ends.
-
-    The ends are told from its middle. ``radius``: half the length, at most. ``bulge``: from the chord.
-    """
-    n = body.order
-    half = 0.5 * (high - low)
-    power_of(sample, drift, n, room.matrix, room.power)
-    rate_at(low, room, body, room.speed)
-    drift_over(half, room.speed, room.spare, body, room.pad)
-    for j in range(n):
-        room.spare[j] = -room.spare[j]
-    apply(room.matrix, room.spare, n, room.below)
-    for i in range(n):
-        total = 0.0
-        for j in range(n):
-            total += body.matrices[i * n + j] * room.speed[j]
-        room.turn[i] = total
-    apply(room.matrix, room.turn, n, room.spare)
-    bulge = 0.5 * half * half * norm(room.spare, body)
-    apply(room.matrix, room.speed, n, room.spare)
-    radius = half * norm(room.spare, body)
-    rate_at(low + half, room, body, room.speed)
-    drift_over(half, room.speed, room.spare, body, room.pad)
-    apply(room.matrix, room.spare, n, room.above)
-    return radius * (1.0 + drift.blur), bulge * (1.0 + drift.blur)
-
-
-def move_centre(z, middle, to, sample, room, drift, body, out):
-    """The state of an arc's phase ``to``, from that of its ``middle``, ``sample`` samples on; to ``out``."""
-    n = body.order
-    power_of(sample, drift, n, room.matrix, room.power)
-    first = min(middle, to)
-    rate_at(first, room, body, room.speed)
-    drift_over(abs(to - middle), room.speed, room.spare, body, room.pad)
-    apply(room.matrix, room.spare, n, out)
-    sign = 1.0 if to > middle else -1.0
-    for j in range(n):
-        out[j] = z[j] + sign * out[j]
 
 
 def wait_arc(room, waiting, low, high, z, before, ring, head, error, level, sample, n):
@@ -215,7 +113,7 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
     cell = (drift, body, wall)
     taken = 0
     most_waiting = len(room.stack) // size - 4
-    while waiting > 0 and taken < samples:
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
         base = waiting * size
         low, high, error = room.stack[base + LOW], room.stack[base + HIGH], room.stack[base + ARC_ERROR]
@@ -261,6 +159,7 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 continue
             if event == GREW or at >= budget:
                 fate, row = UNPROVEN, -1
+                blame(GREW_FATE if event == GREW else UNSETTLED, high - low, known)
                 continue
             radius, bulge = measure_arc(low, high, at, room, drift, body)
             if event != MEETS_EDGE:
@@ -268,8 +167,12 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 since, wait = 0, 2 * wait
                 row, steps = seek(z, before, ring, head, budget - at, limit, known, body, wall)
                 taken += steps
-                if not is_proven(row, known):
+                if body.halt[0] > 0.0 or taken >= samples:
+                    waiting = wait_arc(room, waiting, low, high, z, before, ring, head, error, level, float(at), n)
+                    fate = PARTED
+                elif not is_proven(row, known):
                     fate = UNPROVEN
+                    blame(fate_of(row, known), high - low, known)
                 continue
             # The ball meets an edge: the arc itself is looked at.
             ways = abs(room.above[0] - room.below[0])

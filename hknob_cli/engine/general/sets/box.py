@@ -1,6 +1,8 @@
 """Every start in a box: pieces followed until each lies inside what a proven orbit captures."""
 
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import GREW as GREW_FATE
+from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.ball import (
@@ -12,7 +14,7 @@ from hknob_cli.engine.general.sets.ball import (
     follow_ball,
     step_through,
 )
-from hknob_cli.engine.general.sets.known import is_proven, seek
+from hknob_cli.engine.general.sets.known import NO_ROOM, blame, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
@@ -181,6 +183,7 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
         if event == CAPTURED:
             return waiting, ENDED, taken
         if event == GREW or at >= budget:  # that what has grown so far never comes back is not proven
+            blame(GREW_FATE if event == GREW else UNSETTLED, weight, known)
             return waiting, UNPROVEN, taken
         move_corners(own, edges, count, age, corners, 0, drift, n, room.matrix, room.spare)
         radius = largest_norm(corners, 0, count, body) + blurred
@@ -219,7 +222,10 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
                     body,
                     wall,
                 )
-                return (parted, PARTED, taken) if parted >= 0 else (waiting, UNPROVEN, taken)
+                if parted < 0:
+                    blame(NO_ROOM, weight, known)
+                    return waiting, UNPROVEN, taken
+                return parted, PARTED, taken
             run, next_test = (run + 1, next_test) if level == low else (0, FIRST_REST_TEST)
             level = low
             before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, room.pad)
@@ -232,7 +238,10 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
             since, wait = 0, 2 * wait
             row, steps = seek(z, before, ring, head, budget - at, limit, known, body, wall)
             taken += steps
+            if body.halt[0] > 0.0:
+                return waiting + 1, PARTED, taken  # as it was, among those that wait
             if not is_proven(row, known):
+                blame(fate_of(row, known), weight, known)
                 return waiting, UNPROVEN, taken
 
 
@@ -243,7 +252,7 @@ def follow_generation(room, waiting, delay, width, patience, budget, limit, samp
     """
     ended, undecided, taken = 0, 0.0, 0
     size = piece_size(body.order, delay)
-    while waiting > 0 and taken < samples:
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         weight = room.stack[(waiting - 1) * size + WEIGHT]
         waiting, fate, steps = follow_piece(
             room, waiting, delay, width, patience, budget, limit, drift, known, body, wall

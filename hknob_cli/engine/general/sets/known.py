@@ -4,7 +4,7 @@ As `engine.sets.known`, for what the general loop has beside: states of any orde
 reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
 """
 
-from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN
+from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
 from hknob_cli.engine.general.ensemble import enter, is_cycle
@@ -15,6 +15,7 @@ from hknob_cli.engine.rest import AT_REST
 
 POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which sets are compared with it
 FULL, UNPROVEN_END = -2, -1  # instead of a row
+NO_ROOM = 12  # beside the fates of `general.follow`: more ends, or more pieces, than a cell keeps
 
 
 def add_points(row, known, body, wall):
@@ -122,6 +123,18 @@ def resting(z, before, ring, reach, known, body, wall):
 def is_proven(row, known):
     """Whether a row is that of an attractor that is proven."""
     return row >= 0 and (known.table[row * FIELDS] == CYCLE_PROVEN or known.table[row * FIELDS] == REST_PROVEN)
+
+
+def fate_of(row, known):
+    """Fate of an end that is not proven, as `seek` gave it."""
+    if row >= 0:
+        return int(known.table[row * FIELDS])
+    return NO_ROOM if row == FULL else UNSETTLED
+
+
+def blame(fate, weight, known):
+    """Enter why a measure of starts has no proven end."""
+    known.why[fate] += weight
 
 
 def seek(z, before, ring, head, budget, limit, known, body, wall):

@@ -10,6 +10,7 @@ from hknob_cli.engine.general.sets.lattice import CELL
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
 
 ENDS = 512  # distinct ends that a cell keeps
+FATES = 16  # of ends
 POINTS = 16_384  # samples of proven orbits at which sets are compared with them
 ARCS = 4096  # that wait to be followed
 CELLS = 2**17  # of a lattice
@@ -23,7 +24,8 @@ class Known(NamedTuple):
 
     ``table``, ``states``, ``lines``: as `general.ensemble.crowd` has them, but that the number of trials is the measure
     of the starts that reach a row. ``points``: row, last reading, state, and commands under way of samples of proven
-    orbits where the wall steps deeper. ``counts``: of rows and of points. The others are work space of a trial.
+    orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
+    a proven end, by the fate that is none. The others are work space of a trial.
     """
 
     table: Any
@@ -31,6 +33,7 @@ class Known(NamedTuple):
     lines: Any
     points: Any
     counts: Any
+    why: Any
     z: Any
     ring: Any
     check: Any
@@ -104,6 +107,7 @@ def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
         lines=zeros(max(1, delay * ENDS)),
         points=zeros((order + delay + 2) * POINTS),
         counts=zeros(2),
+        why=zeros(FATES),
         z=zeros(order),
         ring=zeros(delay),
         check=zeros(order),
