@@ -84,7 +84,7 @@ class Search(NamedTuple):
 
     Where all starts are followed at once, ``complete`` says whether all of them are proven to end in these attractors;
     ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound
-    on the share of starts whose end is not proven, where shares are counted by other means.
+    on the share of starts whose end is not proven, where shares are counted by other means; ``why``: most of them.
     """
 
     attractors: tuple[Attractor, ...]
@@ -93,6 +93,7 @@ class Search(NamedTuple):
     pieces: int = 0
     narrowest: float = 0.0
     undecided: float | None = None
+    why: Reason = Reason.NONE
 
 
 class NeedsCompilerError(Exception):

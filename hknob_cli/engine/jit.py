@@ -47,6 +47,10 @@ SETS = (
     *ORBIT,
     "budget",
 )
+GENERAL_SETS = (
+    *GENERAL,
+    *(f"general.sets.{name}" for name in ("readings", "known", "ball", "piece", "lattice", "box", "curve", "arc")),
+)
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
@@ -63,6 +67,7 @@ GROUPS = {
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
     "sets": (SETS, "ball.follow_ball"),
+    "general sets": (GENERAL_SETS, "ball.follow_ball"),
     "pulse": (PULSE, "pulse.follow_linear"),
 }
 

@@ -35,6 +35,7 @@ class Reason(IntEnum):
     NOT_AFFINE = 17
     AT_SWITCH = 18
     TIME_LIMIT = 19
+    WORK_LIMIT = 20
 
 
 WORDS = {
@@ -57,5 +58,6 @@ WORDS = {
     Reason.AT_SWITCH: "a switch of the controller lies within the error bound: nearby motions may take it",
     Reason.EVENT_LIMIT: "not settled within the limit of events",
     Reason.TIME_LIMIT: "not settled within the time limit of a cell (limits.seconds_per_cell)",
+    Reason.WORK_LIMIT: "sets of starts were still under way after all the work that a cell may take",
     Reason.REST_ON_EDGE: "the rest point lies on a count edge to within rounding",
 }

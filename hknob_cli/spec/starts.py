@@ -11,15 +11,7 @@ from hknob_cli.spec.scene import Part, SceneSpec, given
 PHASES = 64  # of one start, sampled where the motions of a scene cannot be followed all at once
 
 # Values of the scene with which sets of starts are not followed.
-_UNCUT = (
-    "knob.coulomb_torque",
-    "wall.damping",
-    "hand.finger",
-    "actuator.time_constant",
-    "actuator.torque_limit",
-    "actuator.torque_step",
-    "actuator.delay_samples",
-)
+_UNCUT = ("knob.coulomb_torque",)
 
 
 def _form(value: Any) -> str:

@@ -193,7 +193,7 @@ def crowd(
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
     under way there, oldest first.
     """
-    n, delay = body.order, len(ring)
+    delay = len(ring)
     overflow, samples = 0, 0
     for trial in range(first, stop):
         begin(z, start, (trial + 0.5) / phases, body, space.pad)

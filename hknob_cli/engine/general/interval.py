@@ -8,7 +8,7 @@ from hknob_cli.engine.general.slide_two import rub_two
 
 
 def hold(z, u, ring, head, body, wall, pad):
-    """Move ``z`` over one interval at whose sample ``u`` is commanded; the new head of ``ring``, the commands under way."""
+    """Move ``z`` over one interval at whose sample ``u`` is commanded; the new head of ``ring``."""
     older = u
     delay = len(ring)
     if delay > 0:
