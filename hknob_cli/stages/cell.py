@@ -84,8 +84,9 @@ def engine_group(plan: SweepPlan, scene: Scene) -> str:
     if group == "plain":
         late = scene.actuator is not None and scene.actuator.delay_samples > 0.0
         return "general sets" if late and plan.starts.span else "sets"
-    cut = group == "general" and scene.encoder is not None and scene.knob.coulomb_torque == 0.0
-    return "general sets" if cut else group
+    if group != "general" or scene.encoder is None:
+        return group
+    return "friction sets" if scene.knob.coulomb_torque > 0.0 else "general sets"
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
@@ -133,7 +134,7 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group in ("general", "general sets"):
+        if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         functions = self.functions.get("sets" if group == "sets" else "plain")
@@ -171,7 +172,7 @@ class CellFinder:
             self._general = GeneralEngine(functions, self.stopped)
         self._general.patience = self.patience(group)
         try:
-            search = self._starts.search_general(plan, knob) if group == "general sets" else None
+            search = self._starts.search_general(plan, knob, group) if group != "general" else None
             if search is None:
                 search = self._general.search(
                     knob.body,

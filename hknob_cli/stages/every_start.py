@@ -50,14 +50,19 @@ class StartsFinder:
         boxed: Search = self._plain.search_box(knob.loop, _box(plan, knob), max_samples=most, seconds=seconds)
         return boxed
 
-    def search_general(self, plan: SweepPlan, knob: "GeneralKnob") -> Search | None:
-        """What all starts of a cell of the general loop settle to; None where they cannot be followed all at once."""
+    def search_general(self, plan: SweepPlan, knob: "GeneralKnob", group: str) -> Search | None:
+        """What all starts of a cell of the general loop settle to; None where they cannot be followed all at once.
+
+        ``group``: of engine functions, with or without friction.
+        """
+        from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
         from hknob_cli.engine.general.sets.search import GeneralSetEngine
 
-        functions = self.functions.get("general sets")
-        if self._general is None:
-            self._general = GeneralSetEngine(functions, self.stopped)
-        self._general.patience = self.patience("general sets")
+        functions = self.functions.get(group)
+        kind = FrictionSetEngine if group == "friction sets" else GeneralSetEngine
+        if type(self._general) is not kind:
+            self._general = kind(functions, self.stopped)
+        self._general.patience = self.patience(group)
         starts = plan.starts
         given: dict[str, Any] = {
             "rate": knob.rate,
@@ -70,7 +75,7 @@ class StartsFinder:
             found: Search | None = self._general.search_phases(knob.body, knob.wall, start, **given)
             return found
         if functions is None:
-            raise NeedsCompilerError("general sets")
+            raise NeedsCompilerError(group)
         boxed: Search = self._general.search_box(knob.body, knob.wall, _box(plan, knob), **given)
         return boxed
 

@@ -4,10 +4,11 @@ As `box`, but that pieces are moved sample by sample: what friction does to thei
 """
 
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import GREW, UNSETTLED
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
 from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
-from hknob_cli.engine.general.sets.known import captor, is_proven, seek
+from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
@@ -50,6 +51,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
         if at >= budget or not -limit < z[0] < limit:
+            blame(UNSETTLED if at >= budget else GREW, weight, known)
             return waiting, UNPROVEN, -1, taken
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
         settled = own[SAMPLE] > at
@@ -73,10 +75,12 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 level,
                 high,
                 drift,
-                body,
                 wall,
             )
-            return (parted, PARTED, -1, taken) if parted >= 0 else (waiting, UNPROVEN, -1, taken)
+            if parted < 0:
+                blame(NO_ROOM, weight, known)
+                return waiting, UNPROVEN, -1, taken
+            return parted, PARTED, -1, taken
         deeper = level < last and level < 0.0
         row = UNKNOWN
         if deeper:
@@ -86,29 +90,20 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
         if row >= 0:
             return waiting, ENDED, row, taken
         small = body.reach * (radius + error) < SMALL * width
-        if small and at > start and (deeper or (width > SECTION and at % OFTEN == 0)):
-            if keep(
-                room,
-                z,
-                before,
-                ring,
-                0 * delay,
-                error,
-                last,
-                float(at),
-                weight,
-                corners,
-                count,
-                width,
-                drift,
-                body,
-            ):
-                return waiting, KEPT, -1, taken
+        meets = at > start and (deeper or (width > SECTION and at % OFTEN == 0))
+        sample = float(at)
+        if (meets and small) and keep(
+            room, z, before, ring, 0 * delay, error, last, sample, weight, corners, count, width, drift, body
+        ):
+            return waiting, KEPT, -1, taken
         if since >= wait:
             since, wait = 0, 2 * wait
             row, steps = seek(z, before, ring, 0 * delay, budget - at, limit, known, body, wall)
             taken += steps
+            if body.halt[0] > 0.0:
+                return waiting + 1, PARTED, -1, taken  # as it was, among those that wait
             if not is_proven(row, known):
+                blame(fate_of(row, known), weight, known)
                 return waiting, UNPROVEN, -1, taken
         after = move_piece(
             room,
@@ -120,7 +115,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
             0 * delay,
             error,
             level,
-            float(at),
+            sample,
             weight,
             corners,
             count,
@@ -129,20 +124,21 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
             wall,
         )
         since += 1
+        if after < 0:
+            blame(NO_ROOM, weight, known)
+            return waiting, UNPROVEN, -1, taken
         if after != waiting + 1:
-            return (after, PARTED, -1, taken) if after >= 0 else (waiting, UNPROVEN, -1, taken)
+            return after, PARTED, -1, taken
 
 
-def follow_friction(
-    room, work, waiting, delay, width, patience, budget, limit, samples, drift, known, body, wall
-):
+def follow_friction(room, work, waiting, delay, width, patience, budget, limit, samples, drift, known, body, wall):
     """Follow pieces until none waits or ``samples`` are taken: ``(waiting, pieces, undecided, samples)``.
 
     As `box.follow_generation`.
     """
     ended, undecided, taken = 0, 0.0, 0
     size = piece_size(2, delay)
-    while waiting > 0 and taken < samples:
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         weight = room.stack[(waiting - 1) * size + WEIGHT]
         waiting, fate, _, steps = follow_piece(
             room, work, waiting, delay, width, patience, budget, limit, drift, known, body, wall

@@ -7,6 +7,7 @@ one attractor, the interval is halved, and both halves are followed from the beg
 
 from math import sqrt
 
+from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, PARTED
 from hknob_cli.engine.general.sets.convex import widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
@@ -14,8 +15,9 @@ from hknob_cli.engine.general.sets.piece import piece_size, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
 from hknob_cli.engine.general.slide_two import coefficients, rub_two
 
-NARROWEST = 2.0**-32  # interval of phases that is not halved any more
 FIRST = 16  # intervals to begin with
+HALVINGS = 28
+NARROWEST = 2.0**-HALVINGS / FIRST  # interval of phases that is not halved any more
 TOO_MANY = 4096  # pieces of one interval
 
 
@@ -25,8 +27,11 @@ def fly(angle, velocity, phase, body):
     return rub_two(angle, velocity, 0.0, phase, s, g, f, body)
 
 
-def put_chord(angle, velocity, low, high, room, work, drift, body, wall):
-    """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading."""
+def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):
+    """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading.
+
+    ``weight``: measure that a piece without a proven end counts.
+    """
     a, va = fly(angle, velocity, low, body)
     b, vb = fly(angle, velocity, high, body)
     x, v = 0.5 * (a + b), 0.5 * (va + vb)
@@ -71,7 +76,7 @@ def put_chord(angle, velocity, low, high, room, work, drift, body, wall):
                 error,
                 0.0,
                 0.0,
-                1.0,
+                weight,
                 room.halves,
                 kept,
                 room.middle,
@@ -91,9 +96,9 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
     """
     row, other, proven, pieces, taken = -1, -1, True, 0, 0
     narrow = high - low <= NARROWEST
-    waiting = put_chord(angle, velocity, low, high, room, work, drift, body, wall)
+    waiting = put_chord(angle, velocity, low, high, high - low if narrow else 0.0, room, work, drift, body, wall)
     delay = len(work.ring)
-    while waiting > 0 and (narrow or (proven and other < 0)):
+    while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
         waiting, fate, found, used = follow_piece(
             room, work, waiting, delay, 0.0, patience, budget, limit, drift, known, body, wall
         )
@@ -110,7 +115,9 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
     return row, other, proven, pieces, taken
 
 
-def follow_phases(angle, velocity, first, samples, stack, patience, budget, limit, room, work, drift, known, body, wall):
+def follow_phases(
+    angle, velocity, first, samples, stack, patience, budget, limit, room, work, drift, known, body, wall
+):
     """Follow the intervals of phases that wait until none does or ``samples`` are taken.
 
     Args:
@@ -118,7 +125,7 @@ def follow_phases(angle, velocity, first, samples, stack, patience, budget, limi
         velocity: Of the start, counts per sample.
         first: Intervals that wait, in ``stack``: low and high phase of each.
         samples: That may pass.
-        stack: Room for `FIRST` + 64 intervals.
+        stack: Room for `FIRST` + `HALVINGS` + 2 intervals.
         patience: As in `friction_box.follow_piece`.
         budget: Samples that a motion may take.
         limit: Position past which a motion has diverged.
@@ -133,13 +140,15 @@ def follow_phases(angle, velocity, first, samples, stack, patience, budget, limi
     those without a proven end; the shortest; and samples.
     """
     waiting, ended, undecided, shortest, taken = first, 0, 0.0, 1.0, 0
-    while waiting > 0 and taken < samples:
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
         low, high = stack[2 * waiting], stack[2 * waiting + 1]
         row, other, proven, pieces, used = follow_interval(
             angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall
         )
         taken += used
+        if body.halt[0] > 0.0:
+            return waiting + 1, ended, undecided, shortest, taken  # as it was, among those that wait
         narrow = high - low <= NARROWEST
         if (other >= 0 or not proven) and not narrow:
             middle = 0.5 * (low + high)
@@ -152,5 +161,5 @@ def follow_phases(angle, velocity, first, samples, stack, patience, budget, limi
         if not proven or row < 0:
             undecided += high - low
         else:
-            known.table[row * 10 + 6] += high - low
+            known.table[row * FIELDS + 6] += high - low
     return waiting, ended, undecided, shortest, taken

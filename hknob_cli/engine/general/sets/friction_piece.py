@@ -6,7 +6,7 @@ friction holds them.
 
 from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, keep_side, widen
-from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, move_set
+from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
 from hknob_cli.engine.general.sets.piece import largest_norm, piece_size, put, within
 from hknob_cli.engine.general.sets.readings import highest, lowest, remembered
 
@@ -129,7 +129,7 @@ def move_piece(
 
 
 def part_piece(
-    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
+    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, wall
 ):
     """Cut a piece at the edges that change the command, and let the parts wait; how many pieces wait then, -1: no room.
 

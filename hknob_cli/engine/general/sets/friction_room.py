@@ -88,5 +88,6 @@ def friction_drift(body: Body, wall: Controller) -> Drift:
         once=[constant, push, per * root + push * body.beta, push],
         units=[root, 1.0],
         blur=ROUNDED * EPSILON * parts,
+        coast=0.0,  # of arcs, which are not used
         bottom=deepest_level(wall),
     )

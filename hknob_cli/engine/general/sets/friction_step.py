@@ -16,8 +16,8 @@ enough, the caller is told a line to cut the set by.
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.slide_two import coefficients, rub_two
 from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen
+from hknob_cli.engine.general.slide_two import coefficients, rub_two
 from hknob_cli.engine.turning import first_zero
 
 SLID, HELD, ENCLOSED, CUT = range(4)  # what a hold does with a set
@@ -150,8 +150,8 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         space: Work space, as much as ``corners`` and eight numbers more.
         line: Three numbers: where a cut is asked for, that at ``line[0] dx + line[1] dv = line[2]``.
 
-    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0, with
-    no error.
+    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0,
+    with no error.
     """
     beta, friction = body.beta, body.friction
     free = u + body.drive

@@ -88,6 +88,14 @@ class GeneralSetEngine:
     def _zeros(self, count: int) -> Any:
         return np.zeros(count) if self._functions else [0.0] * count
 
+    def able(self, body: Body, wall: Controller) -> bool:
+        """Whether this engine follows sets of states of a cell."""
+        return can_follow(body, wall)
+
+    def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
+        """What follows the pieces that wait, `box.follow_generation`."""
+        return self._function(box, "follow_generation")
+
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
         drift = make_drift(body, wall)
@@ -112,7 +120,7 @@ class GeneralSetEngine:
         None where arcs cannot be followed: nothing damps or holds the knob, or they meet too many edges at once. Raises
         `StoppedError` when told to stop, and `NeedsCompilerError` in the interpreter where it takes too long.
         """
-        if not can_follow(body, wall):
+        if not self.able(body, wall):
             return None
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
         if not scope.fine:
@@ -182,7 +190,7 @@ class GeneralSetEngine:
         `StoppedError` when told to stop.
         """
         far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
-        if not can_follow(body, wall):
+        if not self.able(body, wall):
             return _unfollowed(Reason.NO_STIFFNESS if body.damped else Reason.NO_DAMPING)
         scope = make_scope(body, wall, far_x, far_v, rate, max_samples)
         if not scope.fine:
@@ -198,7 +206,7 @@ class GeneralSetEngine:
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             taken, unproven, followed = self._sample(states, scope, room, cell, alarm)
             pieces, undecided, why = 0, 0.0, Reason.NONE
-            follow, release = self._function(box, "follow_generation"), self._function(lattice, "release")
+            follow, release = self.follower(body, wall, delay_line), self._function(lattice, "release")
             waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY

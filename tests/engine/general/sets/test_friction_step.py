@@ -1,21 +1,20 @@
-"""Tests of `engine.sets.friction_step`: no state of a set is lost over a hold with friction, and none is held in vain."""
+"""Tests of `engine.general.sets.friction_step`: no state of a set is lost over a hold with friction."""
 
 from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import Phase, assume, given, settings
+from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.slide_two import coefficients, rub_two
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius_of
-from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
+from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, MOST_CUTS, SLID, move_set, parts_of_hold
+from hknob_cli.engine.general.slide_two import coefficients, rub_two
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.spec.plan import Bias, Hand, Knob, Scene, Wall
-
-from .loops import zeros
-from .test_polygon import inside, states_of
+from tests.engine.sets.loops import zeros
+from tests.engine.sets.test_polygon import convex, inside, states_of
 
 ROOM = 8 * (MOST_CORNERS + 6)
 
@@ -110,8 +109,6 @@ def shapes(draw: st.DrawFn) -> list[float]:
     if kind == "segment":
         dx, dv = size * chance.uniform(-1, 1, 2)
         return [-dx, -dv, dx, dv]
-    from .test_polygon import convex
-
     points = chance.uniform(-1.0, 1.0, (draw(st.integers(3, 9)), 2)) * [size, size * chance.uniform(0.01, 1.0)]
     return convex(points - points.mean(axis=0))
 
