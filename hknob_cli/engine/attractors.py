@@ -85,9 +85,10 @@ class Search(NamedTuple):
 
     Where all starts are followed at once, ``complete`` says whether all of them are proven to end in these attractors;
     ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound
-    on the share of starts whose end is not proven, where shares are counted by other means; ``share_error``: a bound on
-    what rounding may have added to a share or taken from it, where shares are lengths. ``region``: least and largest
-    position, least and largest speed of a region that every motion comes into, where all starts are meant.
+    on the share of starts whose end is not proven, where shares are counted by other means, and ``why``, of most of
+    them; ``share_error``: a bound on what rounding may have added to a share or taken from it, where shares are
+    lengths. ``region``: least and largest position, least and largest speed of a region that every motion comes into,
+    where all starts are meant.
     """
 
     attractors: tuple[Attractor, ...]
@@ -98,6 +99,7 @@ class Search(NamedTuple):
     undecided: float | None = None
     share_error: float | None = None
     region: tuple[float, float, float, float] | None = None
+    why: Reason = Reason.NONE
 
 
 class NeedsCompilerError(Exception):

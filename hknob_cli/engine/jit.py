@@ -58,6 +58,15 @@ ARC_CELLS = (
     "cells",
     "sets.cells",
 )
+GENERAL_SETS = (
+    *GENERAL,
+    *(f"general.sets.{name}" for name in ("readings", "known", "ball", "piece", "lattice", "box", "curve", "arc")),
+)
+FRICTION_SETS = (
+    *GENERAL_SETS,
+    *(f"general.sets.{name}" for name in ("convex", "friction_step", "friction_piece", "friction_rest")),
+    *(f"general.sets.{name}" for name in ("friction_box", "friction_phases")),
+)
 BOUNCES = (*MOTION, "bounces")
 UNSAMPLED = (
     "propagator",
@@ -75,6 +84,8 @@ GROUPS = {
     "general": (GENERAL, "ensemble.crowd"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
     "sets": (SETS, "ball.follow_ball"),
+    "general sets": (GENERAL_SETS, "ball.follow_ball"),
+    "friction sets": (FRICTION_SETS, "friction_box.follow_friction"),
     "pulse": (PULSE, "pulse.follow_linear"),
 }
 

@@ -11,8 +11,8 @@ from hknob_cli.spec.scene import Part, SceneSpec, given
 RANDOM = 256  # drawn from ranges, where not all can be followed at once and the spec does not say how many
 PHASES = 64  # of one start, sampled where the motions of a scene cannot be followed all at once
 
-# Values of the scene with which sets of starts are not followed.
-_UNCUT = (
+# What a plain cell does not have.
+_MORE = (
     "knob.coulomb_torque",
     "wall.damping",
     "hand.finger",
@@ -138,7 +138,7 @@ def start_faults(
     """What in a scene excludes starts that are many."""
     if isinstance(starts, str):
         why = "must be absent where starts are anywhere: no region is known that every motion comes into; give ranges"
-        found = unfollowed(scene, axes, why)
+        found = beyond_plain(scene, axes, why)
         if not scene.hand and not population:
             found.append((("starts",), "must not be anywhere without a hand: nothing draws the knob back"))
         return found
@@ -147,9 +147,9 @@ def start_faults(
     return []
 
 
-def unfollowed(scene: SceneSpec, axes: Axes, why: str) -> list[tuple[tuple[str, ...], str]]:
+def beyond_plain(scene: SceneSpec, axes: Axes, why: str) -> list[tuple[tuple[str, ...], str]]:
     """Places in a scene of what plain cells do not have, and ``why`` that must be absent."""
-    found = [(place, why) for path in _UNCUT for place in given(scene, axes, path)]
+    found = [(place, why) for path in _MORE for place in given(scene, axes, path)]
     if scene.controller:
         found.append((("scene", "controller"), why))
     kept = why.partition(" where ")[2]

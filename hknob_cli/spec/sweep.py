@@ -12,7 +12,7 @@ from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
 from hknob_cli.spec.scene import Part, SceneSpec, given
-from hknob_cli.spec.starts import AnyStarts, StartsSpec, plain_starts, spanned, start_faults, unfollowed
+from hknob_cli.spec.starts import AnyStarts, StartsSpec, beyond_plain, plain_starts, spanned, start_faults
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
@@ -146,7 +146,7 @@ class SweepSpec(Part):
         if self.basins and (isinstance(self.starts, str) or not self.starts.spans):
             found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
         elif self.basins:
-            found += unfollowed(self.scene, axes, "must be absent where basins are mapped")
+            found += beyond_plain(self.scene, axes, "must be absent where basins are mapped")
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))

@@ -11,8 +11,9 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
+from hknob_cli.scene.sampled_knob import is_plain, sample_knob
 from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.stages.every_start import StartsFinder
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
@@ -26,8 +27,8 @@ class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
     Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
-    ``undecided``, ``share_error``: as in `engine.attractors.Search`. ``region_rad``, ``region_rad_s``: largest angle
-    and speed of the region that every motion comes into, where starts are anywhere.
+    ``undecided``, ``why``, ``share_error``: as in `engine.attractors.Search`. ``region_rad``, ``region_rad_s``: largest
+    angle and speed of the region that every motion comes into, where starts are anywhere.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -46,6 +47,7 @@ class CellResult(NamedTuple):
     share_error: float | None = None
     region_rad: float | None = None
     region_rad_s: float | None = None
+    why: Reason = Reason.NONE
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
@@ -80,18 +82,19 @@ def group_of(scene: Scene) -> str:
 
 
 def engine_group(plan: SweepPlan, scene: Scene) -> str:
-    """Group of engine functions that a cell of a sweep takes: of a plain scene by whether all starts are meant."""
+    """Group of engine functions that a cell of a sweep takes: by its scene, and by whether all starts are meant."""
     group = group_of(scene)
-    if group != "plain" or plan.starts.sampled:
+    if plan.starts.sampled or group not in ("plain", "general") or scene.encoder is None:
         return group
-    return "general" if plan.starts.random and not _follows_boxes(scene) else "sets"
-
-
-def _follows_boxes(scene: Scene) -> bool:
-    """Whether ranges of starts of a plain scene are followed as sets: without a delay, damped, and held by a spring."""
-    late = scene.actuator is not None and scene.actuator.delay_samples > 0.0
-    hand = scene.hand or Hand()
-    return not late and scene.knob.damping + hand.damping > 0.0 and hand.stiffness > 0.0
+    if group == "plain" and not plan.starts.span:
+        return "sets"
+    if group == "plain" and not (scene.actuator and scene.actuator.delay_samples > 0.0):
+        hand = scene.hand or Hand()
+        return "sets" if scene.knob.damping + hand.damping > 0.0 and hand.stiffness > 0.0 else "general"
+    if scene.knob.coulomb_torque == 0.0:
+        return "general sets"
+    lagging = scene.actuator is not None and scene.actuator.time_constant > 0.0
+    return "general" if lagging or (scene.hand and scene.hand.finger) else "friction sets"
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
@@ -128,7 +131,7 @@ class CellFinder:
         self.stopped = stopped
         self.patience = patience
         self._engine: Engine | None = None
-        self._sets: Any = None
+        self._starts = StartsFinder(functions, stopped, patience)
         self._general: Any = None
 
     def find(self, plan: SweepPlan, cell: Cell) -> CellResult:
@@ -139,14 +142,14 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "general":
-            return self._find_general(plan, cell)
+        if group in ("general", "general sets", "friction sets"):
+            return self._find_general(plan, cell, group)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         functions = self.functions.get("sets" if group == "sets" else "plain")
         if self._engine is None or self._engine.compiled != (functions is not None):
             self._engine = Engine(functions, self.stopped)
         self._engine.patience = self.patience(group)
-        search = self._search_all(plan, knob) if group == "sets" else None
+        search = self._starts.search_plain(plan, knob) if group == "sets" else None
         if search is None:
             search = self._engine.search(
                 knob.loop,
@@ -171,69 +174,39 @@ class CellFinder:
         assert self._engine
         return self._engine.trace(loop, orbit)
 
-    def _search_all(self, plan: SweepPlan, knob: SampledKnob) -> Search | None:
-        """What all starts of a plain cell settle to; None where they cannot be followed all at once."""
-        from hknob_cli.engine.sets.search import Box, SetEngine
-
-        functions = self.functions.get("sets")
-        if self._sets is None or self._sets.compiled != (functions is not None):
-            self._sets = SetEngine(functions, self.stopped)
-        self._sets.patience = self.patience("sets")
-        starts, most = plan.starts, plan.max_samples
-        if not starts.many:
-            try:
-                found: Search | None = self._sets.search_phases(
-                    knob.loop,
-                    x=knob.position(starts.angle),
-                    v=knob.speed(starts.velocity),
-                    delay_line=knob.delay_line,
-                    max_samples=most,
-                    seconds=plan.seconds_per_cell,
-                )
-            except NeedsCompilerError:
-                raise NeedsCompilerError("sets") from None
-            return found
-        if functions is None:
-            raise NeedsCompilerError("sets")
-        if starts.anywhere:
-            every: Search = self._sets.search_anywhere(knob.loop, max_samples=most, seconds=plan.seconds_per_cell)
-            return every
-        assert starts.span
-        low, high, slowest, fastest = starts.span
-        box = Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
-        boxed: Search = self._sets.search_box(knob.loop, box, max_samples=most, seconds=plan.seconds_per_cell)
-        return boxed
-
-    def _find_general(self, plan: SweepPlan, cell: Cell) -> CellResult:
+    def _find_general(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.engine.general.search import GeneralEngine
         from hknob_cli.measure.general_orbit import GeneralMeasurer
         from hknob_cli.scene.general_knob import sample_general
 
         counts = int(cell[COUNTS]) if COUNTS in cell else None
         knob = sample_general(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=counts)
-        if self._general is None:
-            self._general = GeneralEngine(self.functions.get("general"), self.stopped)
-        self._general.patience = self.patience("general")
-        start, several = knob.start(plan.starts.angle, plan.starts.velocity), None
-        if plan.starts.span:
-            several = [knob.start(*one) for one in random_starts(plan.starts)]
-            start = [max(map(abs, values)) for values in zip(*several, strict=True)]
+        functions = self.functions.get(group)
+        if self._general is None or self._general.compiled != (functions is not None):
+            self._general = GeneralEngine(functions, self.stopped)
+        self._general.patience = self.patience(group)
         try:
-            search = self._general.search(
-                knob.body,
-                knob.wall,
-                start,
-                several=several,
-                rate=knob.rate,
-                phases=plan.starts.phases,
-                delay_line=knob.delay_line,
-                max_samples=plan.max_samples,
-                seconds=plan.seconds_per_cell,
-            )
+            search = self._starts.search_general(plan, knob, group) if group != "general" else None
+            if search is None:
+                start, several = knob.start(plan.starts.angle, plan.starts.velocity), None
+                if plan.starts.span:
+                    several = [knob.start(*one) for one in random_starts(plan.starts)]
+                    start = [max(map(abs, values)) for values in zip(*several, strict=True)]
+                search = self._general.search(
+                    knob.body,
+                    knob.wall,
+                    start,
+                    several=several,
+                    rate=knob.rate,
+                    phases=plan.starts.phases,
+                    delay_line=knob.delay_line,
+                    max_samples=plan.max_samples,
+                    seconds=plan.seconds_per_cell,
+                )
         except NeedsCompilerError:
-            raise NeedsCompilerError("general") from None
+            raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
-        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, "general"))
+        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
 
     def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.growth import bounce_peaks, energy_growth
@@ -326,4 +299,5 @@ def _result(
         pieces=search.pieces,
         undecided=search.undecided,
         share_error=search.share_error,
+        why=search.why,
     )

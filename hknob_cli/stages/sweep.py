@@ -29,6 +29,8 @@ HEAVIER = {
     "bounces": 1.0,
     "general": 10.0,
     "sets": 8.0,
+    "general sets": 20.0,
+    "friction sets": 50.0,
     "unsampled": 1.0,
 }  # times that a sample takes longer than in the plain loop
 

@@ -84,16 +84,21 @@ def acceleration(z, u, body):
     return total if body.lag > 0.0 else total + u
 
 
-def norm(dz, body):
-    """Root of the energy of a difference of states, as speed of the knob; lag counted by what it can still add."""
+def norm_at(dz, at, body):
+    """`norm` of the difference of states that begins at ``dz[at]``."""
     if body.ratio > 0.0:
-        finger, tip = dz[1] - dz[3], dz[0] - dz[2]
-        square = dz[1] * dz[1] + body.pad_stiffness * dz[2] * dz[2]
+        finger, tip = dz[at + 1] - dz[at + 3], dz[at] - dz[at + 2]
+        square = dz[at + 1] * dz[at + 1] + body.pad_stiffness * dz[at + 2] * dz[at + 2]
         square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
     else:
-        square = dz[1] * dz[1] + body.beta * dz[0] * dz[0]
-    late = abs(dz[body.order - 1]) / body.lag if body.lag > 0.0 else 0.0
+        square = dz[at + 1] * dz[at + 1] + body.beta * dz[at] * dz[at]
+    late = abs(dz[at + body.order - 1]) / body.lag if body.lag > 0.0 else 0.0
     return sqrt(square) + late
+
+
+def norm(dz, body):
+    """Root of the energy of a difference of states, as speed of the knob; lag counted by what it can still add."""
+    return norm_at(dz, 0, body)
 
 
 def stiffness(body):

@@ -96,6 +96,71 @@ def find(fate, period, z, shown, rows, table, states, order):
     return rows
 
 
+def enter(
+    fate, period, z, before, ring, head, capacity, rows, table, states, lines, body, wall, space, check, checkring
+):
+    """Enter the end that `pursue` gave where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
+
+    A proof is taken again at the deepest sample of the orbit, where ``z`` and ``ring`` are left. Once ``body.halt`` is
+    above 0 the row is -1.
+    """
+    n, delay = body.order, len(ring)
+    cycle = is_cycle(fate)
+    turns = period
+    margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+    if cycle:
+        before, head, period = deepest(
+            z, before, ring, head, period, body, wall, space.pad, space.orbit, space.orbit_line, check, checkring
+        )
+    rest = fate == REST_PROVEN or fate == REST_EDGE
+    shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
+    if rest and body.friction > 0.0 and wall.analog > 0.0:
+        shown = -1.0 if z[0] < 0.0 else 0.0
+    row = find(fate, period, z, shown, rows, table, states, n)
+    if cycle and row == rows:
+        status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
+        if status == DIFFERENT and period < turns:
+            period = turns
+            row = find(fate, period, z, shown, rows, table, states, n)
+            status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
+        if fate != CYCLE_PROVEN and status == DIFFERENT:
+            fate = UNSETTLED
+        if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
+            fate = recant(status)
+        elif fate == CYCLE_PROVEN:
+            for j in range(n):
+                z[j] = space.orbit[j]
+            for j in range(delay):
+                ring[j] = space.orbit_line[j]
+            before = space.reading[0]
+    if cycle and not is_cycle(fate):
+        # Nothing is left of the cycle but that the trial has not settled.
+        cycle, period, turns = False, 0, 0
+        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
+        row = find(fate, period, z, shown, rows, table, states, n)
+    if body.halt[0] > 0.0:
+        return -1, rows
+    if row == capacity:
+        return capacity, rows
+    base = row * FIELDS
+    if row == rows:
+        rows += 1
+        table[base], table[base + 1] = fate, period
+        table[base + 2], table[base + 3] = margin, edge
+        table[base + 4], table[base + 5] = closure, bound
+        table[base + 6] = 0.0
+        table[base + 7], table[base + 8] = z[0], z[0]
+        table[base + 9] = shown if rest and body.friction > 0.0 else before
+        for j in range(n):
+            states[row * n + j] = z[j]
+        for j in range(delay):
+            lines[row * delay + j] = ring[(head + j) % delay]
+    if rest:
+        table[base + 7] = min(table[base + 7], z[0])
+        table[base + 8] = max(table[base + 8], z[0])
+    return row, rows
+
+
 def crowd(
     start,
     phases,
@@ -128,7 +193,7 @@ def crowd(
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
     under way there, oldest first.
     """
-    n, delay = body.order, len(ring)
+    delay = len(ring)
     overflow, samples = 0, 0
     for trial in range(first, stop):
         begin(z, start, (trial + 0.5) / phases, body, space.pad)
@@ -163,59 +228,28 @@ def crowd(
         if fate == KNOWN:
             table[period * FIELDS + 6] += 1.0
             continue
-        cycle = is_cycle(fate)
-        turns = period
-        margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-        if cycle:
-            before, head, period = deepest(
-                z, before, ring, head, period, body, wall, space.pad, space.orbit, space.orbit_line, check, checkring
-            )
-        rest = fate == REST_PROVEN or fate == REST_EDGE
-        shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
-        if rest and body.friction > 0.0 and wall.analog > 0.0:
-            shown = -1.0 if z[0] < 0.0 else 0.0
-        row = find(fate, period, z, shown, rows, table, states, n)
-        if cycle and row == rows:
-            status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
-            if status == DIFFERENT and period < turns:
-                period = turns
-                row = find(fate, period, z, shown, rows, table, states, n)
-                status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
-            if fate != CYCLE_PROVEN and status == DIFFERENT:
-                fate = UNSETTLED
-            if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
-                fate = recant(status)
-            elif fate == CYCLE_PROVEN:
-                for j in range(n):
-                    z[j] = space.orbit[j]
-                for j in range(delay):
-                    ring[j] = space.orbit_line[j]
-                before = space.reading[0]
-        if cycle and not is_cycle(fate):
-            # Nothing is left of the cycle but that the trial has not settled.
-            cycle, period, turns = False, 0, 0
-            margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-            row = find(fate, period, z, shown, rows, table, states, n)
-        if body.halt[0] > 0.0:
+        row, rows = enter(
+            fate,
+            period,
+            z,
+            before,
+            ring,
+            head,
+            capacity,
+            rows,
+            table,
+            states,
+            lines,
+            body,
+            wall,
+            space,
+            check,
+            checkring,
+        )
+        if row < 0:
             return rows, overflow, samples
         if row == capacity:
             overflow += 1
             continue
-        base = row * FIELDS
-        if row == rows:
-            rows += 1
-            table[base], table[base + 1] = fate, period
-            table[base + 2], table[base + 3] = margin, edge
-            table[base + 4], table[base + 5] = closure, bound
-            table[base + 6] = 0.0
-            table[base + 7], table[base + 8] = z[0], z[0]
-            table[base + 9] = shown if rest and body.friction > 0.0 else before
-            for j in range(n):
-                states[row * n + j] = z[j]
-            for j in range(delay):
-                lines[row * delay + j] = ring[(head + j) % delay]
-        table[base + 6] += 1.0
-        if rest:
-            table[base + 7] = min(table[base + 7], z[0])
-            table[base + 8] = max(table[base + 8], z[0])
+        table[row * FIELDS + 6] += 1.0
     return rows, overflow, samples

@@ -7,10 +7,8 @@ from hknob_cli.engine.general.glide import glide, rub_columns, rub_many
 from hknob_cli.engine.general.slide_two import rub_two
 
 
-def advance(z, before, ring, head, body, wall, pad):
-    """One interval from a sample to the next: ``(reading, head)``; ``ring`` holds the commands under way."""
-    shown = read(z[0], wall)
-    u = command(shown, before, wall)
+def hold(z, u, ring, head, body, wall, pad):
+    """Move ``z`` over one interval at whose sample ``u`` is commanded; the new head of ``ring``."""
     older = u
     delay = len(ring)
     if delay > 0:
@@ -39,6 +37,13 @@ def advance(z, before, ring, head, body, wall, pad):
         if wall.split > 0.0:
             glide(z, older, FIRST, body, pad)
         glide(z, u, SECOND, body, pad)
+    return head
+
+
+def advance(z, before, ring, head, body, wall, pad):
+    """One interval from a sample to the next: ``(reading, head)``; ``ring`` holds the commands under way."""
+    shown = read(z[0], wall)
+    head = hold(z, command(shown, before, wall), ring, head, body, wall, pad)
     return shown, head
 
 

@@ -190,7 +190,7 @@ class GeneralEngine:
             raise NeedsCompilerError
         why = why_unrepeated(rate, budget, held=spring > 0.0)
         found = [
-            _attractor(
+            attractor_of(
                 table[FIELDS * row : FIELDS * (row + 1)],
                 [float(value) for value in states[row * n : (row + 1) * n]],
                 [float(value) for value in lines[row * delay_line : (row + 1) * delay_line]],
@@ -235,20 +235,20 @@ class GeneralEngine:
         return None
 
 
-def _attractor(row: Any, state: list[float], line: list[float], unrepeated: Reason) -> Attractor:
+def attractor_of(row: Any, state: list[float], line: list[float], unrepeated: Reason) -> Attractor:
     """Attractor from a row of the kernel's tables; ``unrepeated``: why one's levels never repeated."""
     fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
     outcome, reason = GENERAL_FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated
     if int(n) == 0:
-        return whole(outcome, reason, int(trials))
+        return whole(outcome, reason, trials)
     rest = outcome is Outcome.REST
     x = state[0]
     return Attractor(
         outcome=outcome,
         reason=reason,
-        trials=int(trials),
+        trials=trials,
         period=int(n),
         x=x,
         v=state[1],

@@ -1,0 +1,119 @@
+"""Following a ball of states sample by sample, until an edge may part it or an attractor has captured it.
+
+As `engine.sets.ball`, in the general loop: while all states of the ball act alike its centre is a trial like any other,
+and its radius, in `body.norm`, is an upper bound.
+"""
+
+from hknob_cli.engine.general.controller import command
+from hknob_cli.engine.general.interval import hold
+from hknob_cli.engine.general.sets.known import captor, resting
+from hknob_cli.engine.general.sets.readings import acting, remembered
+
+MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the command: look at what it bounds
+CAPTURED = 1
+GREW = 2
+OUT_OF_SAMPLES = 3
+STEPS_DEEPER = 4
+
+FIRST_REST_TEST = 8
+
+
+def step_error(z, u, older, drift, body):
+    """Bound on what roundings add to the error of a state in one interval, under commands up to ``u`` and ``older``."""
+    total = drift.once[0] + drift.once[1] * max(abs(u), abs(older))
+    for j in range(body.order):
+        total += drift.once[2 + j] * abs(z[j])
+    return total
+
+
+def step_through(z, before, error, level, ring, head, drift, body, wall, pad):
+    """One sample more of a set that acts as ``level``, its centre in place: ``(before, error, head)``."""
+    u = command(level, before, wall)
+    older = u
+    for j in range(len(ring)):
+        older = max(abs(older), abs(ring[j]))
+    error += step_error(z, u, older, drift, body)
+    head = hold(z, u, ring, head, body, wall, pad)
+    return remembered(level, wall), error, head
+
+
+def follow_ball(
+    z, before, ring, head, radius, error, level, run, next_test, samples, limit, small, drift, known, body, wall
+):
+    """Follow the ball around ``z`` for at most ``samples`` samples.
+
+    Args:
+        z: Its centre, (order); moved in place.
+        before: What the controller remembers of the last reading, `readings.remembered`.
+        ring: Commands under way; changed in place.
+        head: The oldest of them.
+        radius: Bound on the distance of its states from the centre, in `body.norm`.
+        error: Bound on the rounding error of the centre, in the same norm.
+        level: Reading that acted at the sample before.
+        run: Samples that it has acted.
+        next_test: Samples after which rest is tried.
+        samples: That may pass.
+        limit: Position past which motions have diverged.
+        small: Whether to return where the wall steps deeper.
+        drift: `drift.Drift` of the cell.
+        known: The attractors, `room.Known`.
+        body: The body.
+        wall: The controller.
+
+    Returns ``(event, row, before, head, error, level, run, next_test, used)``; ``row`` of the attractor where captured.
+    """
+    pad = known.space.pad
+    two, delay = body.order == 2, len(ring)
+    always, by_command, by_x, by_v = drift.once[0], drift.once[1], drift.once[2], drift.once[3]
+    x, v = z[0], z[1]  # of second order the state is in these two alone, until it is asked for
+    event, row, taken = OUT_OF_SAMPLES, -1, samples
+    for i in range(samples):
+        reach = body.reach * (radius + error)
+        last = level
+        level = acting(x, drift.bottom, wall)
+        if acting(x - reach, drift.bottom, wall) != level or acting(x + reach, drift.bottom, wall) != level:
+            event, level, taken = MEETS_EDGE, last, i
+            break
+        if not -limit < x < limit:
+            event, taken = GREW, i
+            break
+        if level < last and level < 0.0:
+            z[0], z[1] = x, v
+            row = captor(z, before, ring, head, radius + error, known, body, wall)
+            if row >= 0:
+                event, taken = CAPTURED, i
+                break
+            if small and i > 0:
+                event, level, taken = STEPS_DEEPER, last, i
+                break
+        if level == last:
+            run += 1
+            if run >= next_test:
+                next_test = 2 * run
+                z[0], z[1] = x, v
+                row = resting(z, before, ring, radius + error, known, body, wall)
+                if row >= 0:
+                    event, taken = CAPTURED, i
+                    break
+        else:
+            run, next_test = 0, FIRST_REST_TEST
+        if not two:
+            before, error, head = step_through(z, before, error, level, ring, head, drift, body, wall, pad)
+            x, v = z[0], z[1]
+            continue
+        u = command(level, before, wall)
+        before = remembered(level, wall)
+        older = u
+        if delay > 0:
+            older = ring[head]
+            ring[head] = u
+            head = head + 1 if head + 1 < delay else 0
+            u = ring[head]
+        error += always + by_command * max(abs(u), abs(older)) + by_x * abs(x) + by_v * abs(v)
+        if wall.split > 0.0:
+            y = older + body.drive - body.beta * x
+            x, v = x + (body.s1 * v + body.g1 * y), body.f1 * v + body.s1 * y
+        y = u + body.drive - body.beta * x
+        x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
+    z[0], z[1] = x, v
+    return event, row, before, head, error, level, run, next_test, taken

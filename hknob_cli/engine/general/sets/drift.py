@@ -1,0 +1,199 @@
+"""How the difference of two motions moves, and how far roundings move a computed one: bounds, with exact numbers.
+
+Two motions that get the same readings get the same commands, and their difference goes by Phi = exp(A) from sample to
+sample. Powers of Phi are computed in whole numbers of `BITS` bits after the point and rounded once; what floating point
+makes of the plant over a hold is compared with them, entry by entry. So every bound is told from the numbers of the
+cell, however stiff, and not from a rule. Not compiled.
+"""
+
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import CONSTANT, ENTRY, FIRST, HALVES, HALVINGS, SECOND, Body, norm
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.sets.readings import deepest_level
+
+BITS = 320  # after the point
+POINT = 1 << BITS
+TERMS = 48  # of the exponential's series, of a matrix below 1/8: the rest is below 2^-340
+POWERS = 24  # Phi, Phi^2, Phi^4, ...; 2^24 samples are the most that a trial takes
+MARGIN = 1.01  # for the roundings of the bounds themselves
+
+Matrix = list[list[int]]
+
+
+class Drift(NamedTuple):
+    """Numbers of a cell that sets of states are followed by; ``n`` is the order of its body.
+
+    ``powers``: (`POWERS` * n * n), of Phi; ``once``: (n + 2), bound on what roundings add in one interval to the error
+    of a state, in `body.norm`: a constant, and what there is of it by the largest command and by each |z|. ``units``:
+    (n), norm of a unit of each. ``blur``: relative error of a difference moved by any number of samples.
+    ``coast``: bound on what roundings add to a state that moves freely for up to a sample period, by the norm of its
+    rate. ``bottom``: `readings.deepest_level`.
+    """
+
+    powers: Any
+    once: Any
+    units: Any
+    blur: float
+    coast: float
+    bottom: float
+
+
+def make_drift(body: Body, wall: Controller) -> Drift:
+    """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite."""
+    n = body.order
+    a = [[_whole(body.matrices[i * n + j]) for j in range(n)] for i in range(n)]
+    first, d1 = _exponential(a, wall.split)
+    second, d2 = _exponential(a, 1.0 - wall.split)
+    phi = _product(second, first)
+    units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
+    spans = _largest(body)
+    overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
+    powers: list[float] = []
+    blur = 16.0 * EPSILON  # for what cutting a polygon and telling it from another centre rounds
+    for _ in range(POWERS):
+        entries = [[entry / POINT for entry in row] for row in phi]
+        powers += [entry for row in entries for entry in row]
+        blur += sum(
+            units[i] * (n + 2) * EPSILON * sum(abs(entries[i][j]) * spans[j] for j in range(n)) for i in range(n)
+        )
+        phi = _product(phi, phi)
+    once, _ = _hold(body, d2, second, SECOND)
+    if wall.split > 0.0:
+        before, reach_before = _hold(body, d1, first, FIRST)
+        later = [sum(once[2 + j] * reach_before[j][k] for j in range(n)) for k in range(n + 2)]
+        once = [
+            before[0] + once[0] + later[0],
+            before[1] + once[1] + later[1],
+            *(before[k] + later[k] for k in range(2, n + 2)),
+        ]
+    # Where a position is compared with an edge, and where a state is told from another centre, it is rounded, too.
+    for j in range(n):
+        once[2 + j] += 8.0 * EPSILON * units[j] * (1.0 if j else body.reach * units[0])
+    return Drift(
+        powers=powers,
+        once=[MARGIN * value for value in once],
+        units=units,
+        blur=MARGIN * overlap * blur,
+        coast=MARGIN * _coast(body, a, units, spans),
+        bottom=deepest_level(wall),
+    )
+
+
+def _coast(body: Body, a: Matrix, units: list[float], spans: list[float]) -> float:
+    """Bound on the error of `arc.drift_over`, and of a rate by it, for a rate of norm 1."""
+    n = body.order
+    if n == 2:
+        # S and F are at most 1, G at most 1/2, each good to a few units in the last place.
+        within = units[0] * (2.0 * spans[0] * (1.0 + body.alpha) + spans[1]) + units[1] * (
+            spans[1] + body.beta * spans[0]
+        )
+        size = sum(units[i] * abs(body.matrices[i * n + j]) * spans[j] for i in range(n) for j in range(n))
+        return float(32.0 * EPSILON * (1.0 + size) * (1.0 + within))
+    total = 0.0
+    exact: list[Matrix] = []
+    power, integral = _exponential(a, 0.5 ** (HALVINGS - 1))
+    for _ in range(HALVINGS):
+        exact.append(integral)
+        further = _product(power, integral)
+        integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
+        power = _product(power, power)
+    size = [spans[i] + sum(abs(body.matrices[i * n + j]) * spans[j] for j in range(n)) for i in range(n)]
+    for half in range(HALVINGS):
+        base, right = (HALVES + half) * n * n, exact[HALVINGS - 1 - half]
+        for i in range(n):
+            for j in range(n):
+                held = body.matrices[base + i * n + j]
+                total += units[i] * (_off(held, right[i][j]) * spans[j] + (2 * n + 6) * EPSILON * abs(held) * size[j])
+    ways = sum(units[i] * size[i] for i in range(n))
+    return float((total + 0.5 ** (HALVINGS - 1)) * (1.0 + ways) + (n + 2) * EPSILON * ways)
+
+
+def _largest(body: Body) -> list[float]:
+    """The largest that each entry of a difference of norm 1 can be."""
+    spans = [body.reach, 1.0]
+    if body.ratio > 0.0:
+        spans += [body.pad_stiffness**-0.5, 1.0 + body.ratio**0.5]
+    if body.lag > 0.0:
+        spans.append(body.lag)
+    return spans
+
+
+def _hold(body: Body, d: Matrix, phi: Matrix, part: int) -> tuple[list[float], list[list[float]]]:
+    """Bounds on the roundings of a part of an interval, and on the state after it.
+
+    Each is told by 1, the command, and the entries of the state: the first in the norm, (n + 2); the second by entry.
+    """
+    n = body.order
+    units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
+    rate = []  # bounds on the terms of each rate
+    for i in range(n):
+        command = abs(body.vectors[ENTRY * n + i]) if body.lag == 0.0 else (body.lag if i == n - 1 else 0.0)
+        row = [abs(body.matrices[i * n + j]) for j in range(n)]
+        rate.append([abs(body.vectors[CONSTANT * n + i]), command, *row])
+    if n == 2:
+        # x + (s v + g y) and f v + s y; y is the second rate without its damping.
+        s, g, f = (body.s2, body.g2, body.f2) if part == SECOND else (body.s1, body.g1, body.f1)
+        wrong_s, wrong_g, wrong_f = _off(s, phi[0][1]), _off(g, d[0][1]), _off(f, phi[1][1])
+        pull = [rate[1][0], rate[1][1], rate[1][2], 0.0]
+        speed = [0.0, 0.0, 0.0, 1.0]
+        place = [0.0, 0.0, 1.0, 0.0]
+        size = [_add(place, speed, pull, abs(s), abs(g)), _add([0.0] * 4, speed, pull, abs(f), abs(s))]
+        wrong = [_add([0.0] * 4, speed, pull, wrong_s, wrong_g), _add([0.0] * 4, speed, pull, wrong_f, wrong_s)]
+    else:
+        base = part * n * n
+        size, wrong = [], []
+        for i in range(n):
+            held = [abs(body.matrices[base + i * n + j]) for j in range(n)]
+            off = [_off(body.matrices[base + i * n + j], d[i][j]) for j in range(n)]
+            own = [1.0 if k == 2 + i else 0.0 for k in range(n + 2)]
+            size.append([own[k] + sum(held[j] * rate[j][k] for j in range(n)) for k in range(n + 2)])
+            wrong.append([sum(off[j] * rate[j][k] for j in range(n)) for k in range(n + 2)])
+    once = [sum(units[i] * (wrong[i][k] + (2 * n + 6) * EPSILON * size[i][k]) for i in range(n)) for k in range(n + 2)]
+    return once, size
+
+
+def _add(base: list[float], one: list[float], other: list[float], by: float, by_other: float) -> list[float]:
+    return [p + by * q + by_other * r for p, q, r in zip(base, one, other, strict=True)]
+
+
+def _off(value: float, exact: int) -> float:
+    """How far a float is from an exact number."""
+    return float(abs(_whole(value) - exact) / POINT)
+
+
+def _whole(value: float) -> int:
+    return int(Fraction(value) * POINT)
+
+
+def _product(a: Matrix, b: Matrix) -> Matrix:
+    columns = list(zip(*b, strict=True))
+    return [[sum(p * q for p, q in zip(row, column, strict=True)) >> BITS for column in columns] for row in a]
+
+
+def _exponential(a: Matrix, span: float) -> tuple[Matrix, Matrix]:
+    """The exponential of ``a`` over ``span``, and its integral, of numbers with `BITS` bits after the point."""
+    n = len(a)
+    one = [[(1 << BITS) if i == j else 0 for j in range(n)] for i in range(n)]
+    time = _whole(span)
+    over = [[entry * time >> BITS for entry in row] for row in a]
+    size = max(sum(abs(entry) for entry in row) for row in over)
+    halvings = max(0, size.bit_length() - BITS + 4)
+    over = [[entry >> halvings for entry in row] for row in over]
+    term = one
+    series = one  # sum of (A t)^k / (k + 1)!
+    for k in range(1, TERMS):
+        term = [[entry // (k + 1) for entry in row] for row in _product(term, over)]
+        series = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(series, term, strict=True)]
+    step = time >> halvings
+    integral = [[entry * step >> BITS for entry in row] for row in series]
+    power = _product(over, series)
+    for i in range(n):
+        power[i][i] += 1 << BITS
+    for _ in range(halvings):
+        further = _product(power, integral)
+        integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
+        power = _product(power, power)
+    return power, integral

@@ -1,0 +1,165 @@
+"""Every clock phase of one start, with Coulomb friction: intervals of phases, halved until each ends in one attractor.
+
+The states at the first sample are a curve over the phase. That of an interval of phases lies near its chord: what it
+may bulge is known from the rates of the free flight. So it is followed as a piece. Where the piece ends in more than
+one attractor, the interval is halved, and both halves are followed from the beginning.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.sets.box import ENDED, PARTED
+from hknob_cli.engine.general.sets.convex import widen
+from hknob_cli.engine.general.sets.friction_box import follow_piece
+from hknob_cli.engine.general.sets.piece import piece_size, put, within
+from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
+from hknob_cli.engine.general.slide_two import coefficients, rub_two
+
+FIRST = 16  # intervals to begin with
+HALVINGS = 28
+NARROWEST = 2.0**-HALVINGS / FIRST  # interval of phases that is not halved any more
+TOO_MANY = 4096  # pieces of one interval
+
+
+def fly(angle, velocity, phase, body):
+    """State after ``phase`` of a period of free flight, no torque commanded."""
+    s, g, f = coefficients(phase, body)
+    return rub_two(angle, velocity, 0.0, phase, s, g, f, body)
+
+
+def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):
+    """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading.
+
+    ``weight``: measure that a piece without a proven end counts.
+    """
+    a, va = fly(angle, velocity, low, body)
+    b, vb = fly(angle, velocity, high, body)
+    x, v = 0.5 * (a + b), 0.5 * (va + vb)
+    # The distance from the rest at zero pull never grows: bounds on speed and pull.
+    away = angle - body.drive / body.beta
+    fastest = sqrt(velocity * velocity + body.beta * away * away)
+    rate = sqrt(body.beta) * fastest + body.friction + body.alpha * fastest
+    part = high - low
+    bulge = 0.125 * part * part * rate
+    bulge_v = 0.125 * part * part * (body.beta * fastest + body.alpha * rate)
+    if not (va * vb > 0.0 and part < body.spacing):
+        bulge_v += 0.5 * part * body.friction  # it may stop or turn within
+    work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
+    count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
+    error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
+    delay = len(work.ring)
+    for j in range(delay):
+        work.ring[j] = 0.0
+    work.z[0], work.z[1] = x, v
+    least, most = work.corners[0], work.corners[0]
+    for k in range(1, count):
+        least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
+    reach = body.reach * error
+    level, last, waiting = 0.0, 0.0, 0
+    if wall.damping > 0.0:
+        level, last = acting(x + least - reach, drift.bottom, wall), acting(x + most + reach, drift.bottom, wall)
+    while level <= last:
+        kept = count
+        for k in range(2 * count):
+            room.halves[k] = work.corners[k]
+        if wall.damping > 0.0:
+            bottom, top = lowest(level, drift.bottom, wall) - reach - x, highest(level, wall) + reach - x
+            kept = within(room, work.corners, count, bottom, top, 2)
+        if kept > 0:
+            put(
+                room.stack,
+                waiting * piece_size(2, delay),
+                work.z,
+                remembered(level, wall),
+                work.ring,
+                0 * delay,
+                error,
+                0.0,
+                0.0,
+                weight,
+                room.halves,
+                kept,
+                room.middle,
+                drift,
+                2,
+            )
+            waiting += 1
+        level += 1.0
+    return waiting
+
+
+def follow_interval(angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall):
+    """Where an interval of phases ends: ``(row, other, proven, pieces, samples)``.
+
+    ``row`` of one attractor, ``other`` of a second, -1 where none; given up at the second unless the interval is one of
+    the narrowest. ``proven``: whether all that was followed ended in attractors.
+    """
+    row, other, proven, pieces, taken = -1, -1, True, 0, 0
+    narrow = high - low <= NARROWEST
+    waiting = put_chord(angle, velocity, low, high, high - low if narrow else 0.0, room, work, drift, body, wall)
+    delay = len(work.ring)
+    while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
+        waiting, fate, found, used = follow_piece(
+            room, work, waiting, delay, 0.0, patience, budget, limit, drift, known, body, wall
+        )
+        taken += used
+        if fate == PARTED:
+            continue
+        pieces += 1
+        if fate != ENDED or pieces > TOO_MANY:
+            proven = False
+        elif row < 0:
+            row = found
+        elif found != row:
+            other = found
+    return row, other, proven, pieces, taken
+
+
+def follow_phases(
+    angle, velocity, first, samples, stack, patience, budget, limit, room, work, drift, known, body, wall
+):
+    """Follow the intervals of phases that wait until none does or ``samples`` are taken.
+
+    Args:
+        angle: Of the start, counts.
+        velocity: Of the start, counts per sample.
+        first: Intervals that wait, in ``stack``: low and high phase of each.
+        samples: That may pass.
+        stack: Room for `FIRST` + `HALVINGS` + 2 intervals.
+        patience: As in `friction_box.follow_piece`.
+        budget: Samples that a motion may take.
+        limit: Position past which a motion has diverged.
+        room: `room.PieceRoom`.
+        work: `friction_room.FrictionRoom`.
+        drift: `friction_room.friction_drift`.
+        known: `room.Known`; shares are entered into its table.
+        body: The body.
+        wall: The controller.
+
+    Returns ``(waiting, ended, undecided, shortest, taken)``: intervals that wait still and that ended; the length of
+    those without a proven end; the shortest; and samples.
+    """
+    waiting, ended, undecided, shortest, taken = first, 0, 0.0, 1.0, 0
+    while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
+        waiting -= 1
+        low, high = stack[2 * waiting], stack[2 * waiting + 1]
+        row, other, proven, pieces, used = follow_interval(
+            angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall
+        )
+        taken += used
+        if body.halt[0] > 0.0:
+            return waiting + 1, ended, undecided, shortest, taken  # as it was, among those that wait
+        narrow = high - low <= NARROWEST
+        if (other >= 0 or not proven) and not narrow:
+            middle = 0.5 * (low + high)
+            stack[2 * waiting], stack[2 * waiting + 1] = low, middle
+            stack[2 * waiting + 2], stack[2 * waiting + 3] = middle, high
+            waiting += 2
+            continue
+        ended += pieces
+        shortest = min(shortest, high - low)
+        if not proven or row < 0:
+            undecided += high - low
+        else:
+            known.table[row * FIELDS + 6] += high - low
+    return waiting, ended, undecided, shortest, taken

@@ -1,0 +1,104 @@
+"""Rest under Coulomb friction: whether all states of a piece provably come to rest within one reading.
+
+A rest that friction holds for ever is a motion, and the distance of two motions that get the same commands never grows.
+So all states nearer to such a rest than it is to a count edge keep its reading, and damping and friction bring them to
+rest in it. A piece whose states all stand needs no distance: friction holds each where it is.
+"""
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import REST_PROVEN
+from hknob_cli.engine.general.body import norm
+from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.inner_region import hold_zone
+from hknob_cli.engine.general.sets.friction_piece import stands
+from hknob_cli.engine.general.sets.known import add_end
+from hknob_cli.engine.general.sets.readings import highest, lowest
+from hknob_cli.engine.general.standstill import steady
+
+UNKNOWN = -1
+
+
+def count_low(shown, wall):
+    """Lower end of the positions that read ``shown``."""
+    return shown if wall.sense > 0.0 or (wall.truncate > 0.0 and shown > 0.0) else shown - 1.0
+
+
+def count_high(shown, wall):
+    """Upper end of the positions that read ``shown``."""
+    return shown + 1.0 if wall.sense > 0.0 or (wall.truncate > 0.0 and shown >= 0.0) else shown
+
+
+def enter_rest(x, shown, ring, known, body, wall):
+    """Row of the rest at ``x``, which reads ``shown``."""
+    known.z[0], known.z[1] = x, 0.0
+    for j in range(len(ring)):
+        known.ring[j] = ring[j]
+    return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
+
+
+def held_rest(low, high, zone_low, zone_high, level, reach, ring, known, drift, body, wall):
+    """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
+
+    ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held, by a
+    little, never gets farther from the end of the zone than it is.
+    """
+    bottom, top = lowest(level, drift.bottom, wall), highest(level, wall)
+    low, high = low - reach, high + reach
+    under, over = max(0.0, zone_low - low), max(0.0, high - zone_high)
+    if under > 0.0 and not (zone_low - under > bottom and zone_low + under < top):
+        return UNKNOWN
+    if over > 0.0 and not (zone_high - over > bottom and zone_high + over < top):
+        return UNKNOWN
+    inside = 2.0 * reach + 8.0 * EPSILON
+    first, last = max(low, bottom + inside), min(high, top - inside)
+    if first > last:
+        # All lie within the reach of the edge of what acts as this level.
+        first = last = top - inside if low > top - inside else bottom + inside
+    first, last = max(first - over, zone_low), min(last + under, zone_high)
+    shown, end, row = read(first, wall), read(last, wall), UNKNOWN
+    while first <= last and shown <= end:
+        at = min(max(0.5 * (first + last), count_low(shown, wall) + inside), count_high(shown, wall) - inside)
+        if zone_low <= at and at <= zone_high:
+            row = enter_rest(at, shown, ring, known, body, wall)
+            if row < 0:
+                return row
+        shown += 1.0
+    return row
+
+
+def near_rest(z, u, reach, zone_low, zone_high, ring, known, body, wall):
+    """Row of the rest that all states within ``reach``, counts, of ``z`` come to within one reading."""
+    shown, away = read(z[0], wall), known.space.away
+    low, high = count_low(shown, wall), count_high(shown, wall)
+    first, last = max(low, zone_low), min(high, zone_high)
+    if first > last or command(shown, shown, wall) != u:
+        return UNKNOWN
+    for k in range(2):
+        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), first), last)
+        away[0], away[1] = z[0] - rest, z[1]
+        gap = min(rest - low, high - rest)
+        if (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 64.0 * EPSILON * (1.0 + abs(rest)) < gap:
+            return enter_rest(rest, shown, ring, known, body, wall)
+    return UNKNOWN
+
+
+def resting_piece(z, before, ring, error, radius, level, corners, count, known, drift, body, wall):
+    """Row of the rest where all states of a piece end, `known.FULL` without room for it, -1 if none is known to.
+
+    ``error`` and ``radius``: in `body.norm`.
+    """
+    u = command(level, level, wall)
+    if not steady(ring, u) or (wall.damping > 0.0 and before != level):
+        return UNKNOWN
+    _, zone_low, zone_high = hold_zone(u, level, body, wall)
+    if zone_low > zone_high:
+        return UNKNOWN
+    if stands(z[1], corners, count):
+        least, most = corners[0], corners[0]
+        for k in range(1, count):
+            least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
+        reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
+        row = held_rest(z[0] + least, z[0] + most, zone_low, zone_high, level, reach, ring, known, drift, body, wall)
+        if row != UNKNOWN:
+            return row
+    return near_rest(z, u, body.reach * (radius + error), zone_low, zone_high, ring, known, body, wall)

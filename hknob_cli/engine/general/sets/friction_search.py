@@ -1,0 +1,95 @@
+"""All starts of a cell with Coulomb friction at once: its attractors, and whether the list is proven to be complete."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from hknob_cli.engine.alarm import Alarm
+from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.search import as_arrays, make_space
+from hknob_cli.engine.general.sets import friction_box, friction_phases
+from hknob_cli.engine.general.sets.drift import Drift
+from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
+from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room
+from hknob_cli.engine.general.sets.room import Known, make_known, make_piece_room
+from hknob_cli.engine.general.sets.search import SLICE_INTERPRETED, GeneralSetEngine, ends_of, make_scope, why_not
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets.search import LONGEST, SLICE
+
+
+class FrictionSetEngine(GeneralSetEngine):
+    """Follows sets of states of knob and hand with friction, plain or compiled. One per thread."""
+
+    def able(self, body: Body, wall: Controller) -> bool:
+        """Whether this engine follows sets of states of a cell."""
+        return can_rub(body, wall)
+
+    def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
+        """What follows the pieces that wait, `friction_box.follow_friction`."""
+        work = make_friction_room(self._zeros, self._filled, _delay_line, _body, _wall)
+        follow = self._function(friction_box, "follow_friction")
+        return lambda room, *rest: follow(room, work, *rest)
+
+    def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
+        """Body, bounds and empty tables as the functions of this engine want them."""
+        drift = friction_drift(body, wall)
+        known = make_known(self._zeros, 2, delay_line, make_space(2, delay_line, self._zeros))
+        if self.compiled:
+            return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
+        return body, drift, known
+
+    def _filled(self, values: list[float]) -> Any:
+        return np.array(values, dtype=np.float64) if self.compiled else list(values)
+
+    def search_phases(
+        self,
+        body: Body,
+        wall: Controller,
+        start: list[float],
+        *,
+        rate: float,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
+    ) -> Search | None:
+        """As `GeneralSetEngine.search_phases`; shares are exact to `friction_phases.NARROWEST` for each boundary."""
+        if not self.able(body, wall):
+            return None
+        scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
+        if not scope.fine:
+            return None
+        if (2, delay_line) not in self._rooms:
+            self._rooms = {(2, delay_line): make_piece_room(self._zeros, 2, delay_line)}
+        room = self._rooms[2, delay_line]
+        work = make_friction_room(self._zeros, self._filled, delay_line, body, wall)
+        body, drift, known = self.ready(body, wall, delay_line)
+        stack = self._zeros(2 * (FIRST + HALVINGS + 2))
+        for k in range(FIRST):
+            stack[2 * k], stack[2 * k + 1] = (FIRST - 1 - k) / FIRST, (FIRST - k) / FIRST
+        follow = partial(self._function(friction_phases, "follow_phases"), start[0], start[1])
+        rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
+        waiting, pieces, undecided, narrowest, taken = FIRST, 0, 0.0, 1.0, 0
+        with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
+            while waiting and not alarm.over and taken <= LONGEST:
+                if self.stopped():
+                    raise StoppedError
+                waiting, ended, lost, shortest, used = follow(
+                    waiting, SLICE if self.compiled else SLICE_INTERPRETED, stack, *rest
+                )
+                pieces, undecided, taken = pieces + int(ended), undecided + float(lost), taken + int(used)
+                narrowest = min(narrowest, float(shortest))
+        left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
+        found, why = ends_of(known, 2, delay_line), why_not(known)
+        if left > 0.0:
+            given_up = self._given_up(left, seconds, over=taken > LONGEST)
+            found.append(given_up)
+            why = given_up.reason
+        if undecided > 0.0:
+            found.append(whole(Outcome.UNDECIDED, why_not(known), undecided))
+        complete = undecided + left == 0.0
+        why = Reason.NONE if complete else why
+        return Search(ranked(found), taken, complete=complete, pieces=pieces, narrowest=narrowest, why=why)

@@ -1,0 +1,224 @@
+"""A convex set of states over one hold of the torque, with Coulomb friction: exact where all slide, else enclosed.
+
+While all states slide one way, they move by one affine map; while all are held, not at all. A state that stops within
+the hold, after a time t, is held there or reverses. Either way the derivative of its motion is known (saltation, in
+`general.glide`): with tau what is left of the hold, and Phi the free response,
+
+    reverses   Phi(T) - m Phi(tau) e2 e2' Phi(t),  m = 2 friction / (pull + friction)  by how much the rate jumps
+    sticks     e1 e1' Phi(t)
+
+The motion is continuous. So all states of the set lie within that of its centre plus the derivatives, as intervals over
+the set, times what they differ by (mean value theorem). Over a hold in which a velocity response keeps its sign, t is
+largest and least at corners, and the responses are monotone in t: the intervals are tight. Where they are not narrow
+enough, the caller is told a line to cut the set by.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen
+from hknob_cli.engine.general.slide_two import coefficients, rub_two
+from hknob_cli.engine.turning import first_zero
+
+SLID, HELD, ENCLOSED, CUT = range(4)  # what a hold does with a set
+NARROW = 0.03  # part of a set's radius that an enclosure may be wider than its states, where a line can part them
+NARROW_SMOOTH = 0.1  # the same, where the motion is smooth and a cut only halves
+MOST_CUTS = 8  # of a set in one part of a hold; then the enclosure is taken as it is
+GROWN = 1.02  # times its radius that the enclosure of a set that stops may measure, where it is wider
+ROUNDED = 256.0
+TURN = 0.25  # radians that the spring turns the motion by in a part of a hold
+MOST_PARTS = 256
+
+
+def parts_of_hold(span, body):
+    """How many equal parts a hold is taken in; 0: too many.
+
+    In each the velocity response keeps its sign, and the spring turns the motion by little: what stops is a thin part
+    of a set then, and enclosures are narrow.
+    """
+    n = 1
+    while n <= MOST_PARTS:
+        t = span / n
+        if t * sqrt(body.beta) <= TURN and coefficients(t, body)[2] >= 0.0:
+            return n
+        n *= 2
+    return 0
+
+
+def take_in(jac, entry, low, high):
+    """Widen the interval of an entry of the derivative by another."""
+    jac[2 * entry] = min(jac[2 * entry], low)
+    jac[2 * entry + 1] = max(jac[2 * entry + 1], high)
+
+
+def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, jac, line):
+    """Take the derivatives of the states that begin by moving in direction ``sign`` into ``jac``: ``(smooth, spread)``.
+
+    ``smooth``: whether no state slides to the end while another stops. ``spread``: how far the times of the stop lie
+    apart, or what is left of the hold with the jumps of rates, whichever is more; ``line``: a, b and c of a line that
+    halves it.
+    """
+    beta, friction = body.beta, body.friction
+    pull_free = sign * free - friction
+    slides, ends, late, stops, crosses = False, False, False, False, False
+    first, last = span, 0.0
+    low_x, high_x, high_y, fastest = float("inf"), -float("inf"), -float("inf"), 0.0
+    for k in range(count):
+        px, pv = sign * (x + corners[2 * k]), sign * (v + corners[2 * k + 1])
+        y = pull_free - beta * px
+        low_x, high_x, high_y = min(low_x, px), max(high_x, px), max(high_y, y)
+        if pv < -slack:
+            crosses = True
+            continue
+        pv = max(pv, 0.0)
+        fastest = max(fastest, pv)
+        end = f * pv + s * y
+        if end >= -slack:
+            # One at rest that is neither held nor leaves, to within rounding, is where lines of all times meet.
+            slides, ends = slides or end > slack, True
+            late = late or end > slack or pv > slack
+            continue
+        stops = True
+        t = 0.0
+        if pv > 0.0:
+            t = min(first_zero(pv, y, body.alpha, beta), span)
+        first, last = min(first, t), max(last, t)
+    if crosses:
+        # States at v = 0 belong to this side, too.
+        first, stops = 0.0, True
+        slides = slides or high_y >= 0.0
+    if slides or (ends and not stops):
+        take_in(jac, 0, 1.0 - beta * g, 1.0 - beta * g)
+        take_in(jac, 1, s, s)
+        take_in(jac, 2, -beta * s, -beta * s)
+        take_in(jac, 3, f, f)
+    if not stops:
+        return True, 0.0
+    if slides or late:
+        last = span
+    sa, ga, fa = coefficients(first, body)
+    sb, gb, fb = coefficients(last, body)
+    sc, _, fc = coefficients(span - first, body)
+    sd, _, fd = coefficients(span - last, body)
+    sign_free = sign * free
+    least, most = sign_free - beta * (high_x + sb * fastest), sign_free - beta * low_x  # pull where they stop
+    small_jump, jump = 1.0, 1.0
+    if least < -friction:
+        small_jump = 2.0 * friction / (friction - least)
+        if most < -friction:
+            jump = 2.0 * friction / (friction - most)
+        take_in(jac, 0, 1.0 - beta * (g - small_jump * sd * sa), 1.0 - beta * (g - jump * sc * sb))
+        take_in(jac, 1, s - jump * sc * fa, s - small_jump * sd * fb)
+        take_in(jac, 2, -beta * (s - small_jump * fc * sa), -beta * (s - jump * fd * sb))
+        take_in(jac, 3, f - jump * fd * fa, f - small_jump * fc * fb)
+    if most >= -friction:
+        take_in(jac, 0, 1.0 - beta * gb, 1.0 - beta * ga)
+        take_in(jac, 1, sa, sb)
+        take_in(jac, 2, 0.0, 0.0)
+        take_in(jac, 3, 0.0, 0.0)
+    # Lines: v = 0, the states that stop as the hold ends, those that stop halfway, or half the width.
+    times, jumps = (last - first) * jump, (jump - small_jump + (beta if most >= -friction > least else 0.0)) * span
+    at = span
+    if crosses:
+        at = 0.0
+    elif not slides:
+        at = 0.5 * (first + last)
+    if slides or crosses or times >= jumps:
+        sm, _, fm = coefficients(at, body)
+        line[0], line[1] = -sign * beta * sm, sign * fm
+        line[2] = -(fm * sign * v + sm * (pull_free - beta * sign * x))
+    else:
+        line[0], line[1], line[2] = 1.0, 0.0, 0.0
+    return not (slides or (crosses and least < -friction)), max(times, jumps)
+
+
+def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
+    """Move a set over a hold of length ``span`` under the command ``u``; ``(s, g, f)``: the plant's coefficients.
+
+    Args:
+        x: Position of its centre, counts.
+        v: Velocity of its centre, counts per sample.
+        u: Command.
+        span: Of the hold; its velocity response ``f`` is not negative.
+        s: Coefficient of the hold.
+        g: Coefficient of the hold.
+        f: Coefficient of the hold.
+        corners: Relative to the centre; changed in place, room for four times ``count`` and two.
+        count: Of corners.
+        least: Radius below which nothing is cut.
+        body: The body, of second order with friction, and held by a spring.
+        space: Work space, as much as ``corners`` and eight numbers more.
+        line: Three numbers: where a cut is asked for, that at ``line[0] dx + line[1] dv = line[2]``.
+
+    Returns ``(fate, x, v, count)``. If the fate is `CUT`, nothing has moved; if it is `HELD`, all velocities are 0,
+    with no error.
+    """
+    beta, friction = body.beta, body.friction
+    free = u + body.drive
+    slack = ROUNDED / 8.0 * EPSILON * (abs(v) + abs(free) + friction + beta * abs(x))
+    up, down, held = True, True, True
+    for k in range(count):
+        pv = v + corners[2 * k + 1]
+        pull = free - beta * (x + corners[2 * k])
+        up = up and pv >= -slack and f * pv + s * (pull - friction) >= -slack
+        down = down and pv <= slack and f * pv + s * (pull + friction) <= slack
+        held = held and pv == 0.0 and abs(pull) <= friction
+    if held:
+        return HELD, x, v, count
+    if up or down:
+        y = free - (friction if up else -friction) - beta * x
+        for k in range(count):
+            dx, dv = corners[2 * k], corners[2 * k + 1]
+            corners[2 * k] = dx + (s * dv - beta * g * dx)
+            corners[2 * k + 1] = f * dv - beta * s * dx
+        return SLID, x + (s * v + g * y), f * v + s * y, count
+    cx, cv = recentre(corners, count)
+    mid_x, mid_v = x + cx, v + cv
+    low_x, high_x, low_v, high_v = extent(corners, count)
+    radius = radius_of(corners, count, beta)
+    for entry in range(4):
+        space[2 * entry], space[2 * entry + 1] = float("inf"), -float("inf")
+    smooth, spread = True, 0.0
+    if mid_v + high_v > 0.0:
+        smooth, spread = take_in_side(1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
+    if mid_v + low_v < 0.0:
+        a, b, c = line[0], line[1], line[2]
+        also, other = take_in_side(-1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
+        if (smooth and also and other < spread) or (not smooth and also):
+            line[0], line[1], line[2] = a, b, c
+        smooth = smooth and also
+    if mid_v + high_v <= 0.0 and mid_v + low_v >= 0.0:
+        # All stand: some are held, others leave.
+        take_in(space, 0, 1.0 - beta * g, 1.0)
+        take_in(space, 1, s, s)
+        take_in(space, 2, -beta * s, 0.0)
+        take_in(space, 3, f, f)
+        edge = free - friction if free - beta * (mid_x + low_x) > friction else free + friction
+        line[0], line[1], line[2] = 1.0, 0.0, edge / beta - mid_x
+        smooth = False
+    ax, ay = 0.5 * (space[0] + space[1]), 0.5 * (space[2] + space[3])
+    bx, by = 0.5 * (space[4] + space[5]), 0.5 * (space[6] + space[7])
+    more_x = 0.5 * ((space[1] - space[0]) * high_x + (space[3] - space[2]) * high_v)
+    more_v = 0.5 * ((space[5] - space[4]) * high_x + (space[7] - space[6]) * high_v)
+    wider = sqrt(more_x * more_x + more_v * more_v / beta)
+    grown = 0.0
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        at_x, at_v = abs(ax * dx + ay * dv) + more_x, abs(bx * dx + by * dv) + more_v
+        grown = max(grown, at_x * at_x + at_v * at_v / beta)
+    narrow = NARROW_SMOOTH if smooth else NARROW
+    if not (wider <= narrow * radius or radius <= least or (smooth and sqrt(grown) <= GROWN * radius)):
+        # The line is told from the middle of the polygon; the caller's centre may be another.
+        line[2] += line[0] * cx + line[1] * cv
+        for k in range(count):
+            corners[2 * k] += cx
+            corners[2 * k + 1] += cv
+        return CUT, x, v, count
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
+    stuck = space[4] == 0.0 and space[5] == 0.0 and space[6] == 0.0 and space[7] == 0.0
+    to_x, to_v = rub_two(mid_x, mid_v, u, span, s, g, f, body)
+    if more_x > 0.0 or more_v > 0.0:
+        count = widen(corners, count, more_x, more_v, space)
+    return (HELD if stuck and to_v == 0.0 else ENCLOSED), to_x, to_v, count

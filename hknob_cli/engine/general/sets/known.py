@@ -1,0 +1,174 @@
+"""The attractors known so far of a cell, and whether one of them captures a set of states.
+
+As `engine.sets.known`, for what the general loop has beside: states of any order, commands under way, and the last
+reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
+"""
+
+from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
+from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.controller import command, inside, read
+from hknob_cli.engine.general.ensemble import enter, is_cycle
+from hknob_cli.engine.general.follow import FIELDS, KNOWN, pursue
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.standstill import settles, steady
+from hknob_cli.engine.rest import AT_REST
+
+POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which sets are compared with it
+FULL, UNPROVEN_END = -2, -1  # instead of a row
+NO_ROOM = 12  # beside the fates of `general.follow`: more ends, or more pieces, than a cell keeps
+
+
+def add_points(row, known, body, wall):
+    """Enter the samples of a proven orbit at which the wall steps deeper, as far as there is room."""
+    n, delay = body.order, len(known.ring)
+    width = n + delay + 2
+    for j in range(n):
+        known.z[j] = known.states[row * n + j]
+    for j in range(delay):
+        known.ring[j] = known.lines[row * delay + j]
+    period, before, head = int(known.table[row * FIELDS + 1]), known.table[row * FIELDS + 9], 0 * delay
+    count, entered, last = int(known.counts[1]), 0, 0.0
+    for i in range(2 * period):
+        shown = read(known.z[0], wall)
+        deeper = inside(shown) < inside(last)
+        if i >= period and deeper and entered < POINTS_OF_ORBIT and (count + 1) * width <= len(known.points):
+            base = count * width
+            known.points[base], known.points[base + 1] = row, before
+            for j in range(n):
+                known.points[base + 2 + j] = known.z[j]
+            for j in range(delay):
+                known.points[base + 2 + n + j] = known.ring[(head + j) % delay]
+            count += 1
+            entered += 1
+        last = shown
+        before, head = advance(known.z, before, known.ring, head, body, wall, known.space.pad)
+    known.counts[1] = count
+
+
+def add_end(fate, period, before, head, known, body, wall):
+    """Row of an end whose state is in ``known.z`` and ``known.ring``, entered where it is new; `FULL` without room."""
+    rows = int(known.counts[0])
+    capacity = len(known.table) // FIELDS
+    row, grown = enter(
+        fate,
+        period,
+        known.z,
+        before,
+        known.ring,
+        head,
+        capacity,
+        rows,
+        known.table,
+        known.states,
+        known.lines,
+        body,
+        wall,
+        known.space,
+        known.check,
+        known.check_ring,
+    )
+    if row < 0 or row >= capacity:
+        return FULL
+    known.counts[0] = grown
+    if grown > rows and known.table[row * FIELDS] == CYCLE_PROVEN:
+        add_points(row, known, body, wall)
+    return row
+
+
+def captor(z, before, ring, head, reach, known, body, wall):
+    """Row of the proven orbit that captures every state within ``reach`` of ``z``; -1 if none is known to.
+
+    To be asked at a sample where the wall steps deeper.
+    """
+    n, delay = body.order, len(ring)
+    points, table, away = known.points, known.table, known.space.away
+    width = n + delay + 2
+    for k in range(int(known.counts[1])):
+        base = k * width
+        row = int(points[base])
+        margin = table[row * FIELDS + 2] - table[row * FIELDS + 5] - body.reach * reach
+        if not abs(z[0] - points[base + 2]) < margin:
+            continue
+        if wall.damping > 0.0 and before != points[base + 1]:
+            continue
+        same = True
+        for j in range(delay):
+            same = same and ring[(head + j) % delay] == points[base + 2 + n + j]
+        if not same:
+            continue
+        for j in range(n):
+            away[j] = z[j] - points[base + 2 + j]
+        if distance(away, body) < margin:
+            return row
+    return -1
+
+
+def resting(z, before, ring, reach, known, body, wall):
+    """Row of the rest inside one reading where every state within ``reach`` of ``z`` ends; -1 if none is known to."""
+    shown = read(z[0], wall)
+    if not steady(ring, command(shown, shown, wall)):
+        return -1
+    n, space = body.order, known.space
+    fate, gap = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
+    # `settles` has left in ``away`` how far ``z`` is from the rest; its own slack is far below an ulp of this factor.
+    if fate != AT_REST or not (distance(space.away, body) + body.reach * reach) * (1.0 + 1e-9) + 1e-12 < gap:
+        return -1
+    for j in range(n):
+        known.z[j] = space.orbit[j]
+    for j in range(len(ring)):
+        known.ring[j] = ring[j]
+    return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
+
+
+def is_proven(row, known):
+    """Whether a row is that of an attractor that is proven."""
+    return row >= 0 and (known.table[row * FIELDS] == CYCLE_PROVEN or known.table[row * FIELDS] == REST_PROVEN)
+
+
+def fate_of(row, known):
+    """Fate of an end that is not proven, as `seek` gave it."""
+    if row >= 0:
+        return int(known.table[row * FIELDS])
+    return NO_ROOM if row == FULL else UNSETTLED
+
+
+def blame(fate, weight, known):
+    """Enter why a measure of starts has no proven end."""
+    known.why[fate] += weight
+
+
+def seek(z, before, ring, head, budget, limit, known, body, wall):
+    """What the trial from one state ends in, entered where it is new: ``(row, samples)``, the row below 0 if unknown.
+
+    ``z`` and ``ring`` are left alone.
+    """
+    n, delay = body.order, len(ring)
+    for j in range(n):
+        known.z[j] = z[j]
+    for j in range(delay):
+        known.ring[j] = ring[(head + j) % delay]
+    fate, period, before, head, used = pursue(
+        known.z,
+        before,
+        known.ring,
+        0 * delay,
+        budget,
+        True,
+        limit,
+        body,
+        wall,
+        known.space,
+        known.check,
+        known.check_ring,
+        known.keep,
+        known.keep_ring,
+        int(known.counts[0]),
+        known.table,
+        known.states,
+        known.lines,
+    )
+    if fate == KNOWN:
+        return period, used
+    if not (is_cycle(fate) or period > 0 or fate == GREW):
+        return UNPROVEN_END, used
+    return add_end(fate, period, before, head, known, body, wall), used

@@ -1,0 +1,243 @@
+"""Convex polygons of states of any order, cut where a sample of them meets a count edge.
+
+A piece is a centre, which is a trial with its commands under way and its last reading, and the corners of a polygon
+relative to it. While all of it acts alike its corners go by Phi from sample to sample, so that a polygon of starts, two
+angles wide, stays one in the space of all states.
+
+A piece in a list of numbers: `ERROR` to `COUNT`, then its state (order), the commands under way, oldest first (delay),
+and its corners (order each).
+"""
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import norm_at
+from hknob_cli.engine.general.sets.ball import step_through
+from hknob_cli.engine.general.sets.readings import highest, lowest
+
+CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
+ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, STATE = range(7)
+
+
+def piece_size(n, delay):
+    """Numbers of a piece."""
+    return STATE + n + delay + n * CORNERS
+
+
+def largest_norm(corners, base, count, body):
+    """Largest distance of a piece's corners from its centre, and so of all its states (the norm is convex)."""
+    radius = 0.0
+    for k in range(count):
+        radius = max(radius, norm_at(corners, base + k * body.order, body))
+    return radius
+
+
+def power_of(samples, drift, n, matrix, spare):
+    """Phi to the power ``samples``, to ``matrix`` (n * n)."""
+    for i in range(n):
+        for j in range(n):
+            matrix[i * n + j] = 1.0 if i == j else 0.0
+    base, first = 0, True
+    while samples > 0:
+        if samples % 2 == 1:
+            for k in range(n * n):
+                spare[k] = matrix[k]
+            for i in range(n):
+                for j in range(n):
+                    total = 0.0
+                    if first:
+                        total = drift.powers[base + i * n + j]
+                    else:
+                        for k in range(n):
+                            total += drift.powers[base + i * n + k] * spare[k * n + j]
+                    matrix[i * n + j] = total
+            first = False
+        samples //= 2
+        base += n * n
+
+
+def move_corners(given, base, count, samples, out, at, drift, n, matrix, spare):
+    """Corners after ``samples`` samples of acting alike, from those at ``given[base:]`` to ``out[at:]``."""
+    power_of(samples, drift, n, matrix, spare)
+    for k in range(count):
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += matrix[i * n + j] * given[base + k * n + j]
+            out[at + k * n + i] = total
+
+
+def clip(given, count, limit, sign, out, at, n):
+    """The part of a convex polygon on one side of ``x = limit``, to ``out[at:]``; its number of corners.
+
+    ``sign`` +1 keeps what lies above the limit, -1 what lies below; what lies on it is kept. Two corners are a chord.
+    """
+    kept = 0
+    for k in range(count):
+        a, b = k * n, (k + 1) % count * n
+        inside, following = sign * (given[a] - limit) >= 0.0, sign * (given[b] - limit) >= 0.0
+        if inside:
+            for j in range(n):
+                out[at + kept * n + j] = given[a + j]
+            kept += 1
+        if inside != following and (count > 2 or k == 0):
+            part = (limit - given[a]) / (given[b] - given[a])
+            out[at + kept * n] = limit
+            for j in range(1, n):
+                out[at + kept * n + j] = given[a + j] + part * (given[b + j] - given[a + j])
+            kept += 1
+    return kept
+
+
+def centre(corners, count, n, middle):
+    """The middle of the box around a polygon, to ``middle``."""
+    for j in range(n):
+        low, high = corners[j], corners[j]
+        for k in range(1, count):
+            low, high = min(low, corners[k * n + j]), max(high, corners[k * n + j])
+        middle[j] = 0.5 * (low + high)
+
+
+def put(out, base, z, before, ring, head, error, level, sample, weight, corners, count, middle, drift, n):
+    """Enter a piece, told from the middle of the box around it, to ``out[base:]``."""
+    centre(corners, count, n, middle)
+    delay = len(ring)
+    for j in range(n):
+        at = z[j] + middle[j]
+        out[base + STATE + j] = at
+        error += 4.0 * EPSILON * drift.units[j] * (abs(at) + abs(middle[j]))
+    for j in range(delay):
+        out[base + STATE + n + j] = ring[(head + j) % delay]
+    first = base + STATE + n + delay
+    for k in range(count):
+        for j in range(n):
+            out[first + k * n + j] = corners[k * n + j] - middle[j]
+    out[base + ERROR], out[base + BEFORE], out[base + LEVEL] = error, before, level
+    out[base + SAMPLE], out[base + WEIGHT], out[base + COUNT] = sample, weight, float(count)
+
+
+def move_piece(room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall):
+    """Move a piece over one hold, acting as ``level``, and let what becomes of it wait; how many pieces wait then.
+
+    The piece is told from ``z``, which is left alone, as ``ring`` is. It is one piece after a hold in which all
+    differences go by Phi.
+    """
+    n, delay = body.order, len(ring)
+    size = piece_size(n, delay)
+    base = waiting * size
+    put(
+        room.stack,
+        base,
+        z,
+        before,
+        ring,
+        head,
+        error,
+        level,
+        sample + 1.0,
+        weight,
+        corners,
+        count,
+        room.middle,
+        drift,
+        n,
+    )
+    for j in range(n):
+        room.z[j] = room.stack[base + STATE + j]
+    for j in range(delay):
+        room.ring[j] = room.stack[base + STATE + n + j]
+    remembers, grown, to = step_through(
+        room.z, before, room.stack[base + ERROR], level, room.ring, 0 * delay, drift, body, wall, room.pad
+    )
+    room.stack[base + ERROR], room.stack[base + BEFORE] = grown, remembers
+    for j in range(n):
+        room.stack[base + STATE + j] = room.z[j]
+    for j in range(delay):
+        room.stack[base + STATE + n + j] = room.ring[(to + j) % delay]
+    first = base + STATE + n + delay
+    for k in range(count * n):
+        room.moved[k] = room.stack[first + k]
+    move_corners(room.moved, 0, count, 1, room.stack, first, drift, n, room.matrix, room.spare)
+    return waiting + 1
+
+
+def within(room, corners, count, low, high, n):
+    """The part of a polygon between two edges, told from its centre, to ``room.halves``; its number of corners."""
+    kept, first = count, 0
+    for k in range(count * n):
+        room.parts[k] = corners[k]
+    half = len(room.parts) // 2
+    if low > -float("inf"):
+        kept = clip(corners, count, low, 1.0, room.parts, 0, n)
+    if kept > 0 and high < float("inf"):
+        for k in range(kept * n):
+            room.halves[k] = room.parts[k]
+        kept = clip(room.halves, kept, high, -1.0, room.parts, half, n)
+        first = half
+    for k in range(kept * n):
+        room.halves[k] = room.parts[first + k]
+    return kept
+
+
+def halve(room, kept, n):
+    """In two, by the line from the first corner to the one opposite: corners of both, in `halves` and `parts`."""
+    opposite = kept // 2
+    for k in range((kept - opposite) * n):
+        room.parts[k] = room.halves[opposite * n + k]
+    for j in range(n):
+        room.parts[(kept - opposite) * n + j] = room.halves[j]
+    return opposite + 1, kept - opposite + 1
+
+
+def part(
+    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
+):
+    """Cut a piece at the edges that change the command, and move each part; how many pieces wait then, -1: no room.
+
+    ``low`` and ``high``: the readings it has; ``reach``: position by which each part goes beyond its edges. So whatever
+    a state truly reads, a part that acts as this reading holds the state. Parts with too many corners are halved, too.
+    """
+    n = body.order
+    if waiting + 2 * (int(high - low) + 1) > len(room.stack) // piece_size(n, len(ring)):
+        return -1
+    level = low
+    while level <= high:
+        bottom = lowest(level, drift.bottom, wall) - reach - z[0]
+        kept = within(room, corners, count, bottom, highest(level, wall) + reach - z[0], n)
+        if kept > CORNERS:
+            kept, other = halve(room, kept, n)
+            waiting = move_piece(
+                room,
+                waiting,
+                z,
+                before,
+                ring,
+                head,
+                error,
+                level,
+                sample,
+                weight,
+                room.parts,
+                other,
+                drift,
+                body,
+                wall,
+            )
+        if kept > 0:
+            waiting = move_piece(
+                room,
+                waiting,
+                z,
+                before,
+                ring,
+                head,
+                error,
+                level,
+                sample,
+                weight,
+                room.halves,
+                kept,
+                drift,
+                body,
+                wall,
+            )
+        level += 1.0
+    return waiting

@@ -1,0 +1,167 @@
+"""Work space of the sets of one cell of the general loop: arrays for compiled code, lists for the interpreter."""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.period_map import Space
+from hknob_cli.engine.general.sets.arc import arc_size
+from hknob_cli.engine.general.sets.lattice import CELL
+from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
+
+ENDS = 512  # distinct ends that a cell keeps
+FATES = 16  # of ends
+POINTS = 16_384  # samples of proven orbits at which sets are compared with them
+ARCS = 4096  # that wait to be followed
+CELLS = 2**17  # of a lattice
+DEEP = 2**14  # pieces that wait beside those of a lattice
+
+Zeros = Callable[[int], Any]
+
+
+class Known(NamedTuple):
+    """The ends of a cell that are known so far.
+
+    ``table``, ``states``, ``lines``: as `general.ensemble.crowd` has them, but that the number of trials is the measure
+    of the starts that reach a row. ``points``: row, last reading, state, and commands under way of samples of proven
+    orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
+    a proven end, by the fate that is none. The others are work space of a trial.
+    """
+
+    table: Any
+    states: Any
+    lines: Any
+    points: Any
+    counts: Any
+    why: Any
+    z: Any
+    ring: Any
+    check: Any
+    check_ring: Any
+    keep: Any
+    keep_ring: Any
+    space: Space
+
+
+class PieceRoom(NamedTuple):
+    """Work space of `piece`, `box` and `lattice`.
+
+    ``stack``: pieces that wait; ``own``, ``own_z``, ``own_ring``, ``corners``: of the one that is followed; ``parts``
+    to ``pad``: of one that is moved; ``used``, ``keys``, ``cells``, ``singles``: the lattice; ``taken``: its slots in
+    use, ``counts[0]`` many; ``scale[0]``: of commands, where they are told apart.
+    """
+
+    stack: Any
+    own: Any
+    own_z: Any
+    own_ring: Any
+    corners: Any
+    parts: Any
+    halves: Any
+    moved: Any
+    middle: Any
+    z: Any
+    ring: Any
+    matrix: Any
+    spare: Any
+    pad: Any
+    used: Any
+    keys: Any
+    cells: Any
+    singles: Any
+    taken: Any
+    counts: Any
+    scale: Any
+
+
+class ArcRoom(NamedTuple):
+    """Work space of `arc`.
+
+    ``stack``: arcs that wait; ``own_z``, ``own_ring``: centre of the one that is followed; ``rate``: of the curve of
+    first states, at phase 0; ``below``, ``above``: ends of the arc; ``ended``: low and high phase, and row of the end,
+    -1 without one, of the first arcs that ended. The others are work space.
+    """
+
+    stack: Any
+    own_z: Any
+    own_ring: Any
+    rate: Any
+    speed: Any
+    turn: Any
+    below: Any
+    above: Any
+    z: Any
+    ring: Any
+    matrix: Any
+    power: Any
+    spare: Any
+    pad: Any
+    ended: Any
+
+
+def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
+    """Room for the ends of a cell of this order and number of commands under way."""
+    return Known(
+        table=zeros(FIELDS * ENDS),
+        states=zeros(order * ENDS),
+        lines=zeros(max(1, delay * ENDS)),
+        points=zeros((order + delay + 2) * POINTS),
+        counts=zeros(2),
+        why=zeros(FATES),
+        z=zeros(order),
+        ring=zeros(delay),
+        check=zeros(order),
+        check_ring=zeros(delay),
+        keep=zeros(order),
+        keep_ring=zeros(delay),
+        space=space,
+    )
+
+
+def make_piece_room(zeros: Zeros, order: int, delay: int) -> PieceRoom:
+    """Room for the pieces of a cell; pieces of more than two states are not merged, and have no lattice."""
+    size, cells = piece_size(order, delay), CELLS if order == 2 else 1
+    return PieceRoom(
+        stack=zeros(size * (DEEP + cells)),
+        own=zeros(size),
+        own_z=zeros(order),
+        own_ring=zeros(delay),
+        corners=zeros(2 * CORNERS * order),
+        parts=zeros(8 * CORNERS * order),
+        halves=zeros(4 * CORNERS * order),
+        moved=zeros(4 * CORNERS * order),
+        middle=zeros(order),
+        z=zeros(order),
+        ring=zeros(delay),
+        matrix=zeros(order * order),
+        spare=zeros(order * order),
+        pad=zeros(2 * order),
+        used=zeros(cells),
+        keys=zeros((3 + delay) * cells),
+        cells=zeros(CELL * cells),
+        singles=zeros(size * cells),
+        taken=zeros(cells),
+        counts=zeros(1),
+        scale=zeros(1),
+    )
+
+
+def make_arc_room(zeros: Zeros, order: int, delay: int) -> ArcRoom:
+    """Room for the arcs of a cell."""
+    return ArcRoom(
+        stack=zeros(arc_size(order, delay) * ARCS),
+        own_z=zeros(order),
+        own_ring=zeros(delay),
+        rate=zeros(order),
+        speed=zeros(order),
+        turn=zeros(order),
+        below=zeros(order),
+        above=zeros(order),
+        z=zeros(order),
+        ring=zeros(delay),
+        matrix=zeros(order * order),
+        power=zeros(order * order),
+        spare=zeros(order),
+        pad=zeros(2 * order),
+        ended=zeros(3 * ARCS),
+    )

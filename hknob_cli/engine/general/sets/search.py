@@ -1,0 +1,290 @@
+"""All starts of a cell of the general loop at once: its attractors, and whether the list is proven to be complete."""
+
+import random
+from collections.abc import Callable
+from math import inf
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from hknob_cli.engine.alarm import Alarm
+from hknob_cli.engine.attractors import (
+    USUAL,
+    Attractor,
+    Patience,
+    Search,
+    StoppedError,
+    ranked,
+    time_allowed,
+    unfinished,
+    whole,
+)
+from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.follow import FIELDS
+from hknob_cli.engine.general.search import GENERAL_FATES, MOST_SAMPLES, as_arrays, attractor_of, make_space
+from hknob_cli.engine.general.sets import arc, box, lattice
+from hknob_cli.engine.general.sets.drift import Drift, make_drift
+from hknob_cli.engine.general.sets.known import NO_ROOM
+from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
+from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known, make_piece_room
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets.search import GENERATIONS, LONGEST, SAMPLED, SEEN, SLICE, WIDEST, Box
+
+SLICE_INTERPRETED = 2000
+
+
+class Scope(NamedTuple):
+    """How far motions of a cell are followed.
+
+    ``budget``: samples of each; ``skip``: of the transient; ``patience``: in no known attractor, before one is looked
+    for; ``limit``: position past which a motion has diverged; ``fine``: whether a double tells positions apart.
+    """
+
+    budget: int
+    skip: int
+    patience: int
+    limit: float
+    fine: bool
+
+
+def can_follow(body: Body, wall: Controller) -> bool:
+    """Whether sets of states of a cell can be followed: differences go by one matrix, decay, and have an energy."""
+    return body.friction == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
+
+
+def make_scope(body: Body, wall: Controller, x: float, v: float, rate: float, max_samples: int | None) -> Scope:
+    """How far to follow motions from positions up to ``x`` and speeds up to ``v``."""
+    budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
+    spring = body.beta if body.ratio == 0.0 else 1.0 / body.reach**2
+    scale = trial_scale(x, v, body.push, wall.kappa, spring)
+    skip = settling_samples(rate, budget)
+    return Scope(budget, skip, max(64, skip // 2), 1e6 * scale, scale < FINEST)
+
+
+class GeneralSetEngine:
+    """Follows sets of states of the general loop, plain or compiled; its work space is used again. One per thread."""
+
+    def __init__(
+        self,
+        functions: dict[str, Callable[..., Any]] | None = None,
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Patience = USUAL,
+    ) -> None:
+        """Make ready; ``functions``: the compiled group "general sets"; ``stopped``: asked whether to give up."""
+        self.stopped = stopped
+        self.patience = patience
+        self.compiled = functions is not None
+        self._functions = functions
+        self._rooms: dict[tuple[int, int], Any] = {}
+
+    def _function(self, module: Any, name: str) -> Callable[..., Any]:
+        found: Callable[..., Any] = (
+            self._functions[f"general.sets.{name}"] if self._functions else getattr(module, name)
+        )
+        return found
+
+    def _zeros(self, count: int) -> Any:
+        return np.zeros(count) if self._functions else [0.0] * count
+
+    def able(self, body: Body, wall: Controller) -> bool:
+        """Whether this engine follows sets of states of a cell."""
+        return can_follow(body, wall)
+
+    def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
+        """What follows the pieces that wait, `box.follow_generation`."""
+        return self._function(box, "follow_generation")
+
+    def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
+        """Body, bounds and empty tables as the functions of this engine want them."""
+        drift = make_drift(body, wall)
+        known = make_known(self._zeros, body.order, delay_line, make_space(body.order, delay_line, self._zeros))
+        if self.compiled:
+            return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
+        return body, drift, known
+
+    def search_phases(
+        self,
+        body: Body,
+        wall: Controller,
+        start: list[float],
+        *,
+        rate: float,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
+    ) -> Search | None:
+        """What every clock phase of one start, the state ``start``, settles to.
+
+        None where arcs cannot be followed: nothing damps or holds the knob, or they meet too many edges at once. Raises
+        `StoppedError` when told to stop, and `NeedsCompilerError` in the interpreter where it takes too long.
+        """
+        if not self.able(body, wall):
+            return None
+        scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
+        if not scope.fine:
+            return None
+        body, drift, known = self.ready(body, wall, delay_line)
+        room = make_arc_room(self._zeros, body.order, delay_line)
+        totals = self._zeros(4)
+        totals[2] = 1.0
+        begin = np.array(start) if self.compiled else list(start)
+        slack = self._function(arc, "fill_arcs")(begin, delay_line, room, drift, body)
+        follow = self._function(arc, "follow_arcs")
+        rest = scope.budget, scope.patience, scope.limit, SLICE if self.compiled else SLICE_INTERPRETED
+        waiting, taken = 1, 0
+        with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
+            while waiting > 0 and not alarm.over and taken <= LONGEST:
+                if self.stopped():
+                    raise StoppedError
+                waiting, used = follow(waiting, delay_line, slack, *rest, totals, room, drift, known, body, wall)
+                taken += int(used)
+        if waiting < 0:
+            return None
+        size = arc.arc_size(body.order, delay_line)
+        left = float(sum(room.stack[k * size + arc.HIGH] - room.stack[k * size + arc.LOW] for k in range(waiting)))
+        found = ends_of(known, body.order, delay_line)
+        # Arcs overlap by what rounding may move their ends: shares are of their lengths together.
+        covered = float(totals[3]) + left
+        found = [one._replace(trials=one.trials / covered) for one in found]
+        lost = 1.0 - left / covered - sum(one.trials for one in found)
+        why = why_not(known)
+        if left > 0.0:
+            over = taken > LONGEST
+            given_up = self._given_up(left / covered, seconds, over=over)
+            found.append(given_up)
+            why = given_up.reason
+        if totals[1] > 0.0 and lost > 1e-9:
+            found.append(whole(Outcome.UNDECIDED, why_not(known), lost))
+        complete = bool(totals[1] == 0.0 and left == 0.0)
+        return Search(
+            ranked(found),
+            taken,
+            complete=complete,
+            pieces=int(totals[0]),
+            narrowest=float(totals[2]),
+            why=Reason.NONE if complete else why,
+            share_error=max(covered - 1.0, 0.0) + EPSILON * (float(totals[0]) + 1.0),
+        )
+
+    def _given_up(self, share: float, seconds: float | None, *, over: bool) -> Attractor:
+        """The starts that were still under way when the time, or all work that a cell may take, was over."""
+        if over:
+            return whole(Outcome.UNDECIDED, Reason.WORK_LIMIT, share)
+        return unfinished(share, seconds, self.patience, compiled=self.compiled)
+
+    def search_box(
+        self,
+        body: Body,
+        wall: Controller,
+        states: Box,
+        *,
+        rate: float,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
+    ) -> Search | None:
+        """What every state of a box settles to: knob angle and speed in it, no torque under way, the finger with it.
+
+        None where sets of states cannot be followed: nothing damps or holds the knob, or its motions are too fine.
+        ``rate``: decay of the slowest mode, per sample; ``seconds``: on the clock, if they are limited. Raises
+        `StoppedError` when told to stop.
+        """
+        far_x, far_v = max(abs(states.low_x), abs(states.high_x)), max(abs(states.low_v), abs(states.high_v))
+        if not self.able(body, wall):
+            return None
+        scope = make_scope(body, wall, far_x, far_v, rate, max_samples)
+        if not scope.fine:
+            return None
+        body, drift, known = self.ready(body, wall, delay_line)
+        n = body.order
+        if (n, delay_line) not in self._rooms:
+            self._rooms = {(n, delay_line): make_piece_room(self._zeros, n, delay_line)}
+        room = self._rooms[n, delay_line]
+        room.scale[0] = 8.0 / wall.kappa if wall.kappa > 0.0 else 1.0
+        rest = scope.budget, scope.limit
+        cell = drift, known, body, wall
+        with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
+            taken, unproven, followed = self._sample(states, scope, room, cell, alarm)
+            pieces, undecided, why = 0, 0.0, Reason.NONE
+            follow, release = self.follower(body, wall, delay_line), self._function(lattice, "release")
+            waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+            if waiting < 0:
+                waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
+            across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
+            width = across / WIDEST if n == 2 else 0.0  # pieces of more states are not merged
+            for generation in range(GENERATIONS):
+                while waiting and not alarm.over and taken <= LONGEST:
+                    if self.stopped():
+                        raise StoppedError
+                    waiting, ended, lost, used = follow(
+                        room, waiting, delay_line, width, scope.patience, *rest, SLICE, *cell
+                    )
+                    pieces, undecided, taken = pieces + int(ended), undecided + float(lost), taken + int(used)
+                if waiting or not room.counts[0] or generation + 1 == GENERATIONS:
+                    break
+                waiting = int(release(room, 0, delay_line, drift))
+                width *= 0.5
+                taken += self._function(box, "seek_some")(room, waiting, delay_line, SEEN, *rest, known, body, wall)
+            left = self._left(room, waiting, n, delay_line)
+            over = taken > LONGEST or not alarm.over
+        found = ends_of(known, n, delay_line)
+        if followed < SAMPLED:
+            found.append(self._given_up(float(SAMPLED - followed), seconds, over=False))
+        if unproven:
+            found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(unproven)))
+        if left > 0.0:
+            why = self._given_up(left, seconds, over=over).reason
+        elif undecided > 0.0 and why is Reason.NONE:
+            why = why_not(known)
+        undecided = min(1.0, undecided + left)
+        return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
+
+    def _sample(
+        self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
+    ) -> tuple[int, int, int]:
+        """Follow random starts, as many as there is time for: samples, starts without a proven end, starts."""
+        chance = random.Random(0)
+        starts, ends = self._zeros(2 * SAMPLED), self._zeros(SAMPLED)
+        for k in range(SAMPLED):
+            starts[2 * k] = chance.uniform(states.low_x, states.high_x)
+            starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
+        sample = self._function(box, "sample_box")
+        taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(scope.skip, 1))
+        while followed < SAMPLED and not alarm.over:
+            if self.stopped():
+                raise StoppedError
+            stop = min(followed + chunk, SAMPLED)
+            used, lost = sample(starts, followed, stop, scope.skip, scope.budget, scope.limit, ends, room, *cell)
+            taken, unproven, followed = taken + int(used), unproven + int(lost), stop
+        return taken, unproven, followed
+
+    def _left(self, room: Any, waiting: int, order: int, delay_line: int) -> float:
+        """Measure of the starts that wait, in pieces or in the lattice: a bound on it."""
+        size = piece_size(order, delay_line)
+        left = sum(room.stack[k * size + WEIGHT] for k in range(int(waiting)))
+        left += sum(room.singles[int(room.taken[k]) * size + WEIGHT] for k in range(int(room.counts[0])))
+        return float(left)
+
+
+def why_not(known: Known) -> Reason:
+    """Why most of the starts without a proven end have none; `Reason.NONE` where all have one."""
+    measure, fate = max((float(weight), fate) for fate, weight in enumerate(known.why))
+    if measure == 0.0:
+        return Reason.NONE
+    return Reason.TOO_MANY if fate == NO_ROOM else GENERAL_FATES[fate][1]
+
+
+def ends_of(known: Known, order: int, delay_line: int) -> list[Attractor]:
+    """The ends that are known, with their shares."""
+    return [
+        attractor_of(
+            known.table[FIELDS * row : FIELDS * (row + 1)],
+            [float(value) for value in known.states[row * order : (row + 1) * order]],
+            [float(value) for value in known.lines[row * delay_line : (row + 1) * delay_line]],
+            Reason.NO_REPEAT,
+        )
+        for row in range(int(known.counts[0]))
+    ]

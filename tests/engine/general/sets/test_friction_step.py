@@ -1,0 +1,151 @@
+"""Tests of `engine.general.sets.friction_step`: no state of a set is lost over a hold with friction."""
+
+from math import sqrt
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius_of
+from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, MOST_CUTS, SLID, move_set, parts_of_hold
+from hknob_cli.engine.general.slide_two import coefficients, rub_two
+from hknob_cli.scene.general_knob import make_body
+from hknob_cli.spec.plan import Bias, Hand, Knob, Scene, Wall
+from tests.engine.sets.loops import zeros
+from tests.engine.sets.test_polygon import convex, inside, states_of
+
+ROOM = 8 * (MOST_CORNERS + 6)
+
+
+def body_of(alpha: float, beta: float, friction: float, push: float) -> Body:
+    """A body with these numbers: unit inertia, period and quantum."""
+    scene = Scene(
+        knob=Knob(inertia=1.0, damping=alpha, coulomb_torque=friction),
+        wall=Wall(stiffness=1.0),
+        hand=Hand(stiffness=beta),
+        bias=Bias(torque=push),
+        encoder=None,
+        actuator=None,
+    )
+    return make_body(scene, period=1.0, quantum=1.0, shift=0.0, split=0.0)[0]
+
+
+bodies = st.builds(
+    body_of,
+    alpha=st.floats(0.0, 3.0),
+    beta=st.floats(1e-5, 2.0),
+    friction=st.floats(1e-3, 2.0),
+    push=st.floats(0.0, 1.0),
+)
+
+
+def move_all(
+    x: float, v: float, u: float, corners: list[float], body: Body, least: float
+) -> list[tuple[int, float, float, list[float]]]:
+    """Move a set over one period, cut where that is asked for: ``(fate, x, v, corners)`` of each part."""
+    n = parts_of_hold(1.0, body)
+    assert n > 0
+    s, g, f = coefficients(1.0 / n, body)
+    waiting, done = [(0, 0, SLID, x, v, list(corners))], []
+    while waiting:
+        part, cuts, fate, x, v, own = waiting.pop()
+        if part == n:
+            done.append((fate, x, v, own))
+            continue
+        count = len(own) // 2
+        work = own + zeros(ROOM)
+        line = zeros(3)
+        fate, to_x, to_v, after = move_set(
+            x,
+            v,
+            u,
+            1.0 / n,
+            s,
+            g,
+            f,
+            work,
+            count,
+            least if cuts < MOST_CUTS else float("inf"),
+            body,
+            zeros(ROOM + 8),
+            line,
+        )
+        if fate != CUT:
+            waiting.append((part + 1, 0, fate, to_x, to_v, work[: 2 * after]))
+            continue
+        assert work[: 2 * count] == pytest.approx(own, abs=1e-12)
+        a, b, c = line
+        sides = []
+        for sign in (1.0, -1.0):
+            out = zeros(2 * count + 4)
+            kept = keep_side(own, count, sign * a, sign * b, sign * c, out)
+            assert kept <= count + 1
+            sides.append(out[: 2 * kept])
+        if all(sides):
+            waiting += [(part, cuts + 1, fate, x, v, side) for side in sides]
+        else:
+            # Within rounding of the line: the enclosure is taken as it is.
+            fate, to_x, to_v, after = move_set(
+                x, v, u, 1.0 / n, s, g, f, work, count, float("inf"), body, zeros(ROOM + 8), line
+            )
+            assert fate == ENCLOSED
+            waiting.append((part + 1, 0, fate, to_x, to_v, work[: 2 * after]))
+        assert len(waiting) + len(done) < 5000
+    return done
+
+
+@st.composite
+def shapes(draw: st.DrawFn) -> list[float]:
+    """Corners of a convex polygon, a segment, also one that stands, or a point."""
+    kind = draw(st.sampled_from(["polygon", "polygon", "segment", "standing", "point"]))
+    if kind == "point":
+        return [0.0, 0.0]
+    size = 10.0 ** draw(st.floats(-8.0, 0.5))
+    chance = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    if kind == "standing":
+        return [-size, 0.0, size, 0.0]
+    if kind == "segment":
+        dx, dv = size * chance.uniform(-1, 1, 2)
+        return [-dx, -dv, dx, dv]
+    points = chance.uniform(-1.0, 1.0, (draw(st.integers(3, 9)), 2)) * [size, size * chance.uniform(0.01, 1.0)]
+    return convex(points - points.mean(axis=0))
+
+
+@settings(deadline=None, max_examples=400, phases=[Phase.explicit, Phase.reuse, Phase.generate])
+@given(
+    body=bodies,
+    corners=shapes(),
+    x=st.floats(-3.0, 1.0),
+    v=st.one_of(st.just(0.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01)),
+    u=st.floats(0.0, 3.0),
+    seed=st.integers(0, 2**32 - 1),
+)
+def test_no_state_is_lost(body: Body, corners: list[float], x: float, v: float, u: float, seed: int) -> None:
+    """Every state of the set, moved by itself, lies in a part of the set that has moved."""
+    size = radius_of(corners, len(corners) // 2, 1.0)
+    done = move_all(x, v, u, corners, body, 1e-3 * size + 1e-9)
+    s, g, f = coefficients(1.0, body)
+    slack = 1e-11 * (1.0 + abs(x) + abs(v) + u + size) * (1.0 + 1.0 / sqrt(body.beta))
+    for dx, dv in states_of(corners, 24, seed):
+        at_x, at_v = rub_two(x + dx, v + dv, u, 1.0, s, g, f, body)
+        assert any(inside_of(at_x - to_x, at_v - to_v, own, slack) for _, to_x, to_v, own in done)
+
+
+def inside_of(dx: float, dv: float, corners: list[float], slack: float) -> bool:
+    """As `inside`, for points, segments and what is as thin as one, too."""
+    points = np.array(corners).reshape(-1, 2)
+    apart = [k for k in range(len(points)) if np.abs(points[k] - points[k - 1]).max() > slack]
+    if len(apart) > 2 and inside(dx, dv, points[apart].ravel().tolist(), slack):
+        return True
+    return any(near_segment(dx, dv, points[[k - 1, k]], 2.0 * slack) for k in range(len(points)))
+
+
+def near_segment(dx: float, dv: float, points: np.ndarray, slack: float) -> bool:
+    """Whether a point is no farther than ``slack`` from a segment, or a point."""
+    a, b = points[0], points[-1]
+    along = b - a
+    length = float(along @ along)
+    part = float(np.clip((np.array([dx, dv]) - a) @ along / length, 0.0, 1.0)) if length > 0.0 else 0.0
+    return bool(np.hypot(*(a + part * along - [dx, dv])) <= slack)
