@@ -40,9 +40,8 @@ def main() -> int:
             if asked.orbits:
                 said = prove_listed(listed, number)
                 bad += bool(said)
-                print(
-                    f"{folder.name} {number:2}: {len(listed.orbits[number])} orbits: {'; '.join(said) or 'all proven'}"
-                )
+                count = len(listed.orbits[number])
+                print(f"{folder.name} {number:2}: {count} orbits: {'; '.join(said) or 'all proven'}", flush=True)
                 continue
             proof, said = prove_cell(listed, number)
             bad += bool(said)
