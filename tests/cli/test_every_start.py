@@ -32,6 +32,7 @@ def test_every_clock_phase_is_the_default(hknob: Run, write: Callable[[str], Pat
     assert cell["complete"]
     assert cell["undecided_fraction"] == 0.0
     assert cell["piece_count"] == 9
+    assert 0.0 < cell["share_error"] < 1e-9
     assert [one["period_samples"] for one in orbits] == [10, 47]
     # 6400 phases sampled: 0.8566 and 0.1434, to the arcs' ends over 6400.
     assert orbits[0]["basin_fraction"] == pytest.approx(0.8566, abs=9 / 6400)
@@ -42,7 +43,9 @@ def test_sampled_phases_have_no_column_of_completeness(hknob: Run, write: Callab
     path = write(SPEC)
     done = hknob("sweep", path, "--out", "out")
     assert "omplete" not in done.stdout
-    assert not {"complete", "piece_count"} & set(pq.read_schema(path.parent / "out" / "cells.parquet").names)
+    assert not {"complete", "piece_count", "share_error"} & set(
+        pq.read_schema(path.parent / "out" / "cells.parquet").names
+    )
 
 
 def test_every_start_in_a_range(hknob: Run, write: Callable[[str], Path]) -> None:
@@ -55,6 +58,7 @@ def test_every_start_in_a_range(hknob: Run, write: Callable[[str], Path]) -> Non
     assert found["completeness"]["starts"] == "every start from -50 to 50 mrad and -5 to 5 rad/s at a sample"
     folder = path.parent / "out"
     orbits = pq.read_table(folder / "orbits.parquet").to_pylist()
+    assert "share_error" not in pq.read_schema(folder / "cells.parquet").names
     assert {one["period_samples"] for one in orbits} == {10, 47}
     assert sum(one["basin_fraction"] for one in orbits) == pytest.approx(1.0)
     basins = pq.read_table(folder / "basins.parquet").to_pylist()

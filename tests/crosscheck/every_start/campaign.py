@@ -8,6 +8,12 @@ them, 3:7): random angles and velocities in the ranges of the spec are simulated
 (`random_starts.py`). Every end must be a row of `orbits.parquet`: same period, same least and largest angle. Listed
 orbits that no start ended in are told; that is no fault. The exit code is 1 if an end was not listed. The results are
 read as files; the package is not imported.
+
+2026-11-22, --starts 1000000, all 49 cells in both readings of the bias and of the stiffness, one process beside
+others: 196 million starts, 5.9e10 samples, 44 minutes. Every start ended in a listed orbit. Extremes agree to 2e-12
+of an orbit's peak-to-peak, shares as chance has it (least of 1507 chances 1.1e-3). No start ended in 5 of 137 listed
+orbits (stiffness 0.04, bias 1 mN m), 182 of 650 (0.04, half a count), 7 of 137 (0.08, 1 mN m) and 168 of 583 (0.08,
+half a count).
 """
 
 import argparse
@@ -39,7 +45,7 @@ class Verdict:
     hits: list[int]  # of each listed orbit
     unlisted: list[tuple[Cycle, int]]  # cycles that the list lacks, and how many starts ended there
     worst: float  # largest difference of an extreme angle, of the orbit's peak-to-peak
-    share_error: float  # largest difference of a share, in standard errors of both samples
+    least_chance: float  # of a listed share, beside these hits
 
 
 def check_cell(listed: Listed, number: int, starts: int, seed: int) -> Verdict:
@@ -59,17 +65,21 @@ def check_cell(listed: Listed, number: int, starts: int, seed: int) -> Verdict:
             worst = max(worst, difference(rows[same[0]], cycle))
         else:
             unlisted.append((cycle, ends))
-    return Verdict(starts, found.samples, hits, unlisted, worst, _share_error(rows, hits, starts))
+    return Verdict(starts, found.samples, hits, unlisted, worst, _least_chance(rows, hits, starts))
 
 
-def _share_error(rows: list[dict[str, Any]], hits: list[int], starts: int) -> float:
-    """The listed shares are of 4096 random starts."""
-    worst = 0.0
+def _least_chance(rows: list[dict[str, Any]], hits: list[int], starts: int) -> float:
+    """How likely the most unlikely of the listed shares is, beside these hits, by Fisher's exact test.
+
+    The listed shares are of 4096 random starts.
+    """
+    from scipy.stats import fisher_exact
+
+    chances = [1.0]
     for row, ends in zip(rows, hits, strict=True):
-        share = (ends + 1.0) / (starts + 2.0)
-        error = np.sqrt(share * (1.0 - share) * (1.0 / 4096 + 1.0 / starts))
-        worst = max(worst, abs(row["basin_fraction"] - ends / starts) / error)
-    return float(worst)
+        listed = round(4096 * row["basin_fraction"])
+        chances.append(float(fisher_exact([[listed, 4096 - listed], [ends, starts - ends]])[1]))
+    return min(chances)
 
 
 def numbers(text: str | None, cells: int) -> Iterator[int]:
@@ -99,7 +109,7 @@ def main() -> int:
                 f"{folder.name} {number:2}: {rate:8.6g} Hz x {counts:4}, {verdict.starts} starts, "
                 f"{verdict.samples} samples, {time.monotonic() - begin:.1f} s: hits {verdict.hits}, never {missed}, "
                 f"not listed {len(verdict.unlisted)}, extremes to {verdict.worst:.1e}, "
-                f"shares to {verdict.share_error:.1f} standard errors",
+                f"chance of the shares at least {verdict.least_chance:.1e}",
                 flush=True,
             )
             for cycle, ends in verdict.unlisted:

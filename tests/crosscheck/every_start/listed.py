@@ -42,6 +42,7 @@ class Listed:
     orbits: list[list[dict[str, Any]]]
     complete: list[bool]
     share_errors: list[float]  # of one start
+    samples: list[dict[int, list[float]]]  # angles [rad] of the samples of each orbit; where the spec asks for basins
 
     @property
     def is_box(self) -> bool:
@@ -63,7 +64,17 @@ class Listed:
             [[row for row in rows if (row["sample_rate_hz"], row["counts_per_rev"]) == key] for key in keys],
             cells["complete"].to_pylist(),
             cells["share_error"].to_pylist() if "share_error" in cells.column_names else [],
+            _samples(folder / "basins.parquet", keys),
         )
+
+
+def _samples(path: Path, keys: list[tuple[float, int]]) -> list[dict[int, list[float]]]:
+    if not path.exists():
+        return []
+    samples: dict[tuple[float, int], dict[int, list[float]]] = {key: {} for key in keys}
+    for row in pq.read_table(path, filters=[("on_orbit", "==", True)]).to_pylist():
+        samples[row["sample_rate_hz"], row["counts_per_rev"]].setdefault(row["orbit"], []).append(row["angle_rad"])
+    return [samples[key] for key in keys]
 
 
 def _range(pair: list[Any] | float) -> tuple[float, float]:

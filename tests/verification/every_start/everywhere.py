@@ -16,7 +16,7 @@ from tests.verification.every_start.cell import Cell, NotProven, Orbit, iv
 from tests.verification.every_start.follow import ALL, STOPPED, follow
 from tests.verification.every_start.polygon import BLUR, FIRST, HIGHEST, LOWEST, WIDTH, V, X, rectangle
 
-WAITING = 20_000  # pieces
+WAITING = 8_000  # pieces
 POWERS = 1024  # samples between two looks at a polygon, at most
 
 

@@ -70,7 +70,7 @@ def follow(stack, count, powers, drives, inverse_beta, table, captured, patience
     """
     cuts, samples = 0, 0
     while count > 0:
-        if samples > most:
+        if samples > most or count + 1 >= len(stack):
             return STOPPED, count, cuts, samples
         piece = stack[count - 1].copy()
         wide, turns, before, is_open = radius(piece, inverse_beta), 0, 0.0, True

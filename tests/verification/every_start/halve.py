@@ -53,6 +53,8 @@ def halve(stack, count, start, rate, flow, powers, drives, shrinking, inverse_be
     first = size(max(abs(rate[0, 0]), abs(rate[0, 1])), max(abs(rate[1, 0]), abs(rate[1, 1])), inverse_beta)
     piece = np.zeros(8)
     while count > 0:
+        if count + 1 >= len(stack):
+            raise ValueError("too many intervals wait")
         low, high = stack[count - 1]  # multiples of a power of two: sums and halves of them are exact
         half, phase = 0.5 * (high - low), 0.5 * (high + low)
         flight(piece, start, rate, flow, phase, inverse_beta)

@@ -22,7 +22,7 @@ from tests.verification.every_start.outward import (
 )
 
 BLUR, X, V, LOWEST, HIGHEST, CORNERS, FIRST = 0, 1, 2, 3, 4, 5, 6
-MOST = 40  # corners
+MOST = 240  # corners
 WIDTH = FIRST + 2 * MOST + 2
 
 

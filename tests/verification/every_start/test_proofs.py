@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.crosscheck.every_start.listed import ONE_START, READINGS, Listed, sweep
-from tests.verification.every_start.compare import differences, prove_cell
+from tests.verification.every_start.compare import differences, prove_cell, prove_listed
 
 FEW = "grid.counts_per_rev=[128, 1024]"
 PROVE = Path(__file__).with_name("prove.py")
@@ -49,6 +49,18 @@ def test_another_list_is_told(few: Listed) -> None:
     assert differences(replace(few, complete=[False] * len(few.cells)), 1, proof) == ["not listed as complete"]
     proof.complete = False
     assert differences(few, 1, proof) == ["starts are left"]
+
+
+def test_listed_orbits_alone(tmp_path: Path) -> None:
+    """All orbits of a cell are proven from their samples; with the samples of another one they are not."""
+    settings = (*READINGS["0.04-half"], "grid.sample_rate_hz=[1000]", "grid.counts_per_rev=[512]", "basins={points: 2}")
+    listed = Listed.read(sweep(tmp_path / "out", *settings))
+    assert len(listed.orbits[0]) > 2
+    assert prove_listed(listed, 0) == []
+    first, second = listed.samples[0][0], listed.samples[0][1]
+    mixed = [{**listed.samples[0], 0: second, 1: first[:-1]}]
+    assert prove_listed(replace(listed, samples=mixed), 0)[0].startswith("orbit 0")
+    assert len(prove_listed(replace(listed, samples=mixed), 0)) == 2
 
 
 def test_every_clock_phase(tmp_path: Path) -> None:
