@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants
-from tests.mutation.table import ENGINE, ROOT, WATCHED, tests_of
+from tests.mutation.table import ENGINE, ROOT, WATCHED, watchers_of
 
 SLOWEST_S = 10.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
@@ -183,7 +183,9 @@ def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
         suppress_health_check=list(HealthCheck),
     )
     settings.load_profile("mutation")
-    files = list(dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in tests_of(path)))
+    files = list(
+        dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in watchers_of(path))
+    )
     campaign = Campaign(chosen, accepted)
     options = ["-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal"]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]

@@ -26,6 +26,6 @@ WATCHED: dict[str, tuple[str, ...]] = {
 }
 
 
-def tests_of(path: Path) -> list[Path]:
+def watchers_of(path: Path) -> list[Path]:
     """Files of tests that watch over an engine file."""
     return [ROOT / name for name in WATCHED[path.relative_to(ENGINE).as_posix()]]
