@@ -255,14 +255,14 @@ def test_half_the_lattice_is_used_at_most() -> None:
 def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(sign: float) -> None:
     """Errors of 1/4 and 1/2; 4 units of the middle's place and speed. A velocity is off by half its error."""
     room, unit = small_room(), EPSILON
-    assert keep(room, sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0, [-1.0, -2.0, 1.0, 2.0], 2, 4096.0, LOOP)
+    assert keep(room, sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0, [-1.0, -2.0, 1.0, 1.5], 2, 4096.0, LOOP)
     assert keep(room, sign * 1025.0, sign * 513.0, 0.5, 0.0, 0.0, 1.0, [0.0, 0.0, -0.5, 0.25], 2, 4096.0, LOOP)
-    assert release(room, 0, LOOP) == 1
-    found = waiting(room, 0)
+    assert release(room, 2, LOOP) == 3
+    found = waiting(room, 2)
     low_x = min(sign * 1024.0 - 1.0 - (0.25 + 4096.0 * unit), sign * 1025.0 - 0.5 - (0.5 + 4100.0 * unit))
     high_x = max(sign * 1024.0 + 1.0 + (0.25 + 4096.0 * unit), sign * 1025.0 + (0.5 + 4100.0 * unit))
     low_v = min(sign * 512.0 - 2.0 - (0.125 + 2048.0 * unit), sign * 513.0 - (0.25 + 2052.0 * unit))
-    high_v = max(sign * 512.0 + 2.0 + (0.125 + 2048.0 * unit), sign * 513.0 + 0.25 + (0.25 + 2052.0 * unit))
+    high_v = max(sign * 512.0 + 1.5 + (0.125 + 2048.0 * unit), sign * 513.0 + 0.25 + (0.25 + 2052.0 * unit))
     assert found[X] == 0.5 * (low_x + high_x)
     assert found[V] == 0.5 * (low_v + high_v)
     x, v = found[X], found[V]
