@@ -26,9 +26,9 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants
-from tests.mutation.table import ENGINE, ROOT, WATCHED, tests_of
+from tests.mutation.table import ENGINE, LEFT_OUT, ROOT, WATCHED, watchers_of
 
-SLOWEST_S = 10.0  # a test that takes longer does not run, and cannot watch over anything
+SLOWEST_S = 40.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
 
 
@@ -183,9 +183,12 @@ def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
         suppress_health_check=list(HealthCheck),
     )
     settings.load_profile("mutation")
-    files = list(dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in tests_of(path)))
+    files = list(
+        dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in watchers_of(path))
+    )
     campaign = Campaign(chosen, accepted)
     options = ["-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal"]
+    options += [option for name in LEFT_OUT for option in ("--deselect", name)]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
     pytest.main([*options, "-p", "no:xdist", "-p", "no:logging", "--rootdir", str(ROOT), *files], plugins=[campaign])
     return campaign

@@ -87,7 +87,7 @@ def mutants(path: Path) -> Iterator[Mutant]:
                     getattr(parent, field)[index] = after
                 ast.fix_missing_locations(changed)
                 # A number alone would not tell which it is.
-                shown = steps[:-1] if isinstance(after, ast.Constant) and len(steps) > 1 else steps
+                shown = steps[:-1] if isinstance(node, ast.Constant) and len(steps) > 1 else steps
                 before, later = _at(statement, shown), _at(changed, shown)
                 if isinstance(before, ast.stmt):
                     before, later = _at(statement, steps), _at(changed, steps)

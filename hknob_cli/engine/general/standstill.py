@@ -64,16 +64,16 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
     if wall.analog > 0.0 and shown < 0.0:
         return MOVING, gap
-    drive, size = u - body.push, 0.0  # size: of the torques that balance, over the stiffness
+    drive, size = u - body.push, 0.0  # size: of the torques that balance, over the stiffness; the wall's pulls out
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
             return MOVING, gap
         orbit[2] = drive / body.pad_stiffness
         orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
-        size = (abs(u) + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
+        size = (u + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
     elif body.beta > 0.0:
         orbit[0] = (u + body.drive) / body.beta
-        size = (abs(u) + abs(body.drive)) / body.beta
+        size = (u + abs(body.drive)) / body.beta
     else:
         if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
             return MOVING, gap

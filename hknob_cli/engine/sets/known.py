@@ -83,7 +83,7 @@ def add_end(fate, n, x, v, ring, head, known, loop):
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
         status, px, pv, margin, edge, closure, bound = certify(x, v, ring, head, n, loop)
-        if status == DIFFERENT and n < turns:
+        if status == DIFFERENT:
             n = turns
             row = find(fate, n, x, v, table, rows)
             if row < rows:

@@ -85,6 +85,17 @@ def test_rest_is_thought_of_after_8_16_and_32_samples_in_one_level() -> None:
     assert follow(SOFT, 50.0, 60.0, 3, level=-1.0, run=5, next_test=32)[6:8] == (2, 8)
 
 
+def test_a_ball_that_an_orbit_captures_says_which() -> None:
+    """Where the wall steps deeper, before anything is done there."""
+    for one in ORBITS[:3]:
+        ends = room()
+        for row in range(2):
+            given = {"radius": 0.5 * ends.table[4], "ends": ends, "level": 0.0}
+            event, found, *_ = follow(one.loop, one.x, one.v, 3 * one.n, **given)
+            assert (event == ball.CAPTURED and found == 0) == (row == 1)
+            enter(one, ends)
+
+
 # What captures it.
 
 
@@ -105,6 +116,9 @@ def test_a_ball_is_captured_below_the_margin_less_its_error() -> None:
     ends = planted(0.5, 0.125, (0, -0.25, 0.5))
     assert known.captor(-0.25, 0.5, nextafter(0.375, 0.0), [], 0, ends, one) == 0
     assert known.captor(-0.25, 0.5, 0.375, [], 0, ends, one) == -1
+    apart = 0.25 * (1.0 + 2.0 * EPSILON)  # as `distance` rounds it
+    assert known.captor(-0.25, 1.0, 0.375 - apart, [], 0, ends, one) == -1
+    assert known.captor(-0.25, 1.0, 0.375 - apart - EPSILON, [], 0, ends, one) == 0
     for side in (-1.0, 1.0):
         assert known.captor(-0.25 + side * 0.25, 0.5, 0.124, [], 0, ends, one) == 0
         assert known.captor(-0.25 + side * 0.25, 0.5, 0.126, [], 0, ends, one) == -1
@@ -217,7 +231,7 @@ def test_an_end_without_an_orbit_has_no_margins() -> None:
 
 
 def test_a_full_table_says_so() -> None:
-    ends = room()._replace(table=zeros(20))
+    ends = room()._replace(table=zeros(29))
     assert [known.add_end(REST_PROVEN, 1, -0.1 * k, 0.0, [], 0, ends, RESTS) for k in range(4)] == [0, 1, -1, -1]
     assert ends.counts[0] == 2.0
 

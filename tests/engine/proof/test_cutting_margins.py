@@ -1,7 +1,7 @@
 """Polygons cut, moved and merged: what lies on a limit is in both parts, and every rounding is carried on."""
 
 import random
-from math import sqrt
+from math import cos, exp, pi, sin, sqrt
 
 import mpmath as mp
 import pytest
@@ -22,6 +22,7 @@ from hknob_cli.engine.sets.polygon import (
     X,
     blur,
     clip,
+    corner_radius,
     move_corners,
     part,
     put,
@@ -89,6 +90,14 @@ def test_corners_are_moved_to_within_the_blur() -> None:
     assert worst > 1.0 / 100.0
 
 
+def test_the_radius_is_that_of_the_farthest_corner() -> None:
+    """Speeds count twice: 0.3 and 2 * 0.2 are 0.5 apart."""
+    corners = [9.0, 9.0, 0.1, 0.0, 0.3, -0.2, 0.0, 0.1]
+    assert corner_radius(corners, 2, 3, LOOP) == pytest.approx(0.5, rel=1e-12)
+    assert corner_radius(corners, 4, 2, LOOP) == pytest.approx(0.5, rel=1e-12)
+    assert corner_radius(corners, 6, 1, LOOP) == pytest.approx(0.2, rel=1e-12)
+
+
 # Cutting.
 
 
@@ -109,6 +118,8 @@ def test_what_lies_on_a_limit_belongs_to_both_sides() -> None:
     assert corners_of(triangle, 0.0, 1.0) == tip | base
     assert corners_of(triangle, 0.5, 1.0) == base | {(0.5, -0.25), (0.5, 0.25)}
     assert corners_of(triangle, 0.5, -1.0) == tip | {(0.5, -0.25), (0.5, 0.25)}
+    wide = [1.0, 0.0, 5.0, -1.0, 5.0, 1.0]
+    assert corners_of(wide, 2.0, -1.0) == {(1.0, 0.0), (2.0, -0.25), (2.0, 0.25)}
 
 
 def test_a_polygon_is_told_from_the_middle_of_its_rectangle() -> None:
@@ -161,27 +172,33 @@ def test_there_is_room_for_two_parts_of_each_level_or_none_is_made() -> None:
     assert part(small_room(polygons=2), 0, 1.5, 0.0, 0.0, 0.0, 1.0, SQUARE, 4, 0.0, 0.0, LOOP) == 1
 
 
-def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves() -> None:
-    """Cut on both sides 16 corners become 18 in the middle: 10 each; 15 become 17, which is 9 and 10."""
-    from math import cos, pi, sin
+def area(found: list[float]) -> float:
+    """Of a polygon, by its corners."""
+    count, c = int(found[COUNT]), found[7:]
+    return 0.5 * abs(
+        sum(c[2 * k] * c[(2 * k + 3) % (2 * count)] - c[2 * k + 1] * c[(2 * k + 2) % (2 * count)] for k in range(count))
+    )
 
-    for count, sizes in ((CORNERS, [10.0, 10.0]), (CORNERS - 1, [9.0, 10.0]), (CORNERS - 2, [16.0])):
-        room = small_room()
-        # Turned so that no corner lies on an edge, with two corners beyond each of two edges at -1 and 0.
-        turns = [2.0 * pi * (k + 0.5) / count for k in range(count)]
-        ring = [c for t in turns for c in (0.52 * cos(t), 0.52 * sin(t))]
-        beyond = sum(abs(x) > 0.5 for x in ring[::2])
-        total = part(room, 0, -0.5, 0.0, 0.0, 0.0, 1.0, ring, count, -2.0, 0.0, LOOP)
-        middle = [waiting(room, k) for k in range(total) if waiting(room, k)[LEVEL] == -1.0]
-        kept = count - beyond + 4
-        if kept > CORNERS:
-            assert len(middle) == 2
-            assert middle[0][COUNT] + middle[1][COUNT] == kept + 2
-            assert abs(middle[0][COUNT] - middle[1][COUNT]) <= 1.0
-        else:
-            assert len(middle) == 1
-            assert middle[0][COUNT] == kept
-        assert sizes
+
+@pytest.mark.parametrize(
+    ("radius", "middle", "sizes"),
+    [(0.52, -0.5, [10.0, 10.0]), (0.5, -0.49, [9.0, 10.0]), (0.49, -0.5, [16.0])],
+)
+def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
+    radius: float, middle: float, sizes: list[float]
+) -> None:
+    """One corner of 16 beyond each edge makes 18, one beyond one edge 17. The halves are the whole."""
+    room = small_room()
+    ring = [c for k in range(16) for c in (radius * cos(k * pi / 8), 0.5 * radius * sin(k * pi / 8))]
+    total = part(room, 3, middle, 0.0, 0.0, 7.0, 0.5, ring, 16, -2.0, 0.0, LOOP)
+    found = [waiting(room, k) for k in range(3, total)]
+    inside = [one for one in found if one[LEVEL] == -1.0]
+    assert sorted(one[COUNT] for one in inside) == sizes
+    assert all((one[SAMPLE], one[WEIGHT]) == (8.0, 0.5) for one in found)
+    shrunk = exp(-LOOP.alpha)  # by Liouville
+    whole = 16 * 0.25 * radius**2 * sin(pi / 8)
+    assert sum(area(one) for one in found) == pytest.approx(shrunk * whole, rel=1e-9)
+    assert all(room.stack[POLYGON * total + k] == 0.0 for k in range(POLYGON))
 
 
 # Merging.
@@ -238,14 +255,14 @@ def test_half_the_lattice_is_used_at_most() -> None:
 def test_a_merged_rectangle_holds_its_members_with_their_errors_and_roundings(sign: float) -> None:
     """Errors of 1/4 and 1/2; 4 units of the middle's place and speed. A velocity is off by half its error."""
     room, unit = small_room(), EPSILON
-    assert keep(room, sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0, [-1.0, -2.0, 1.0, 2.0], 2, 4096.0, LOOP)
+    assert keep(room, sign * 1024.0, sign * 512.0, 0.25, 0.0, 0.0, 1.0, [-1.0, -2.0, 1.0, 1.5], 2, 4096.0, LOOP)
     assert keep(room, sign * 1025.0, sign * 513.0, 0.5, 0.0, 0.0, 1.0, [0.0, 0.0, -0.5, 0.25], 2, 4096.0, LOOP)
-    assert release(room, 0, LOOP) == 1
-    found = waiting(room, 0)
+    assert release(room, 2, LOOP) == 3
+    found = waiting(room, 2)
     low_x = min(sign * 1024.0 - 1.0 - (0.25 + 4096.0 * unit), sign * 1025.0 - 0.5 - (0.5 + 4100.0 * unit))
     high_x = max(sign * 1024.0 + 1.0 + (0.25 + 4096.0 * unit), sign * 1025.0 + (0.5 + 4100.0 * unit))
     low_v = min(sign * 512.0 - 2.0 - (0.125 + 2048.0 * unit), sign * 513.0 - (0.25 + 2052.0 * unit))
-    high_v = max(sign * 512.0 + 2.0 + (0.125 + 2048.0 * unit), sign * 513.0 + 0.25 + (0.25 + 2052.0 * unit))
+    high_v = max(sign * 512.0 + 1.5 + (0.125 + 2048.0 * unit), sign * 513.0 + 0.25 + (0.25 + 2052.0 * unit))
     assert found[X] == 0.5 * (low_x + high_x)
     assert found[V] == 0.5 * (low_v + high_v)
     x, v = found[X], found[V]

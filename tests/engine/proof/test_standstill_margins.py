@@ -104,6 +104,7 @@ def test_a_finger_that_nothing_damps_or_holds_is_not_proven_to_settle() -> None:
     still = [1.5, 0.0, 1.0, 0.0, 4.0]
     assert stays_held(still, 4.0, FINGER)
     assert stays_held(still, 4.0, FINGER._replace(pad_damping=0.0, finger_damping=0.25))
+    assert stays_held(still, 4.0, FINGER._replace(finger_damping=0.25))
     assert not stays_held(still, 4.0, FINGER._replace(pad_damping=0.0))
     assert not stays_held(still, 4.0, FINGER._replace(pad_stiffness=0.0, finger_stiffness=0.0))
     assert stays_held([0.0, 0.0, 0.5, 0.0, 4.0], 4.0, FINGER._replace(pad_stiffness=0.0, finger_stiffness=0.5))
@@ -114,12 +115,22 @@ def test_a_knob_that_friction_holds_is_at_rest_but_for_an_edge() -> None:
     one = body(friction=5.0)
     assert fate([0.5, 0.0], one) == (AT_REST, 0.5, [0.5, 0.0])
     assert fate([UNIT, 0.0], one)[0] == REST_ON_EDGE
+    assert fate([-1e-20, 0.0], one)[0] == REST_ON_EDGE
+    exactly = UNIT
+    for _ in range(5):
+        exactly = UNIT * (1.0 + exactly)
+    assert fate([exactly, 0.0], one)[0] == REST_ON_EDGE
+    assert fate([nextafter(exactly, 1.0), 0.0], one)[0] == AT_REST
     assert fate([nextafter(UNIT * (1.0 + UNIT), 1.0), 0.0], one)[0] == AT_REST
+    deep = body(beta=1e-9, friction=5.0, push=1000.0)
+    for part, found in ((0.98, REST_ON_EDGE), (1.02, AT_REST)):
+        assert fate([-1000.0 + part * 1001.0 * UNIT, 0.0], deep)[0] == found
     assert fate([3.0, 0.0], one, WALL._replace(damping=0.1))[0] == REST_ON_EDGE
     for place, found in ((4.0 * UNIT, REST_ON_EDGE), (4.01 * UNIT, REST_ON_EDGE), (4.1 * UNIT, AT_REST)):
         assert fate([3.0 + place, 0.0], one, WALL._replace(damping=0.1))[0] == found
     assert fate([-1e-20, 0.0], one, WALL._replace(analog=1.0))[0] == AT_REST  # no edge that it could pass
-    assert fate([1e-20, 0.0], one, WALL._replace(analog=1.0))[0] == REST_ON_EDGE
+    for x in (0.0, 1e-20):
+        assert fate([x, 0.0], one, WALL._replace(analog=1.0))[0] == REST_ON_EDGE
     assert fate([0.5, 0.1], one)[0] == SETTLING
     assert fate([0.5, 9.0], one)[0] == MOVING
 
@@ -145,6 +156,12 @@ def test_a_spring_brings_it_to_rest_inside_its_count(side: float) -> None:
     farthest = 0.5 - UNIT * (1.0 + 0.5 + (0.5 - side * 0.5) + 2.5)
     assert fate([-0.5 + side * (farthest - 2.0 * EPSILON), 0.0], one)[0] == AT_REST
     assert fate([-0.5 + side * (farthest + 2.0 * EPSILON), 0.0], one)[0] == MOVING
+    if side > 0.0:  # where the place is the bound itself, both can be exact
+        bound = UNIT * 4.0
+        for _ in range(5):
+            bound = UNIT * (1.0 + 0.5 + bound + 2.5)
+        assert fate([-bound, 0.0], one)[0] == MOVING
+        assert fate([-bound - EPSILON, 0.0], one)[0] == AT_REST
     assert fate([-0.5, side * 0.49], one)[0] == AT_REST
     assert fate([-0.5, side * 0.51], one)[0] == MOVING
     assert fate([-0.5 + side * 0.25, 0.0], body(alpha=0.0, push=1.5))[0] == RINGS
@@ -154,7 +171,7 @@ def test_a_spring_brings_it_to_rest_inside_its_count(side: float) -> None:
 def test_a_rest_point_is_off_by_the_torques_that_cancel_over_the_stiffness() -> None:
     """A soft hand, a thousand counts deep in a stiff wall: what is called rest must be inside the count, exactly."""
     chance, called = random.Random(1), 0
-    for _ in range(4000):
+    for _ in range(1000):
         kappa, beta, level = chance.uniform(0.3, 3.0), 10.0 ** chance.uniform(-6.0, -3.0), -1000.0
         wall = WALL._replace(kappa=kappa)
         aim = Fraction(level) + Fraction(chance.choice([-1.0, 1.0]) * 10.0 ** chance.uniform(-11.0, -1.0))
@@ -166,7 +183,21 @@ def test_a_rest_point_is_off_by_the_torques_that_cancel_over_the_stiffness() -> 
         )
         assert found != AT_REST or level < exact < level + 1
         called += found == AT_REST
-    assert called > 50
+    assert called > 20
+
+
+def test_outside_the_wall_a_continuous_sensor_changes_nothing() -> None:
+    """It is pulled out to half a count; at the wall's edge it would be on the edge."""
+    wall = WALL._replace(analog=1.0)
+    assert fate([0.5, 0.0], body(push=-0.5), wall) == (AT_REST, 0.5, [0.5, 0.0])
+    assert fate([0.0, 0.0], body(), wall)[0] == REST_ON_EDGE
+
+
+def test_a_stiffer_hand_rests_where_the_torques_over_its_stiffness_say() -> None:
+    """(1 - 3) / 4, known to 64 units of 1 + (1 + 1) / 4 where both torques are 1."""
+    assert fate([-0.5, 0.0], body(beta=4.0, push=3.0)) == (AT_REST, 0.5, [-0.5, 0.0])
+    for part, found in ((0.99, REST_ON_EDGE), (1.01, MOVING)):
+        assert fate([-1e-8, 0.0], body(beta=4.0, push=1.0 + part * 4.0 * 1.5 * UNIT))[0] == found
 
 
 def test_a_rest_point_within_rounding_of_an_edge_is_on_it() -> None:
@@ -215,8 +246,16 @@ def test_the_rounding_of_a_fingers_rest_is_that_of_its_torques_over_both_springs
     for part, found in ((0.99, REST_ON_EDGE), (1.01, MOVING)):
         moved = one._replace(shift=-part * UNIT * (1.0 + size))
         assert fate([-1e-300, 0.0, 0.0, 0.0], moved)[0] == found
-    far = held(1.0, shift=1e6)
-    assert fate([-1e6 + 1e-8, 0.0, 0.0, 0.0], far, WALL._replace(kappa=1e-6), before=None)[0] in (REST_ON_EDGE, MOVING)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_neutral_angle_of_a_finger_is_rounded_too(sign: float) -> None:
+    """A million counts from the wall's edge, at an edge of counts, which matter to a damped wall outside, too."""
+    wall = WALL._replace(kappa=1e-6, damping=0.1)
+    for part, found in ((0.9, REST_ON_EDGE), (1.1, AT_REST)):
+        off = part * UNIT * 3e6
+        one = held(1.0 if sign < 0.0 else 0.0, shift=-(sign * 1e6 + off))
+        assert fate([sign * 1e6 + off, 0.0, 0.0, 0.0], one, wall)[0] == found
 
 
 FREE = body(beta=0.0, push=1.0)  # balanced by the wall at level -1
@@ -243,6 +282,7 @@ def test_without_a_spring_it_runs_out() -> None:
         (2.0, 0.0, 0.0, AT_REST),
         (2.0, 1e-9, 0.0, LEAVES),
         (2.0, 1.0, 0.0, LEAVES),
+        (0.5, 1.0, 0.0, LEAVES),
         (2.0, -0.5, 0.0, MOVING),
         (2.0, -1.0, 0.0, MOVING),
     ],

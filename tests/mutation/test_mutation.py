@@ -1,0 +1,116 @@
+"""The mutation tool: what it changes, that its list of accepted changes fits the source, and some of its campaign."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import ROOT
+from tests.mutation.accepted import KINDS
+from tests.mutation.mutate import mutants
+from tests.mutation.table import ENGINE, WATCHED, watchers_of
+
+SOURCE = '''\
+"""A file."""
+MARGIN = 0.5
+COUNT = 3
+
+
+def near(a, b, list):
+    """Docstring 1.0."""
+    for k in range(7):
+        if a < b and not list[k + 1] == 2:
+            return max(abs(a), 4.0), 0.0
+    return False
+'''
+CHANGES = {
+    "MARGIN": {"0.5 => 0.25", "0.5 => 1.0"},
+    "near": {
+        "a < b and (not list[k + 1] == 2) => a < b or not list[k + 1] == 2",
+        "a < b and (not list[k + 1] == 2) => not list[k + 1] == 2",
+        "a < b and (not list[k + 1] == 2) => a < b",
+        "a < b => a <= b",
+        "a < b => a >= b",
+        "not list[k + 1] == 2 => list[k + 1] == 2",
+        "list[k + 1] == 2 => list[k + 1] != 2",
+        "list[k + 1] == 2 => list[k + 1] == 1",
+        "list[k + 1] == 2 => list[k + 1] == 3",
+        "max(abs(a), 4.0) => min(abs(a), 4.0)",
+        "max(abs(a), 4.0) => 4.0",
+        "max(abs(a), 4.0) => abs(a)",
+        "abs(a) => a",
+        "max(abs(a), 4.0) => max(abs(a), 2.0)",
+        "max(abs(a), 4.0) => max(abs(a), 8.0)",
+        "False => True",
+    },
+}
+
+
+def test_every_comparison_coefficient_and_condition_is_changed(tmp_path: Path) -> None:
+    """And neither names, nor indices, nor lengths of loops, nor what fills a tuple."""
+    path = tmp_path / "near.py"
+    path.write_text(SOURCE)
+    found: dict[str, set[str]] = {}
+    for one in mutants(path):
+        found.setdefault(one.name, set()).add(one.change)
+        assert one.value() if one.function is None else one.code().co_name == "near"
+    assert found == CHANGES
+
+
+def test_a_changed_function_does_what_the_change_says(tmp_path: Path) -> None:
+    path = tmp_path / "near.py"
+    path.write_text(SOURCE)
+    names: dict = {}
+    exec(compile(SOURCE, str(path), "exec"), names)
+    near, before = names["near"], names["near"].__code__
+    assert near(1.0, 1.0, [0] * 9) is False
+    near.__code__ = next(one for one in mutants(path) if one.change == "a < b => a <= b").code()
+    assert near(1.0, 1.0, [0] * 9) == (4.0, 0.0)
+    near.__code__ = before
+    assert near(1.0, 1.0, [0] * 9) is False
+
+
+def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
+    """A list that has fallen behind would let anything through that looks alike."""
+    listed = tomllib.loads((ROOT / "tests/mutation/accepted.toml").read_text())
+    assert listed.keys() <= WATCHED.keys()
+    for name, entries in listed.items():
+        known = [(one.name, one.text, one.change) for one in mutants(ENGINE / name)]
+        for entry in entries:
+            assert entry["kind"] in KINDS
+            assert len(entry["reason"]) > 20
+            for change in entry["changes"]:
+                assert any(
+                    (entry["function"], change) == (function, found) and entry.get("line", text) == text
+                    for function, text, found in known
+                ), f"{name}, {entry['function']}: {change}"
+
+
+def test_every_watched_file_and_its_tests_are_there() -> None:
+    for name in WATCHED:
+        assert (ENGINE / name).exists()
+        assert all(test.exists() for test in watchers_of(ENGINE / name))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("name", "function"),
+    [
+        ("rest.py", "monotone"),
+        ("certificate.py", "distance"),
+        ("certificate.py", "step_error"),
+        ("certificate.py", "growth"),
+        ("sets/known.py", "captor"),
+        ("sets/polygon.py", "clip"),
+        ("sets/lattice.py", "keep"),
+        ("general/standstill.py", "stays_held"),
+    ],
+)
+def test_no_change_of_a_proof_goes_unseen(name: str, function: str) -> None:
+    """The whole campaign is run by hand."""
+    command = [sys.executable, "tests/mutation/campaign.py", name, "--function", function]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "0 survived" in done.stdout
