@@ -62,6 +62,8 @@ def _sweep(result: Result) -> list[FigurePlan]:
         figures = _over_one_axis(result)
     else:
         figures = _over_many(result, "what matters", {})
+    if "basins.parquet" in result.files:
+        figures.append(planned(result, "basins", "where each start ends", _BASINS))
     if "trajectories.parquet" in result.files:
         figures.append(planned(result, "time_response", "motion", "Angle and torque over time."))
     return figures
@@ -185,6 +187,7 @@ _NOTICED = "Of the most noticeable orbit of each cell, against published thresho
 _MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
 _WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
 _PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
+_BASINS = "In the colour of the cycle that a start ends in; dots are samples of the cycles."
 _ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
 _ORBITS = "A dot for each orbit, sized by its share of the trials."
 _LINES = "A cell at rest is at 0."

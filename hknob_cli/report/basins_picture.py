@@ -2,7 +2,7 @@
 
 from math import ceil
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
@@ -21,31 +21,46 @@ def draw_basins(basins: pa.Table, orbits: pa.Table, axes: list[str], *, title: s
     """Draw the maps of the first cells into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
     from matplotlib.figure import Figure
 
+    cells = maps_of(basins, orbits, axes)
+    shown = cells[:MOST_PANELS]
+    across = min(2, len(shown))
+    figure = Figure(figsize=(7.2 * across + 0.6, 5.8 * ceil(len(shown) / across)), layout="constrained")
+    panels = figure.subplots(ceil(len(shown) / across), across, squeeze=False)
+    for empty in list(panels.flat)[len(shown) :]:
+        empty.set_axis_off()
+    for panel, one in zip(panels.flat, shown, strict=False):
+        draw_map(panel, one)
+        names = [f"{name} = {short(value, 6)}" for name, value in zip(axes, one.cell, strict=True)]
+        panel.set_title(", ".join(names), fontsize=10)
+    left = f"  (the first {len(shown)} of {len(cells)} cells)" if len(cells) > len(shown) else ""
+    figure.suptitle(f"{title}: where each start ends, and the cycles it ends in{left}")
+    save(figure, path, stage="sweep", name=title)
+
+
+class BasinMap(NamedTuple):
+    """A cell by its values on the axes; its rows of basins.parquet, and of orbits.parquet."""
+
+    cell: tuple[Any, ...]
+    table: pa.Table
+    orbits: list[dict[str, Any]]
+
+
+def maps_of(basins: pa.Table, orbits: pa.Table, axes: list[str]) -> list[BasinMap]:
+    """The maps of a sweep's cells, in their order."""
     cells: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
     for row in orbits.to_pylist():
         cells.setdefault(tuple(row[name] for name in axes), []).append(row)
     keys = zip(*(basins[name].to_numpy() for name in axes), strict=True)
     place = {key: i for i, key in enumerate(cells)}
     which = np.fromiter((place[key] for key in keys), dtype=np.int64, count=basins.num_rows)
-    shown = list(cells.items())[:MOST_PANELS]
-    across = min(2, len(shown))
-    figure = Figure(figsize=(7.2 * across + 0.6, 5.8 * ceil(len(shown) / across)), layout="constrained")
-    panels = figure.subplots(ceil(len(shown) / across), across, squeeze=False)
-    for empty in list(panels.flat)[len(shown) :]:
-        empty.set_axis_off()
-    for i, (key, rows) in enumerate(shown):
-        _draw_map(panels.flat[i], basins.filter(pa.array(which == i)), rows)
-        names = [f"{name} = {short(value, 6)}" for name, value in zip(axes, key, strict=True)]
-        panels.flat[i].set_title(", ".join(names), fontsize=10)
-    left = f"  (the first {len(shown)} of {len(cells)} cells)" if len(cells) > len(shown) else ""
-    figure.suptitle(f"{title}: where each start ends, and the cycles it ends in{left}")
-    save(figure, path, stage="sweep", name=title)
+    return [BasinMap(key, basins.filter(pa.array(which == i)), rows) for i, (key, rows) in enumerate(cells.items())]
 
 
-def _draw_map(panel: Any, table: pa.Table, orbits: list[dict[str, Any]]) -> None:
+def draw_map(panel: Any, one: BasinMap) -> None:
     """One cell: its starts in the colour of where they end, white where that is not proven; attractors as dots."""
     from matplotlib.colors import ListedColormap
 
+    table, orbits = one.table, one.orbits
     angle, velocity = 1e3 * table["angle_rad"].to_numpy(), table["velocity_rad_s"].to_numpy()
     orbit, on_orbit = table["orbit"].to_numpy(zero_copy_only=False), table["on_orbit"].to_numpy(zero_copy_only=False)
     side = int(np.sqrt(np.count_nonzero(~on_orbit)))
@@ -68,9 +83,9 @@ def _draw_map(panel: Any, table: pa.Table, orbits: list[dict[str, Any]]) -> None
         interpolation="nearest",
     )
     _draw_edges(panel, orbits, left, right)
-    for number, one in enumerate(orbits):
+    for number, row in enumerate(orbits):
         own = on_orbit & (orbit == number)
-        label = _name(one) if number < MOST_NAMED else None
+        label = _name(row) if number < MOST_NAMED else None
         panel.scatter(
             angle[own], velocity[own], s=14, color=colours[number], edgecolors="white", linewidths=0.5, label=label
         )

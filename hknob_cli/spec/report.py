@@ -21,6 +21,7 @@ Draw = Literal[
     "all_persons",
     "attractors",
     "axis_lines",
+    "basins",
     "bias_curves",
     "block_diagram",
     "campaign_lines",

@@ -53,3 +53,14 @@ def test_differences_from_the_largest_cycle(made: Made) -> None:
     arguments = {"result": "dfa", "against": "every", "file": "dfa"}
     assert compute("difference", evidence, {**arguments, "quantity": "largest"}) == pytest.approx(-50.0)
     assert compute("difference", evidence, arguments) == pytest.approx(100.0)
+
+
+def test_cells_in_which_a_larger_cycle_exists(made: Made) -> None:
+    """More than so many times: exactly twice is not more than twice, and anything is more than rest."""
+    rates, sizes, there = (100, 200, 300, 400), (0.02, 0.021, 0.005, 0.001), (0.01, 0.01, 0.01, 0.0)
+    made("one", {"cells": [cell(rate, 128, size, 80.0) for rate, size in zip(rates, there, strict=True)]})
+    rows = [cell(rate, 128, size, 80.0) for rate, size in zip(rates, sizes, strict=True)]
+    evidence = made("every", {"cells": all_cells(*rows)})
+    assert compute("cells_larger", evidence, {"result": "every", "than": "one"}) == 3.0
+    assert compute("cells_larger", evidence, {"result": "every", "than": "one", "times": 2.0}) == 2.0
+    assert compute("rows_in", evidence, {"result": "every", "where": {"sample_rate_hz": [100, 300]}}) == 2.0

@@ -2,7 +2,7 @@
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.edge import edge_of
-from hknob_cli.claims.checks.rows import Where, percent, rows_of
+from hknob_cli.claims.checks.rows import Where, matching, percent, rows_of
 from hknob_cli.results.evidence import Evidence, MissingError
 
 
@@ -27,3 +27,21 @@ def largest_within(evidence: Evidence, result: str, counts: float, where: Where 
 def alone(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
     """Share of the cells, %, with one attractor only."""
     return percent(row["orbit_count"] == 1 for row in _complete(evidence, result, where, "orbit_count"))
+
+
+@check
+def rows_in(evidence: Evidence, result: str, file: str = "cells", where: Where | None = None) -> float:
+    """Number of rows of a table."""
+    return len(rows_of(evidence, result, file, where, needs=[]))
+
+
+@check
+def cells_larger(evidence: Evidence, result: str, than: str, times: float = 1.0) -> float:
+    """Number of cells whose largest cycle, of all there are, is more than so many times that of another sweep."""
+    axes = evidence[than].axes
+    others = rows_of(evidence, than, "cells", needs=[*axes, "p2p_max_rad"])
+    larger = 0
+    for row in _complete(evidence, result, None, "p2p_max_rad"):
+        (other,) = matching(others, {axis: row[axis] for axis in axes})
+        larger += (row["p2p_max_rad"] or 0.0) > times * (other["p2p_max_rad"] or 0.0) * (1.0 + 1e-9)
+    return larger

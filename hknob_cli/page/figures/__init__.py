@@ -23,6 +23,7 @@ MODULES: dict[str, str] = {
     "all_persons": "persons",
     "attractors": "attractors",
     "axis_lines": "axis_lines",
+    "basins": "basins",
     "bias_curves": "bias",
     "block_diagram": "relay_loop",
     "campaign_lines": "campaign_lines",
