@@ -79,7 +79,9 @@ def run_cells(
     kept = min(CAPACITY, phases)
     room = _room(phases, longest_line, kept + 1 if sampled else ENDS + 2)
     told = np.zeros((0 if sampled else len(numbers), 2))
-    run, first, more = "run_cells", (), ()
+    run = "run_cells"
+    first: tuple[Any, ...] = ()
+    more: tuple[Any, ...] = ()
     if not sampled:
         arcs, known = make_arc_room(np.zeros, longest_line), make_known(np.zeros, longest_line)
         known = known._replace(table=room.table[: 10 * (ENDS + 1)], lines=room.lines)

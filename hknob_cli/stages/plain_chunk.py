@@ -106,7 +106,9 @@ def plain_chunk(
         sampled=plan.starts.sampled,
     )
     found = _in_si(knob, ends, count)
-    more = {} if plan.starts.sampled else {"complete": followed.complete, "piece_count": followed.pieces}
+    more: dict[str, Any] = (
+        {} if plan.starts.sampled else {"complete": followed.complete, "piece_count": followed.pieces}
+    )
     kinds = CELLS if plan.starts.sampled else (*CELLS, *EVERY_START)
     return SweepTables(lay_out_cells(plan, columns, found, kinds, more), lay_out_orbits(plan, columns, found), samples)
 
