@@ -13,13 +13,14 @@ from hknob_cli.engine import cell_run
 from hknob_cli.engine.attractors import StoppedError
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import WORDS, Reason
+from hknob_cli.engine.sets import room
 from hknob_cli.errors import ComputationError, SpecError
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.load import load, validate
 from hknob_cli.spec.plan import SweepPlan, scene_at
 from hknob_cli.spec.source import Source
 from hknob_cli.stages.cell import CellFinder, group_of
-from hknob_cli.stages.plain_chunk import GROUP, plain_chunk, takes_plain
+from hknob_cli.stages.plain_chunk import EVERY_PHASE_GROUP, GROUP, plain_chunk, takes_plain
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import SweepTables, cells_table, orbits_table
 from tests.conftest import EXPERIMENTS, SPEC, loaded
@@ -31,6 +32,11 @@ HAND = {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04}
 @pytest.fixture(scope="module")
 def functions() -> Functions:
     return compiled(GROUP)
+
+
+@pytest.fixture(scope="module")
+def arc_functions() -> Functions:
+    return compiled(EVERY_PHASE_GROUP)
 
 
 def planned(
@@ -65,7 +71,7 @@ def planned(
 
 def one_by_one(plan: SweepPlan, functions: Functions) -> SweepTables:
     """The tables by the way that has a Python object for every cell and orbit."""
-    finder = CellFinder({"plain": functions})
+    finder = CellFinder({"plain": functions, "sets": functions})
     results = [finder.find(plan, cell) for cell in cells_of(plan)]
     return SweepTables(
         cells_table(plan, results), orbits_table(plan, results), sum(result.samples for result in results)
@@ -90,6 +96,14 @@ def assert_same(one: SweepTables, other: SweepTables) -> None:
                 bits = [np.signbit(table[name].drop_null().to_numpy()) for table in (ours, theirs)]
                 assert (bits[0] == bits[1]).all(), name
     assert one.samples == other.samples
+
+
+EVERY = {"phases": None}  # clock phases
+
+
+def given_every(scene: dict[str, Any]) -> dict[str, Any]:
+    """The scene with every clock phase of its start."""
+    return {**scene, "starts": {**scene.get("starts", {}), **EVERY}}
 
 
 ZERO_OR = st.just(0.0)
@@ -145,6 +159,19 @@ def test_tables_are_those_of_the_cells_one_by_one(functions: Functions, scene: A
     assert takes_plain(plan) == (groups == {"plain"})
     if takes_plain(plan):
         assert_same(all_at_once(plan, functions), one_by_one(plan, functions))
+
+
+@settings(max_examples=100, deadline=None)
+@given(scene=SCENES, axes=AXES)
+def test_tables_of_every_phase_are_those_of_the_cells_one_by_one(
+    arc_functions: Functions, scene: Any, axes: Any
+) -> None:
+    try:
+        plan = planned(**given_every({**scene, **axes}))
+    except SpecError:  # an offset of two counts
+        return
+    if takes_plain(plan):
+        assert_same(all_at_once(plan, arc_functions), one_by_one(plan, arc_functions))
 
 
 NO_DAMPING = {"damping": 0.0, "stiffness": 0.04}
@@ -208,6 +235,54 @@ def test_every_end_is_told_alike(functions: Functions, name: str) -> None:
     assert {(outcome, WORDS[reason]) for outcome, reason in ends} <= told
 
 
+@pytest.mark.parametrize("name", ENDS)
+def test_every_end_of_every_phase_is_told_alike(arc_functions: Functions, name: str) -> None:
+    """Also where arcs cannot be cut, and 64 phases are sampled."""
+    scene, ends = ENDS[name]
+    plan = planned(**given_every(scene))
+    found = all_at_once(plan, arc_functions)
+    assert_same(found, one_by_one(plan, arc_functions))
+    sampled = {Reason.NO_DAMPING, Reason.NO_STIFFNESS, Reason.CONTINUUM, Reason.LEAVES, Reason.TOO_FINE}
+    for cell in found.cells.to_pylist():
+        assert not cell["complete"] or (cell["certified_fraction"] == 1.0 and cell["piece_count"] > 0)
+    if {reason for _, reason in ends} & sampled:
+        assert 0 in found.cells["piece_count"].to_pylist()
+
+
+def test_an_arc_over_too_many_edges_is_sampled(arc_functions: Functions) -> None:
+    """In a run of cells, beside one that is followed."""
+    plan = planned(starts={"angle": 0.1, "velocity": -2000.0, **EVERY}, counts_per_rev=[16, 8192])
+    found = all_at_once(plan, arc_functions)
+    assert_same(found, one_by_one(plan, arc_functions))
+    assert [count > 0 for count in found.cells["piece_count"].to_pylist()] == [True, False]
+
+
+def test_a_run_that_stops_within_a_cell_goes_on_there(
+    arc_functions: Functions, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One sample at a time, with and without a delay: the same to the last bit."""
+    scene = {"sample_rate_hz": [464, 1000], "actuator__delay_samples": [0.0, 1.6], "starts": EVERY}
+    plan = planned(**scene)
+    whole = all_at_once(plan, arc_functions)
+    assert min(whole.cells["piece_count"].to_pylist()) > 1
+    monkeypatch.setattr(cell_run, "HOLDS", 1)
+    monkeypatch.setattr(cell_run, "ROWS", 1)
+    monkeypatch.setattr(cell_run, "SAMPLES", 0)
+    assert_same(all_at_once(plan, arc_functions), whole)
+
+
+def test_more_ends_than_a_cell_keeps(arc_functions: Functions, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Arcs that end in others are undecided, in both ways."""
+    plan = planned(bias="half", hand={**HAND, "stiffness": 0.08}, counts_per_rev=[1024, 4096], starts=EVERY)
+    assert max(all_at_once(plan, arc_functions).cells["orbit_count"].to_pylist()) > 2
+    for module in (room, cell_run):
+        monkeypatch.setattr(module, "ENDS", 1)
+    found = all_at_once(plan, arc_functions)
+    assert_same(found, one_by_one(plan, arc_functions))
+    assert max(found.cells["orbit_count"].to_pylist()) == 2
+    assert max(found.cells["undecided_fraction"].to_pylist()) > 0.0
+
+
 @pytest.mark.parametrize("phases", [4, 200])
 @pytest.mark.parametrize("limit", [None, 150])
 def test_ends_that_coexist_come_in_the_same_order(functions: Functions, phases: int, limit: int | None) -> None:
@@ -240,6 +315,16 @@ def test_of_a_printed_hand_at_several_grips(functions: Functions) -> None:
     assert_same(all_at_once(loaded(text), functions), one_by_one(loaded(text), functions))
 
 
+def test_tables_of_every_phase_are_those_of_the_interpreter(arc_functions: Functions) -> None:
+    plan = planned(sample_rate_hz=[215, 464], starts=EVERY)
+    finder = CellFinder({})
+    results = [finder.find(plan, cell) for cell in cells_of(plan)]
+    taken = sum(result.samples for result in results)
+    assert_same(
+        SweepTables(cells_table(plan, results), orbits_table(plan, results), taken), all_at_once(plan, arc_functions)
+    )
+
+
 @pytest.mark.parametrize("text", [SPEC.replace("[1000]", "[215, 1000]"), SPEC.replace("8192", "{torque: 0.002}")])
 def test_tables_are_those_of_the_interpreter(functions: Functions, text: str) -> None:
     stage = SweepStage(loaded(text), jobs=1)
@@ -248,14 +333,16 @@ def test_tables_are_those_of_the_interpreter(functions: Functions, text: str) ->
     assert_same(result, all_at_once(stage.plan, functions))
 
 
-@pytest.mark.parametrize("jobs", [1, 2])
-def test_many_cells_are_found_in_runs(functions: Functions, jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("jobs", "phases"), [(1, 400), (2, 400), (2, None)])
+def test_many_cells_are_found_in_runs(
+    functions: Functions, arc_functions: Functions, jobs: int, phases: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
-    plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": 400})
+    plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": phases})
     told: list[tuple[int, int]] = []
     monkeypatch.setattr(SweepStage, "run_cell", None)
     result = SweepStage(plan, jobs=jobs).run(lambda done, total: told.append((done, total)))
-    assert_same(result, one_by_one(plan, functions))
+    assert_same(result, one_by_one(plan, functions if phases else arc_functions))
     assert told[-1] == (9, 9)
     assert len(told) > 2
 
@@ -294,8 +381,12 @@ def test_room_grows_and_results_do_not_depend_on_it(functions: Functions, monkey
     assert max(whole.orbits["period_samples"].to_pylist()) > 50
 
 
-def test_it_stops_when_told_to(functions: Functions, monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = planned(sample_rate_hz=[500, 1000, 2000])
+@pytest.mark.parametrize("phases", [4, None])
+def test_it_stops_when_told_to(
+    functions: Functions, arc_functions: Functions, phases: int | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With arcs within a cell, too."""
+    plan = planned(sample_rate_hz=[500, 1000, 2000], starts={"phases": phases})
     asked: list[bool] = []
 
     def stopped() -> bool:
@@ -304,7 +395,7 @@ def test_it_stops_when_told_to(functions: Functions, monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(cell_run, "SAMPLES", 0)
     with pytest.raises(StoppedError):
-        plain_chunk(plan, cells_of(plan).columns(0, 3), functions, stopped)
+        plain_chunk(plan, cells_of(plan).columns(0, 3), functions if phases else arc_functions, stopped)
     assert len(asked) == 3
 
 
@@ -326,6 +417,7 @@ def test_numbers_that_overflow_are_refused_as_ever(functions: Functions) -> None
         {"knob__coulomb_torque": [0.0, 1e-4]},
         {"wall__damping": [1e-4]},
         {"starts": {"phases": 20_000}},
+        {"starts": {"angle": [-0.02, 0.02], "velocity": [-1.0, 1.0], "phases": None}},
         {"hand": {"stiffness": 0.0}, "hand__stiffness": [0.0, 0.04]},  # the bouncing ball, in one cell
         {"hand": {"inertia": 1e-7}},
     ],

@@ -56,20 +56,24 @@ def arc_radius(low, high, dx, dv, loop):
 def solve_phase(target, low, high, base, dx, dv, loop):
     """Two phases between ``low`` and ``high``, next to each other, between which a monotone arc passes ``target``.
 
-    Newton's method, each step a little too long, so that it closes in from both sides; halves where it leaves them.
+    Newton's method, each step a little too long, and longer until it has passed: so it closes in from both sides. It
+    halves where a step leaves them, and ends where rounding hides what is between them.
     """
-    phase, rising = low, True
+    phase, rising, before, ahead = low, True, True, NEXT
+    hidden = 2.0 * EPSILON * (abs(target) + abs(base))
     for i in range(BISECTIONS):
         x, v = free_motion(phase, dx, dv, loop)
         below = x + base < target
-        step = abs(x + base - target) / abs(v) + NEXT if v != 0.0 else 1.0
         if i == 0:
             rising = below
+        ahead = 8.0 * ahead if below == before else NEXT
+        before = below
+        step = abs(x + base - target) / abs(v) + ahead if v != 0.0 else 1.0
         if below == rising:
             low, phase = phase, phase + step
         else:
             high, phase = phase, phase - step
-        if high - low <= 4.0 * NEXT:
+        if high - low <= 4.0 * NEXT or (high - low) * abs(v) <= hidden:
             break
         if not low < phase < high:
             phase = 0.5 * (low + high)
@@ -221,21 +225,9 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
             radius = arc_radius(low, high, dx, dv, loop)
         fate = OPEN
         while fate == OPEN:
+            samples = max(0, min(wait - since, budget - n, most - taken))
             event, row, x, v, error, level, run, next_test, head, used = follow_ball(
-                x,
-                v,
-                radius,
-                error,
-                level,
-                run,
-                next_test,
-                ring,
-                head,
-                max(0, min(wait - since, budget - n, most - taken)),
-                limit,
-                False,
-                known,
-                loop,
+                x, v, radius, error, level, run, next_test, ring, head, samples, limit, False, known, loop
             )
             n += used
             since += used
