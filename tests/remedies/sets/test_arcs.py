@@ -1,5 +1,7 @@
 """Arcs of clock phases under a controller: cutting loses none, and their bounds hold."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.linalg import expm
@@ -30,7 +32,7 @@ def test_every_phase_is_in_a_part_of_its_own_count(plant: tuple[float, ...]) -> 
         of, parts = arcs.cut(np.zeros(5, dtype=int), after, edges[:-1], edges[1:])
         assert set(of) == {0}
         number = 0
-        for low, high in zip(edges[:-1], edges[1:], strict=True):
+        for low, high in pairwise(edges.tolist()):
             _, own = arcs.cut(np.zeros(1, dtype=int), after, np.array([low]), np.array([high]))
             number += len(own.low)
             for phase, place in zip(phases, x, strict=True):
