@@ -1,0 +1,94 @@
+"""Knob and hand with Coulomb friction from many starts at once, by matrix exponentials: shares nothing with the package.
+
+A hold in which no velocity changes its sign is one matrix. Where one does, the time of the stop is found by halving,
+with the matrices of T/2, T/4, ..., and what is left of the hold is put together of the same.
+"""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import expm
+
+HALVINGS = 50
+Array = NDArray[np.float64]
+
+
+class FrictionStarts:
+    """Trials of one cell; SI units. ``scene``: a spec's plain dictionary with torque bias and floor rounding."""
+
+    def __init__(self, scene: dict[str, Any], rate_hz: float, counts: int) -> None:
+        knob, hand = scene["knob"], scene["hand"]
+        self.inertia = knob["inertia"] + hand["inertia"]
+        damping = knob.get("damping", 0.0) + hand["damping"]
+        self.stiffness, self.friction = hand["stiffness"], knob["coulomb_torque"]
+        self.wall, self.virtual = scene["wall"]["stiffness"], scene["wall"].get("damping", 0.0)
+        self.quantum, self.period = 2.0 * np.pi / counts, 1.0 / rate_hz
+        bias = scene["bias"]
+        self.push = 0.5 * self.wall * self.quantum if bias.get("half_quantum") else bias["torque"]
+        actuator = scene.get("actuator", {})
+        self.limit, self.step = actuator.get("torque_limit") or np.inf, actuator.get("torque_step", 0.0)
+        self.delay = int(actuator.get("delay_samples", 0.0))
+        a = np.zeros((3, 3))
+        a[0, 1] = 1.0
+        a[1] = -self.stiffness / self.inertia, -damping / self.inertia, 1.0 / self.inertia
+        self.moves = [expm(a * self.period / 2.0**k) for k in range(HALVINGS + 1)]
+
+    def command(self, theta: Array, before: Array) -> tuple[Array, Array]:
+        """Torque, and the reading."""
+        shown = np.floor(theta / self.quantum)
+        torque = -self.wall * shown * self.quantum
+        torque -= self.virtual / self.period * (shown - before) * self.quantum
+        if self.step:
+            torque = self.step * np.floor(torque / self.step + 0.5)
+        torque = np.clip(torque, -self.limit, self.limit)
+        return np.where(shown < 0.0, torque, 0.0), shown
+
+    def slide(self, k: int, theta: Array, omega: Array, torque: Array) -> tuple[Array, Array]:
+        """T / 2^k on, without friction's changes."""
+        m = self.moves[k]
+        return (
+            m[0, 0] * theta + m[0, 1] * omega + m[0, 2] * torque,
+            m[1, 0] * theta + m[1, 1] * omega + m[1, 2] * torque,
+        )
+
+    def direction(self, theta: Array, omega: Array, torque: Array) -> Array:
+        """Of the motion that begins: +1, -1, or 0 where friction holds."""
+        pull = torque - self.stiffness * theta
+        leaves = np.where(np.abs(pull) > self.friction, np.sign(pull), 0.0)
+        return np.where(omega != 0.0, np.sign(omega), leaves)
+
+    def hold(self, theta: Array, omega: Array, torque: Array) -> tuple[Array, Array]:
+        """One sample period under constant torques, those without friction."""
+        side = self.direction(theta, omega, torque)
+        to, speed = self.slide(0, theta, omega, torque - side * self.friction)
+        to, speed = np.where(side == 0.0, theta, to), np.where(side == 0.0, 0.0, speed)
+        (stops,) = np.nonzero(speed * side < 0.0)
+        if len(stops):
+            at, w, u, s = theta[stops], omega[stops], torque[stops], side[stops]
+            left = np.ones(len(stops))
+            for k in range(1, HALVINGS + 1):
+                next_at, next_w = self.slide(k, at, w, u - s * self.friction)
+                goes = next_w * s > 0.0
+                at, w = np.where(goes, next_at, at), np.where(goes, next_w, w)
+                left -= goes * 2.0**-k
+            s = self.direction(at, np.zeros(len(at)), u)
+            w = np.zeros(len(at))
+            for k in range(1, HALVINGS + 1):
+                takes = left >= 2.0**-k
+                left -= takes * 2.0**-k
+                next_at, next_w = self.slide(k, at, w, u - s * self.friction)
+                moves = takes & (s != 0.0)
+                at, w = np.where(moves, next_at, at), np.where(moves, next_w, w)
+            to[stops], speed[stops] = at, w
+        return to, speed
+
+    def run(self, theta: Array, omega: Array, samples: int) -> tuple[Array, Array, Array]:
+        """States after ``samples`` sample periods, and the readings before."""
+        line = [np.zeros(len(theta)) for _ in range(self.delay)]
+        before = np.floor(theta / self.quantum)
+        for _ in range(samples):
+            torque, before = self.command(theta, before)
+            line.append(torque)
+            theta, omega = self.hold(theta, omega, line.pop(0) - self.push)
+        return theta, omega, before

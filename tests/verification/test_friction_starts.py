@@ -1,0 +1,80 @@
+"""All starts of a knob with friction: the list is compared with the ends of random starts, simulated independently."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.engine.sets.search import Box
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.spec.scene import SceneSpec
+
+from .friction_starts import FrictionStarts
+from .general_scenes import scene
+
+ANGLE, VELOCITY = 0.03, 3.0
+
+
+def states_of(knob: GeneralKnob, one: Attractor) -> NDArray[np.float64]:
+    """States of an orbit at its samples, (period, 2)."""
+    z, ring, before, head = [one.x, one.v], list(one.line), one.before, 0
+    found = []
+    for _ in range(one.period):
+        found.append(tuple(z))
+        before, head = advance(z, before, ring, head, knob.body, knob.wall, [0.0] * 4)
+    return np.array(found)
+
+
+def listed(knob: GeneralKnob, found: tuple[Attractor, ...], x: Any, v: Any) -> NDArray[np.bool_]:
+    """Whether each state lies on a listed orbit, or at rest in a reading of a listed rest."""
+    near = np.zeros(len(x), dtype=bool)
+    for one in found:
+        if one.outcome is Outcome.REST:
+            near |= (v == 0.0) & (np.floor(x) == np.floor(one.x))
+            # What creeps to the end of the zone of rest has the reading, too, and hardly any speed.
+            near |= (np.abs(v) < 1e-6) & (np.floor(x) == np.floor(one.x))
+        elif one.outcome is Outcome.CYCLE:
+            for at_x, at_v in states_of(knob, one):
+                near |= (np.abs(x - at_x) < 1e-6) & (np.abs(v - at_v) < 1e-6)
+    return near
+
+
+SCENES = {
+    "light": (scene(knob={"coulomb_torque": 1.0e-5}), 464.0, 256),
+    "measured friction": (scene(knob={"coulomb_torque": 5.6e-4}), 455.0, 256),
+    "rest and cycles": (scene(knob={"coulomb_torque": 4.0e-4}), 1000.0, 512),
+    "rest alone": (scene(knob={"coulomb_torque": 9.0e-4}), 464.0, 1024),
+    "delay": (scene(knob={"coulomb_torque": 2.0e-4}, actuator={"delay_samples": 1.0}), 464.0, 256),
+    "limit and step": (
+        scene(knob={"coulomb_torque": 2.0e-4}, actuator={"torque_limit": 0.02, "torque_step": 1e-4}),
+        464.0,
+        256,
+    ),
+    "virtual damping": (scene(knob={"coulomb_torque": 2.0e-4}, wall={"damping": 2.0e-5}), 464.0, 256),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", SCENES)
+def test_random_starts_end_in_the_list(name: str) -> None:
+    """Of 4000 random starts each lies, when it has settled, on a listed orbit, or rests in a listed reading."""
+    parts, rate, counts = SCENES[name]
+    plain = SceneSpec.model_validate(parts)
+    knob = sample_general(plain.plain(), sample_rate_hz=rate, counts_per_rev=counts)
+    box = Box(knob.position(-ANGLE), knob.position(ANGLE), knob.speed(-VELOCITY), knob.speed(VELOCITY))
+    engine = FrictionSetEngine(compiled("friction sets"))
+    found = engine.search_box(knob.body, knob.wall, box, rate=knob.rate, delay_line=knob.delay_line, max_samples=None)
+    assert found.complete
+    chance = np.random.default_rng(2)
+    theta, omega = chance.uniform(-ANGLE, ANGLE, 4000), chance.uniform(-VELOCITY, VELOCITY, 4000)
+    given = plain.model_dump(exclude_none=True)
+    theta, omega, _ = FrictionStarts(given, rate, counts).run(theta, omega, int(40.0 / knob.rate) + 200)
+    x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
+    near = listed(knob, found.attractors, x, v)
+    assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"
