@@ -63,6 +63,7 @@ FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipat
 EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
+    Column("incomplete_reason", _TEXT, "", "why most starts without a proven end have none; empty where complete"),
 )
 RANGED = (
     Column("complete", _FLAG, "", "whether every start of the ranges is proven to end in a cycle that counts here"),

@@ -152,7 +152,7 @@ def beyond_plain(scene: SceneSpec, axes: Axes, why: str) -> list[tuple[tuple[str
     found = [(place, why) for path in _MORE for place in given(scene, axes, path)]
     if scene.controller:
         found.append((("scene", "controller"), why))
-    kept = why.partition(" where ")[2]
+    kept = why.partition(" where ")[2].partition(":")[0]
     if scene.encoder == "none":
         found.append((("scene", "encoder"), f"must not be none where {kept}"))
     if scene.sampling == "continuous":

@@ -146,7 +146,8 @@ class SweepSpec(Part):
         if self.basins and (isinstance(self.starts, str) or not self.starts.spans):
             found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
         elif self.basins:
-            found += beyond_plain(self.scene, axes, "must be absent where basins are mapped")
+            why = "must be absent where basins are mapped: a map tells starts by angle and velocity alone"
+            found += beyond_plain(self.scene, axes, why)
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))

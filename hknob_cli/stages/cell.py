@@ -13,7 +13,7 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import is_plain, sample_knob
 from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
-from hknob_cli.stages.every_start import StartsFinder
+from hknob_cli.stages.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
@@ -299,5 +299,5 @@ def _result(
         pieces=search.pieces,
         undecided=search.undecided,
         share_error=search.share_error,
-        why=search.why,
+        why=search.why if search.complete is not False or search.why is not Reason.NONE else why_open(attractors),
     )

@@ -1,14 +1,25 @@
 """All starts of a cell of a sweep at once: to the engine that follows them as sets."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.engine.attractors import NeedsCompilerError, Patience, Search
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.attractors import Attractor, NeedsCompilerError, Patience, Search
+from hknob_cli.engine.outcome import WORDS, Reason
 from hknob_cli.scene.sampled_knob import SampledKnob
-from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.spec.plan import Starts, SweepPlan
 
 if TYPE_CHECKING:
     from hknob_cli.scene.general_knob import GeneralKnob
+
+INCOMPLETE = [
+    *(WORDS[reason] for reason in Reason),
+    "clock phases were sampled: sets of states are not followed in such a scene",
+    "random starts were simulated: sets of states are not followed in such a scene",
+]
+SOME_PHASES, SOME_STARTS = len(Reason), len(Reason) + 1
 
 
 class StartsFinder:
@@ -89,3 +100,23 @@ def _box(plan: SweepPlan, knob: Any) -> Any:
     assert plan.starts.span
     low, high, slowest, fastest = plan.starts.span
     return Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
+
+
+def why_open(attractors: Sequence[Attractor]) -> Reason:
+    """Why starts have no proven end, where a search does not tell: as most of those that are listed without one."""
+    return next((one.reason for one in attractors if not one.certified), Reason.NO_REPEAT)
+
+
+def why_incomplete(complete: Any, pieces: Any, why: Any, starts: Starts) -> NDArray[np.int64]:
+    """Why most of the starts of each cell that have no proven end have none, as numbers of `INCOMPLETE`.
+
+    Args:
+        complete: Whether all starts have one, (n,).
+        pieces: Sets of starts that were followed, (n,); 0 where starts are sampled.
+        why: `engine.outcome.Reason` of those that were followed, (n,).
+        starts: Of the sweep.
+    """
+    sampled = SOME_STARTS if starts.span else SOME_PHASES
+    unknown = np.where(np.asarray(pieces) == 0, sampled, Reason.NO_REPEAT)
+    found = np.where(np.asarray(why) == Reason.NONE, unknown, why)
+    return np.where(np.asarray(complete, dtype=bool), Reason.NONE, found).astype(np.int64)

@@ -9,15 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine.cell_run import MOST_PHASES, Ends, run_cells
+from hknob_cli.engine.cell_run import MOST_PHASES, Ends, FollowedCells, run_cells
 from hknob_cli.engine.cells import NUMBERS
+from hknob_cli.engine.outcome import Reason
 from hknob_cli.measure.orbit import of_cycle
+from hknob_cli.results.arrays import spell
 from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START, Column
 from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import group_of
+from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
 from hknob_cli.stages.found import Found
 from hknob_cli.stages.sweep_tables import SweepTables, lay_out_cells, lay_out_orbits
 
@@ -113,9 +116,19 @@ def plain_chunk(
         more = {
             "complete": followed.complete,
             "piece_count": followed.pieces,
+            "incomplete_reason": spell(INCOMPLETE, _why_incomplete(plan, ends, followed)),
             "share_error": followed.share_error,
         }
     return SweepTables(lay_out_cells(plan, columns, found, kinds, more), lay_out_orbits(plan, columns, found), samples)
+
+
+def _why_incomplete(plan: SweepPlan, ends: Ends, followed: FollowedCells) -> NDArray[np.int64]:
+    """Why the list of each cell is not complete: as the first of its attractors, in order, that is not proven."""
+    why = np.full(len(followed.complete), Reason.NO_REPEAT)
+    unproven = np.flatnonzero(ends.reason != Reason.NONE)[::-1]
+    why[ends.cell[unproven]] = ends.reason[unproven]
+    why[followed.pieces == 0] = Reason.NONE
+    return why_incomplete(followed.complete, followed.pieces, why, plan.starts)
 
 
 def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:

@@ -21,6 +21,7 @@ from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.spec.cells import cells_of
 from hknob_cli.spec.plan import RATE, Cell, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult
+from hknob_cli.stages.every_start import why_open
 
 MOST_LANES = 4096  # side by side
 
@@ -70,7 +71,9 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
             for i, knob, one in zip(at.tolist(), knobs, ends, strict=True):
                 result = _result(plan, some[i], knob, remedy.parts, one.ends, one.samples)
                 bound = one.undecided if plan.starts.span else None
-                found[i] = result._replace(complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound)
+                found[i] = result._replace(
+                    complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound, why=why_open(result.attractors)
+                )
     left = [i for i in range(len(some)) if i not in found]
     if left:
         found.update(zip(left, _sampled(plan, remedy, [some[i] for i in left], lambda: alarm.over), strict=True))

@@ -28,6 +28,7 @@ from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
+from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
 from hknob_cli.stages.found import Array, Found, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
@@ -60,6 +61,8 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
+        why = why_incomplete(more["complete"], more["piece_count"], [one.why for one in results], plan.starts)
+        more["incomplete_reason"] = spell(INCOMPLETE, why)
         if plan.starts.many:
             more["undecided_fraction"] = [_undecided(one) for one in results]
         else:
