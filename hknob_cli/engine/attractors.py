@@ -11,7 +11,7 @@ from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
 from hknob_cli.engine.alarm import Alarm
-from hknob_cli.engine.budget import NO_REGION, OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
+from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.orbit import cycle as plain_cycle
@@ -40,7 +40,6 @@ FATES = {
     UNHELD: (Outcome.UNDECIDED, Reason.NO_STIFFNESS),
     TOO_FINE: (Outcome.UNDECIDED, Reason.TOO_FINE),
     TOO_MANY: (Outcome.UNDECIDED, Reason.TOO_MANY),
-    NO_REGION: (Outcome.UNDECIDED, Reason.NO_REGION),
 }
 
 
@@ -86,7 +85,8 @@ class Search(NamedTuple):
     Where all starts are followed at once, ``complete`` says whether all of them are proven to end in these attractors;
     ``pieces``: sets followed to their end, the ``narrowest`` of them as a share of the starts; ``undecided``: a bound
     on the share of starts whose end is not proven, where shares are counted by other means. ``region``: least and
-    largest position, least and largest speed of a region that every motion comes into, where all starts are meant.
+    largest position, least and largest speed of a region that every motion comes into, where all starts are meant;
+    ``grows``: those of one outside of which every motion grows without bound.
     """
 
     attractors: tuple[Attractor, ...]
@@ -96,6 +96,7 @@ class Search(NamedTuple):
     narrowest: float = 0.0
     undecided: float | None = None
     region: tuple[float, float, float, float] | None = None
+    grows: tuple[float, float, float, float] | None = None
 
 
 class NeedsCompilerError(Exception):
