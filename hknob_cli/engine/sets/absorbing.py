@@ -115,7 +115,7 @@ class RegionFinder:
             used += more
         count = self._function("simplify_hull")(region, count, CORNERS, room.chain, room.rough)
         corners = tuple(float(room.rough[k]) for k in range(2 * count))
-        if count > CORNERS:
+        if not 3 <= count <= CORNERS:
             corners = (low_x, low_v, high_x, low_v, high_x, high_v, low_x, high_v)
         return Region(corners, used)
 

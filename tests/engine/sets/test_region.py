@@ -283,7 +283,7 @@ def test_random_states_of_a_region_fill_it_evenly() -> None:
     """All lie in it, and half of them in the half of it."""
     corners = (0.0, 0.0, 4.0, 0.0, 4.0, 1.0, 2.0, 2.0, 0.0, 1.0)
     states = np.array(states_in(corners, 4000)).reshape(-1, 2)
-    around = hull([(Fraction(x), Fraction(v)) for x, v in zip(corners[::2], corners[1::2], strict=True)])
+    around = hull(exact(list(corners), 5))
     assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in states[:200].tolist())
     assert np.mean(states[:, 0] < 2.0) == pytest.approx(0.5, abs=0.04)
     assert np.mean(states[:, 1] < 1.0) == pytest.approx(4.0 / 6.0, abs=0.04)
