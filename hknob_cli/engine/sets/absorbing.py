@@ -60,7 +60,14 @@ class RegionFinder:
 
         Raises `StoppedError` when told to stop.
         """
-        return self._find(loop, until, back=False)
+        return self._find(loop, self._pushes_of(loop), until, back=False)
+
+    def find_pushed(self, loop: Loop, least: float, most: float, until: float = inf) -> Region | None:
+        """The region if any push between two, the bias among it, may act on the free plant, whatever the angle.
+
+        So a torque that is limited acts, through whatever delay and lag.
+        """
+        return self._find(loop._replace(kappa=0.0), (0.0, least, most, least, most), until, back=False)
 
     def find_growth(self, loop: Loop, until: float = inf) -> Region | None:
         """A region outside of which every motion grows without bound, or None, as `find`.
@@ -68,9 +75,15 @@ class RegionFinder:
         It is found as the other one, backward in time: where all that is within R later has been within R/2, what is
         beyond R/2 is beyond R later, and so on.
         """
-        return self._find(loop, until, back=True)
+        return self._find(loop, self._pushes_of(loop), until, back=True)
 
-    def _find(self, loop: Loop, until: float, *, back: bool) -> Region | None:
+    @staticmethod
+    def _pushes_of(loop: Loop) -> tuple[float, ...]:
+        edge, outside, low, high = pushes(loop)
+        return edge, outside, outside, low, high
+
+    def _find(self, loop: Loop, limits: tuple[float, ...], until: float, *, back: bool) -> Region | None:
+        """The region for pushes within ``limits``, as `region.advance` has them."""
         self._until = until
         self._back = back
         rate = slowest_rate(loop.alpha, loop.beta)
@@ -78,12 +91,11 @@ class RegionFinder:
             return None
         most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS))
         longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES))
-        edge, outside, low, high = pushes(loop)
         _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, (0.0,) * 5, loop)
         if far > 0.5:
             return None
         # The wall's torque bends at 0 here. Where it begins at -1, it is off between: by no more than a count's, too.
-        least, most_push = min(0.0, low), max(0.0, outside, high)
+        least, most_push = min(0.0, *limits[1:]), max(0.0, *limits[1:])
         any_push = (0.0, least, most_push, least, most_push)
         step = abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta)
         radius = max(8.0 * first * max(-least, most_push) * step, SMALL)
@@ -92,7 +104,7 @@ class RegionFinder:
                 self._square(radius, loop), most, 4 * first + 64, 0.5 * radius, 1e6 * radius, any_push, loop
             )
             if far <= 0.5 * radius:
-                return self._tighten(count, used, most, rate, (edge, outside, outside, low, high), loop)
+                return self._tighten(count, used, most, rate, limits, loop)
             radius *= 8.0
         return None
 

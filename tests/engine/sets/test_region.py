@@ -272,6 +272,39 @@ def test_without_a_wall_the_region_is_the_rest_point() -> None:
     assert high_x - low_x < 0.02
 
 
+def test_a_limited_torque_holds_every_motion() -> None:
+    """Any push between two bounds, the worst for the angle and for the speed among them, and motions from far away."""
+    loop = knob()
+    found = finder().find_pushed(loop, -0.2, 0.5)
+    assert found is not None
+    around = hull(exact(list(found.corners), len(found.corners) // 2))
+    chance = np.random.default_rng(4)
+    for seed in range(40):
+        x, v = chance.uniform(-1e4, 1e4, 2)
+        came = False
+        for _ in range(300):
+            came = came or holds(around, (Fraction(float(x)), Fraction(float(v))))
+            push = (0.5 if v > 0 else -0.2) if seed % 2 else float(chance.choice([-0.2, 0.5]))
+            x, v = interval(x, v, 0.0, push, loop)
+        assert came
+    # At rest under either push, and no larger than the response to the worst of pushes.
+    for push in (-0.2, 0.5):
+        assert holds(around, (Fraction(push / loop.beta), Fraction(0)))
+    gain = sum(abs(one) for one in free_positions(loop, 400))
+    low_x, high_x, _, _ = found.ranges
+    assert high_x - low_x < 1.1 * 0.7 * gain
+
+
+def free_positions(loop: Loop, samples: int) -> list[float]:
+    """Positions after a push of 1 for one sample."""
+    x, v = interval(0.0, 0.0, 0.0, 1.0, loop)
+    positions = []
+    for _ in range(samples):
+        positions.append(x)
+        x, v = interval(x, v, 0.0, 0.0, loop)
+    return positions
+
+
 def test_no_time_and_an_interruption() -> None:
     """None before any time; told to stop, it stops."""
     assert finder().find(knob(), until=0.0) is None
