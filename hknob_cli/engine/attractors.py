@@ -11,7 +11,7 @@ from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
 from hknob_cli.engine.alarm import Alarm
-from hknob_cli.engine.budget import NO_REGION, OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
+from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
 from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.orbit import cycle as plain_cycle
@@ -40,7 +40,6 @@ FATES = {
     UNHELD: (Outcome.UNDECIDED, Reason.NO_STIFFNESS),
     TOO_FINE: (Outcome.UNDECIDED, Reason.TOO_FINE),
     TOO_MANY: (Outcome.UNDECIDED, Reason.TOO_MANY),
-    NO_REGION: (Outcome.UNDECIDED, Reason.NO_REGION),
 }
 
 
@@ -88,7 +87,7 @@ class Search(NamedTuple):
     on the share of starts whose end is not proven, where shares are counted by other means, and ``why``, of most of
     them; ``share_error``: a bound on what rounding may have added to a share or taken from it, where shares are
     lengths. ``region``: least and largest position, least and largest speed of a region that every motion comes into,
-    where all starts are meant.
+    where all starts are meant; ``grows``: those of one outside of which every motion grows without bound.
     """
 
     attractors: tuple[Attractor, ...]
@@ -100,6 +99,7 @@ class Search(NamedTuple):
     share_error: float | None = None
     region: tuple[float, float, float, float] | None = None
     why: Reason = Reason.NONE
+    grows: tuple[float, float, float, float] | None = None
 
 
 class NeedsCompilerError(Exception):

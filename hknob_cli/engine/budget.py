@@ -16,7 +16,6 @@ TOO_SLOW = 16
 UNHELD = 17
 TOO_FINE = 18
 TOO_MANY = 19
-NO_REGION = 20
 
 
 def sample_limit(rate, damped):

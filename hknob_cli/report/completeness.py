@@ -11,8 +11,9 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, contro
 
     ``controlled``: whether the wall has a controller; of ranges, shares are areas then.
     """
-    sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
-    left = [row for row in cells if not row["complete"] and row["piece_count"] > 0]
+    open_ = [row for row in cells if not row["complete"] and not row.get("grows_rad")]
+    sampled = [row for row in open_ if row["piece_count"] == 0]
+    left = [row for row in open_ if row["piece_count"] > 0]
     return {
         "starts": _scope(starts),
         "cells": len(cells),
@@ -22,7 +23,7 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, contro
         "ranged": starts.many,
         "shares_counted": starts.many and not controlled,
         **({"random": starts.random} if starts.random else {}),
-        **({"regions": _regions(cells)} if starts.anywhere else {}),
+        **({"regions": _reaches(cells, "region"), "growing": _reaches(cells, "grows")} if starts.anywhere else {}),
         **({"undecided_max": max(row["undecided_fraction"] for row in left)} if left else {}),
         **({"reasons": _reasons(left)} if left else {}),
     }
@@ -37,7 +38,8 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
         lines = ["The list is not proven to be complete."]
     if complete == total and found["ranged"]:
         lines[0] += " However the knob is let go there, its buzz is no larger than the largest cycle above."
-    if left := total - complete - found["sampled"]:
+    growing = found.get("growing") or {"cells": 0}
+    if left := total - complete - found["sampled"] - growing["cells"]:
         share = f"at most {100.0 * found['undecided_max']:.2g} % of them"
         lines.append(
             f"In {left} of {total} cells some starts have no proven end, {share}; undecided_fraction says how many."
@@ -55,25 +57,25 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
             f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
             f"{found['phases']} clock phases were sampled there."
         )
-    regions = found.get("regions")
-    if regions:
-        angles, speeds = labels([1e3 * angle for angle in regions["angle_rad"]]), labels(regions["velocity_rad_s"])
-        lines.append(
-            f"Every motion comes within {_range(angles)} mrad and {_range(speeds)} rad/s, from however far"
-            + (f": in {regions['cells']} of {total} cells." if regions["cells"] < total else ".")
-        )
-    if found["shares_counted"] and found["sampled"] < total:
+    if regions := found.get("regions"):
+        some = f": in {regions['cells']} of {total} cells." if regions["cells"] < total else "."
+        lines.append(f"Every motion comes within {_within(regions)}, from however far{some}")
+    if growing["cells"]:
+        where = "Every" if total == 1 else f"In {growing['cells']} of {total} cells every"
+        lines.append(f"{where} motion from beyond {_within(growing, 'or')} grows without bound:")
+        lines[-1] += " the wall is too stiff for its rate."
+    if found["shares_counted"] and found["sampled"] + growing["cells"] < total:
         where = " in that region" if regions else ""
         lines.append(f"Shares are counted: 4096 random starts{where}, with a standard error of at most 0.8 %.")
     return lines
 
 
-def _regions(cells: list[dict[str, Any]]) -> dict[str, Any]:
-    """In how many cells every motion comes into a region, and the least and the largest of these; empty for none."""
-    known = [row for row in cells if row["region_rad"] is not None]
+def _reaches(cells: list[dict[str, Any]], name: str) -> dict[str, Any]:
+    """In how many cells a region is known, and the least and the largest angle and speed of those; empty for none."""
+    known = [row for row in cells if row[f"{name}_rad"] is not None]
     if not known:
         return {}
-    angles, speeds = ([row[name] for row in known] for name in ("region_rad", "region_rad_s"))
+    angles, speeds = ([row[column] for row in known] for column in (f"{name}_rad", f"{name}_rad_s"))
     return {
         "cells": len(known),
         "angle_rad": [min(angles), max(angles)],
@@ -81,8 +83,10 @@ def _regions(cells: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def _range(ends: list[str]) -> str:
-    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+def _within(found: dict[str, Any], both: str = "and") -> str:
+    """The angles and the speeds, in words."""
+    angles, speeds = labels([1e3 * angle for angle in found["angle_rad"]]), labels(found["velocity_rad_s"])
+    return f"{' to '.join(dict.fromkeys(angles))} mrad {both} {' to '.join(dict.fromkeys(speeds))} rad/s"
 
 
 def _scope(starts: Starts) -> str:

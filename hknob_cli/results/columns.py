@@ -76,6 +76,8 @@ ONE_START = (
 ANYWHERE = (
     Column("region_rad", _REAL, "rad", "largest angle, either way, of a region that every motion comes into"),
     Column("region_rad_s", _REAL, "rad/s", "largest speed of that region; both null where none was found"),
+    Column("grows_rad", _REAL, "rad", "angle, either way, beyond which every motion is proven to grow without bound"),
+    Column("grows_rad_s", _REAL, "rad/s", "speed beyond which every motion does; both null where that is not proven"),
 )
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),

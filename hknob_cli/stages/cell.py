@@ -11,7 +11,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import is_plain, sample_knob
+from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
 from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 from hknob_cli.stages.every_start import StartsFinder, why_open
 
@@ -27,8 +27,9 @@ class CellResult(NamedTuple):
     """One cell: its axis values, attractors and their measures, quantum (rad), and trial-samples taken.
 
     Where all starts are meant, ``complete``: whether all are proven to end in these attractors; ``pieces``,
-    ``undecided``, ``why``, ``share_error``: as in `engine.attractors.Search`. ``region_rad``, ``region_rad_s``: largest
-    angle and speed of the region that every motion comes into, where starts are anywhere.
+    ``undecided``, ``why``, ``share_error``: as in `engine.attractors.Search`. ``region``: largest angle (rad) and speed
+    (rad/s) of the region that every motion comes into, where starts are anywhere; ``grows``: those beyond which all
+    grow without bound.
     ``group``: the engine functions it took, as `engine.jit` names them; ``growth``: of the energy of bounces;
     ``contact``: how a trial without a sample clock settles.
     """
@@ -45,8 +46,8 @@ class CellResult(NamedTuple):
     pieces: int = 0
     undecided: float | None = None
     share_error: float | None = None
-    region_rad: float | None = None
-    region_rad_s: float | None = None
+    region: tuple[float, float] | None = None
+    grows: tuple[float, float] | None = None
     why: Reason = Reason.NONE
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
@@ -162,11 +163,7 @@ class CellFinder:
             )
         measurer = Measurer(knob, self._engine)
         found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
-        if search.region:
-            low, high, slowest, fastest = search.region
-            angle = max(abs(knob.angle_rad(low)), abs(knob.angle_rad(high)))
-            speed = max(abs(slowest), abs(fastest)) * knob.quantum_rad / knob.period_s
-            found = found._replace(region_rad=angle, region_rad_s=speed)
+        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows))
         return _perceived(plan, measurer, found)
 
     def trace(self, loop: Loop, orbit: Attractor) -> Any:
@@ -262,6 +259,15 @@ class CellFinder:
         search = Search((attractor,), trial.events)
         found = _result(cell, knob.unit_rad, search, lambda _one: measures, "unsampled")
         return found._replace(contact=trial)
+
+
+def _reach(knob: SampledKnob, ranges: tuple[float, float, float, float] | None) -> tuple[float, float] | None:
+    """Largest angle (rad) and speed (rad/s), either way, in ranges of position and speed in counts and samples."""
+    if ranges is None:
+        return None
+    low, high, slowest, fastest = ranges
+    speed = max(abs(slowest), abs(fastest)) * knob.quantum_rad / knob.period_s
+    return max(abs(knob.angle_rad(low)), abs(knob.angle_rad(high))), speed
 
 
 def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult:

@@ -70,7 +70,10 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
             more["share_error"] = [one.share_error for one in results]
         if plan.starts.anywhere:
             columns = (*columns, *ANYWHERE)
-            more |= {one.name: [getattr(result, one.name) for result in results] for one in ANYWHERE}
+            both = [(*(one.region or (None, None)), *(one.grows or (None, None))) for one in results]
+            more |= {
+                column.name: list(values) for column, values in zip(ANYWHERE, zip(*both, strict=True), strict=True)
+            }
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
         from hknob_cli.stages.perceived import cell_row

@@ -15,6 +15,8 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 PHASES = SPEC.replace("starts: {angle: 0.02, phases: 8}", "starts: {angle: 0.02}")
 RANGES = SPEC.replace("starts: {angle: 0.02, phases: 8}", "starts: {angle: [-50 mrad, 50 mrad], velocity: [-5, 5]}")
 
+ANYWHERE = SPEC.replace("starts: {angle: 0.02, phases: 8}", "starts: anywhere")
+
 
 @pytest.fixture
 def write(spec_file: Callable[..., Path]) -> Callable[[str], Path]:
@@ -113,23 +115,25 @@ def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
 
 
 UNCUT = [
-    "scene.knob.coulomb_torque=1e-4",
-    "scene.actuator.delay_samples=1",
-    "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.05}",
+    ("scene.knob.coulomb_torque=1e-4", "scene.actuator.time_constant=2e-4"),
+    ("scene.hand.stiffness=0", "scene.knob.coulomb_torque=0"),
 ]
 
 
-@pytest.mark.parametrize("setting", UNCUT)
-def test_starts_are_drawn_where_they_cannot_be_followed(hknob: Run, write: Callable[[str], Path], setting: str) -> None:
+@pytest.mark.parametrize("settings", UNCUT)
+def test_starts_are_drawn_where_they_cannot_be_followed(
+    hknob: Run, write: Callable[[str], Path], settings: tuple[str, str]
+) -> None:
     """Of so many random starts, which is said; the list is not called complete."""
     path = write(RANGES.replace("velocity: [-5, 5]", "velocity: [-5, 5], random: 20"))
-    done = hknob("sweep", path, "--set", setting, "--out", "out")
+    done = hknob("sweep", path, "--set", settings[0], "--set", settings[1], "--out", "out")
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "The list is not proven to be complete." in words
     assert "starts cannot be followed all at once; 20 random ones were simulated there" in words
     cell = pq.read_table(path.parent / "out" / "cells.parquet").to_pylist()[0]
-    assert (cell["complete"], cell["piece_count"], cell["undecided_fraction"]) == (False, 0, 0.0)
+    assert (cell["complete"], cell["piece_count"]) == (False, 0)
+    assert "random starts were simulated" in cell["incomplete_reason"]
     shares = pq.read_table(path.parent / "out" / "orbits.parquet")["basin_fraction"].to_pylist()
     assert [20 * share for share in shares] == pytest.approx([round(20 * share) for share in shares])
 
@@ -145,7 +149,66 @@ def test_where_all_can_be_followed_none_is_drawn(hknob: Run, write: Callable[[st
         assert one.equals(other)
 
 
-def test_maps_are_of_every_start(hknob: Run, write: Callable[[str], Path]) -> None:
-    done = hknob("sweep", write(RANGES + "basins: {points: 20}\n"), "--set", "starts.random=20")
-    assert done.returncode == 2
-    assert "starts.random: must be absent where basins are mapped" in done.stderr
+def test_every_start_there_is(hknob: Run, write: Callable[[str], Path]) -> None:
+    """The list is complete for every state, and the region that all come into is in the table and the summary."""
+    path = write(SPEC)
+    done = hknob("sweep", path, "--set", "starts=anywhere", "--out", "out", "--json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)["completeness"]
+    assert found["complete"] == 1
+    assert found["starts"] == "every start at a sample, however far,"
+    cell = pq.read_table(path.parent / "out" / "cells.parquet").to_pylist()[0]
+    assert found["regions"]["angle_rad"] == [cell["region_rad"]] * 2
+    assert 2e-3 < cell["region_rad"] < 20e-3
+    assert 0.5 < cell["region_rad_s"] < 5.0
+    assert cell["grows_rad"] is None
+    assert cell["complete"]
+    orbits = pq.read_table(path.parent / "out" / "orbits.parquet").to_pylist()
+    assert {one["period_samples"] for one in orbits} == {10, 47}
+    assert max(one["max_rad"] for one in orbits) < cell["region_rad"]
+
+
+def test_a_wall_too_stiff_for_its_rate_is_said(hknob: Run, write: Callable[[str], Path]) -> None:
+    """From where on motions grow; the cell beside it is complete."""
+    path = write(ANYWHERE.replace("sample_rate_hz: [1000]", "hand.damping: [3.45e-4, 4e-6]"))
+    done = hknob("sweep", path, "--set", "grid.sample_rate_hz=[1000]", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    words = " ".join(done.stdout.split())
+    assert "Complete in 1 of 2 cells: every start at a sample, however far, is proven" in words
+    assert "In 1 of 2 cells every motion from beyond" in words
+    assert "grows without bound: the wall is too stiff for its rate." in words
+    rows = pq.read_table(path.parent / "out" / "cells.parquet").to_pylist()
+    assert [row["complete"] for row in rows] == [True, False]
+    assert rows[0]["grows_rad"] is None
+    assert rows[1]["grows_rad"] > 0.0
+    assert rows[1]["region_rad"] is None
+    assert rows[1]["diverged_fraction"] == 1.0
+    assert [row["incomplete_reason"] for row in rows] == ["", "leaves, and nothing brings it back"]
+
+
+ANYWHERE_FAULTS = [
+    ("starts=everywhere", "starts: must be 'anywhere'"),
+    ("scene.knob.coulomb_torque=1e-4", "scene.knob.coulomb_torque: must be absent where starts are anywhere"),
+    ("scene.hand=null", "starts: must not be anywhere without a hand"),
+    ("record={duration: 0.1}", "record: must be absent where starts are anywhere"),
+    ("basins={points: 20}", "basins: must be absent where starts are not ranges"),
+]
+
+
+@pytest.mark.parametrize(("setting", "words"), ANYWHERE_FAULTS)
+def test_faults_of_every_start(hknob: Run, write: Callable[[str], Path], setting: str, words: str) -> None:
+    """Each is told at its key, and nothing is written."""
+    path = write(ANYWHERE)
+    done = hknob("sweep", path, "--set", setting, "--out", "out")
+    assert done.returncode == 2, done.stdout
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (path.parent / "out").exists()
+
+
+def test_ranges_have_no_column_of_a_region(hknob: Run, write: Callable[[str], Path]) -> None:
+    """What is not asked for takes no column."""
+    path = write(PHASES)
+    assert hknob("sweep", path, "--out", "out").returncode == 0
+    names = set(pq.read_schema(path.parent / "out" / "cells.parquet").names)
+    assert not {"region_rad", "region_rad_s", "grows_rad", "grows_rad_s"} & names

@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome
@@ -142,17 +143,48 @@ def test_random_starts_end_in_listed_orbits(
     settled = int(40.0 / min(knob.loop.alpha / 2, 2.0)) + 200
     theta, omega = Matrices(scene, rate, counts).run(theta, omega, settled)
     x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
+    near = on_listed(found.attractors, knob.loop, x, v)
+    assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"
+
+
+@pytest.mark.parametrize(("stiffness", "bias", "rate", "counts"), BOXES[1::3])
+def test_starts_from_far_outside_end_in_listed_orbits(
+    sets: SetEngine, stiffness: float, bias: str, rate: float, counts: int
+) -> None:
+    """Of 5,000 random starts up to a thousand times as far as the region each comes in, and ends on a listed orbit."""
+    scene = hand_on_knob(bias, stiffness)
+    knob = sample(scene, rate, counts)
+    found = sets.search_anywhere(knob.loop, max_samples=None)
+    assert found.complete
+    assert found.region is not None
+    low, high, slowest, fastest = found.region
+    chance = np.random.default_rng(2)
+    scale = 10.0 ** chance.uniform(0.0, 3.0, 5_000) * knob.quantum_rad
+    theta = chance.uniform(-1.0, 1.0, 5_000) * scale * max(-low, high)
+    omega = chance.uniform(-1.0, 1.0, 5_000) * scale / knob.period_s * max(-slowest, fastest)
+    matrices, came = Matrices(scene, rate, counts), np.zeros(5_000, dtype=bool)
+    for _ in range(int(50.0 / min(knob.loop.alpha / 2, 2.0)) + 200):
+        x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
+        came |= (x >= low) & (x <= high) & (v >= slowest) & (v <= fastest)
+        theta, omega = matrices.run(theta, omega, 1)
+    assert came.all()
+    x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
+    assert on_listed(found.attractors, knob.loop, x, v).all()
+
+
+def on_listed(attractors: tuple[Attractor, ...], loop: Loop, x: NDArray, v: NDArray) -> NDArray:
+    """Which states are samples of listed attractors, to a millionth of a count."""
     near = np.zeros(len(x), dtype=bool)
-    for one in found.attractors:
+    for one in attractors:
         assert one.outcome in (Outcome.CYCLE, Outcome.REST)
         holds = [0.0] * (one.period + 1), [0.0] * (one.period + 1), [0.0] * one.period
         if one.outcome is Outcome.CYCLE:
-            trace(one.x, one.v, [], 0, one.period, knob.loop, *holds)
+            trace(one.x, one.v, [], 0, one.period, loop, *holds)
         else:
             holds = [one.x], [0.0], []
         for at_x, at_v in zip(holds[0], holds[1], strict=False):
             near |= (np.abs(x - at_x) < 1e-6) & (np.abs(v - at_v) < 1e-6)
-    assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"
+    return near
 
 
 @pytest.mark.parametrize("bias", ["torque", "half_quantum"])

@@ -19,7 +19,7 @@ from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.engine.sets.polygon import CORNERS
 from hknob_cli.engine.sets.room import RegionRoom
 
-FEWEST_CORNERS, MOST_CORNERS = 32, 240  # of a region that moves: more where it shrinks less from sample to sample
+FEWEST_CORNERS, MOST_CORNERS = 32, 128  # of a region that moves: more where it shrinks less from sample to sample
 LONGEST = 64.0  # time constants of the free plant within which a region has halved, or is taken not to
 MOST_SAMPLES = 400_000
 SLICE = 4096  # samples between two chances to be interrupted
@@ -53,34 +53,64 @@ class RegionFinder:
         self._room = room
         self._stopped = stopped
         self._until = inf
+        self._back = False
 
     def find(self, loop: Loop, until: float = inf) -> Region | None:
         """The region, or None if none is found, or none before the monotonic clock says ``until``.
 
         Raises `StoppedError` when told to stop.
         """
-        self._until = until
-        rate = slowest_rate(loop.alpha, loop.beta)
-        most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS)) if rate > 0.0 else MOST_CORNERS
-        longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES)) if rate > 0.0 else 0
+        return self._find(loop, self._pushes_of(loop), until, back=False)
+
+    def find_pushed(self, loop: Loop, least: float, most: float, until: float = inf) -> Region | None:
+        """The region if any push between two, the bias among it, may act on the free plant, whatever the angle.
+
+        So a torque that is limited acts, through whatever delay and lag.
+        """
+        return self._find(loop._replace(kappa=0.0), (0.0, least, most, least, most), until, back=False)
+
+    def find_growth(self, loop: Loop, until: float = inf) -> Region | None:
+        """A region outside of which every motion grows without bound, or None, as `find`.
+
+        It is found as the other one, backward in time: where all that is within R later has been within R/2, what is
+        beyond R/2 is beyond R later, and so on.
+        """
+        return self._find(loop, self._pushes_of(loop), until, back=True)
+
+    @staticmethod
+    def _pushes_of(loop: Loop) -> tuple[float, ...]:
         edge, outside, low, high = pushes(loop)
-        count, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, (0.0,) * 5, loop)
+        return edge, outside, outside, low, high
+
+    def _find(self, loop: Loop, limits: tuple[float, ...], until: float, *, back: bool) -> Region | None:
+        """The region for pushes within ``limits``, as `region.advance` has them."""
+        self._until = until
+        self._back = back
+        rate = slowest_rate(loop.alpha, loop.beta)
+        if not rate > 0.0:
+            return None
+        most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS))
+        longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES))
+        _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, (0.0,) * 5, loop)
         if far > 0.5:
             return None
         # The wall's torque bends at 0 here. Where it begins at -1, it is off between: by no more than a count's, too.
-        least, most_push = min(0.0, low), max(0.0, outside, high)
+        least, most_push = min(0.0, *limits[1:]), max(0.0, *limits[1:])
         any_push = (0.0, least, most_push, least, most_push)
-        radius = 8.0 * first * max(-least, most_push) * (abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta))
+        step = abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta)
+        radius = max(8.0 * first * max(-least, most_push) * step, SMALL)
         for _ in range(TRIES):
             count, used, far = self._shrink(
                 self._square(radius, loop), most, 4 * first + 64, 0.5 * radius, 1e6 * radius, any_push, loop
             )
             if far <= 0.5 * radius:
-                return self._tighten(count, used, most, rate, (edge, outside, outside, low, high), loop)
+                return self._tighten(count, used, most, rate, limits, loop)
             radius *= 8.0
         return None
 
-    def _tighten(self, count: int, used: int, most: int, rate: float, limits: tuple[float, ...], loop: Loop) -> Region:
+    def _tighten(
+        self, count: int, used: int, most: int, rate: float, limits: tuple[float, ...], loop: Loop
+    ) -> Region | None:
         """Move the region on, with the pushes as they are, for as long as that makes it smaller."""
         region, room = self._room.region, self._room
         area_of, ranges_of = self._function("area_of"), self._function("ranges_of")
@@ -91,11 +121,13 @@ class RegionFinder:
                 break
             area = now
             count, more, _ = self._shrink(count, most, stride, 0.0, inf, limits, loop)
+            if count == 0:
+                return None
             low_x, high_x, low_v, high_v = ranges_of(region, count)
             used += more
         count = self._function("simplify_hull")(region, count, CORNERS, room.chain, room.rough)
         corners = tuple(float(room.rough[k]) for k in range(2 * count))
-        if count > CORNERS:
+        if not 3 <= count <= CORNERS:
             corners = (low_x, low_v, high_x, low_v, high_x, high_v, low_x, high_v)
         return Region(corners, used)
 
@@ -118,8 +150,8 @@ class RegionFinder:
         while used < samples and monotonic() < self._until:
             if self._stopped():
                 raise StoppedError
-            slice_ = min(SLICE, samples - used)
-            count, taken, far = shrink(room.region, count, most, slice_, target, ceiling, limits, room, loop)
+            some = min(SLICE, samples - used)
+            count, taken, far = shrink(room.region, count, most, some, target, ceiling, limits, self._back, room, loop)
             used += int(taken)
             if not target < far < ceiling:
                 break

@@ -166,6 +166,61 @@ def advance(region, count, most, limits, room, loop):
     return enclose(room.rough, kept, dx, dv, chain, region)
 
 
+def trace_back(region, count, most, limits, room, loop):
+    """Around the states that may be in the region one sample later, in place; its number of corners, 0 if not known.
+
+    As `advance`, with the inverse of either map of a sample: it is found first, and then cut where the wall begins.
+    """
+    edge = limits[0]
+    cloud, chain, spare = room.cloud, room.chain, room.spare
+    far, fast = 0.0, 0.0
+    for k in range(count):
+        far, fast = max(far, abs(region[2 * k])), max(fast, abs(region[2 * k + 1]))
+    s, g, f = loop.s2, loop.g2, loop.f2
+    most_push = max(abs(limits[1]), abs(limits[2]), abs(limits[3]), abs(limits[4]))
+    far, fast = far + abs(g) * most_push, fast + abs(s) * most_push
+    total, error_x, error_v = 0, 0.0, 0.0
+    for side in range(2):
+        sign = 1.0 if side == 0 else -1.0
+        spring = loop.beta if side == 0 else loop.beta + loop.kappa
+        hold = 1.0 - g * spring
+        det = f * hold + s * s * spring
+        size = abs(f) * (1.0 + g * spring) + s * s * spring
+        if not abs(det) > 1e-6 * size:
+            return 0
+        # Each number of the inverse is exact to a few units in the last place, but for what its determinant loses.
+        lost = 64.0 * EPSILON * (1.0 + size / abs(det)) / abs(det)
+        around_x = lost * (abs(f) * far + abs(s) * fast)
+        around_v = lost * (abs(s) * spring * far + (1.0 + g * spring) * fast)
+        points = 0
+        for k in range(count):
+            for end in range(2):
+                drive = limits[1 + 2 * side + end]
+                x, v = region[2 * k] - g * drive, region[2 * k + 1] - s * drive
+                cloud[2 * points] = (f * x - s * v) / det
+                cloud[2 * points + 1] = (s * spring * x + hold * v) / det
+                points += 1
+        wide = 0.0
+        for k in range(points):
+            wide = max(wide, abs(cloud[2 * k]))
+        kept = enclose(cloud, points, 0.0, 0.0, chain, room.rough)
+        reach = around_x + 64.0 * EPSILON * points * (wide + abs(edge))
+        kept = clip(room.rough, kept, edge - sign * reach, sign, chain, 0)
+        for k in range(2 * kept):
+            spare[2 * total + k] = chain[k]
+        total += kept
+        error_x, error_v = max(error_x, around_x), max(error_v, around_v)
+    wide, quick = 0.0, 0.0
+    for k in range(total):
+        wide, quick = max(wide, abs(spare[2 * k])), max(quick, abs(spare[2 * k + 1]))
+    if total == 0:
+        return 0
+    kept = simplify_hull(spare, total, most, chain, room.rough)
+    dx, dv = error_x + 64.0 * EPSILON * total * wide, error_v + 64.0 * EPSILON * total * quick
+    # What rounding moves across the edge or along it moves both ways.
+    return enclose(room.rough, kept, 2.0 * dx, 2.0 * dv, chain, region)
+
+
 def farthest(region, count, loop):
     """Largest distance of a region's states from 0, in the norm of `certificate.distance`."""
     most = 0.0
@@ -198,15 +253,21 @@ def fill_square(region, radius, loop):
     return 4
 
 
-def shrink(region, count, most, samples, target, ceiling, limits, room, loop):
+def shrink(region, count, most, samples, target, ceiling, limits, back, room, loop):
     """Move a region on for ``samples`` samples, or until it lies within ``target`` or beyond ``ceiling`` of 0.
 
-    Returns ``(count, used, far)``: its corners, the samples, and its largest distance from 0.
+    ``back``: move it back instead. Returns ``(count, used, far)``: its corners, the samples, and its largest distance
+    from 0, infinite where it is not known.
     """
     far = farthest(region, count, loop)
     used = 0
     while used < samples and target < far < ceiling:
-        count = advance(region, count, most, limits, room, loop)
+        if back:
+            count = trace_back(region, count, most, limits, room, loop)
+            if count == 0:
+                return 0, used, float("inf")
+        else:
+            count = advance(region, count, most, limits, room, loop)
         far = farthest(region, count, loop)
         used += 1
     return count, used, far

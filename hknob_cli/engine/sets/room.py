@@ -78,11 +78,12 @@ class PolygonRoom(NamedTuple):
 class RegionRoom(NamedTuple):
     """Work space of `sets.region`.
 
-    ``region``: its corners; ``cloud``: what they become in a sample; ``chain``, ``rough``: of the hull of those.
+    ``region``: its corners; ``cloud``, ``spare``: what they become in a sample; ``chain``, ``rough``: of the hulls.
     """
 
     region: Any
     cloud: Any
+    spare: Any
     chain: Any
     rough: Any
 
@@ -133,4 +134,4 @@ def make_polygon_room(zeros: Zeros) -> PolygonRoom:
 
 def make_region_room(zeros: Zeros) -> RegionRoom:
     """Room for a convex region that moves on."""
-    return RegionRoom(*(zeros(2 * REGION_CORNERS) for _ in range(4)))
+    return RegionRoom(*(zeros(2 * REGION_CORNERS) for _ in range(5)))

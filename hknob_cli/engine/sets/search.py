@@ -24,7 +24,7 @@ from hknob_cli.engine.attractors import (
     unfinished,
     whole,
 )
-from hknob_cli.engine.budget import NO_REGION, OPEN, UNHELD, prospect
+from hknob_cli.engine.budget import OPEN, UNHELD, prospect
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, UNDAMPED
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -69,7 +69,7 @@ class SetEngine:
         self.compiled = functions is not None
         self._functions = functions
         self._polygons: Any = None
-        self._regions: RegionFinder | None = None
+        self._regions: Any = None
 
     def _function(self, module: Any, name: str) -> Callable[..., Any]:
         found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(module, name)
@@ -153,18 +153,26 @@ class SetEngine:
             self._regions = RegionFinder(lambda name: self._function(region, name), room, self.stopped)
         found = self._regions.find(loop, until) if loop.alpha > 0.0 and loop.beta > 0.0 else None
         if found is None:
-            why = FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD if loop.beta == 0.0 else NO_REGION][1]
-            if monotonic() > until:
-                why = Reason.TIME_LIMIT
-            return Search((whole(Outcome.UNDECIDED, why, 1.0),), 0, complete=False, undecided=1.0)
+            return self._unabsorbed(loop, until)
         states, corners = Box(*found.ranges), self._numbers(found.corners)
 
         def fill() -> None:
-            self._function(box, "fill_polygon")(corners, len(found.corners) // 2, self._polygons, loop)
+            self._function(box, "fill_polygon")(corners, len(corners) // 2, self._polygons, loop)
 
         starts = self._numbers(states_in(found.corners, SAMPLED))
-        left = None if until is None else until - monotonic()
+        left = None if seconds is None else until - monotonic()
         return self._search(loop, states, starts, fill, max_samples, left)._replace(region=found.ranges)
+
+    def _unabsorbed(self, loop: Loop, until: float) -> Search:
+        """Why motions of a loop need not come into any region, and from where on they are proven not to."""
+        if loop.alpha == 0.0 or loop.beta == 0.0:
+            end = whole(*FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD], 1.0)
+        elif grows := self._regions.find_growth(loop, until):
+            end = whole(Outcome.DIVERGED, Reason.NONE, 1.0)
+            return Search((end,), 0, complete=False, undecided=1.0, why=Reason.LEAVES, grows=grows.ranges)
+        else:
+            end = whole(Outcome.UNDECIDED, Reason.TIME_LIMIT if monotonic() > until else Reason.NO_REGION, 1.0)
+        return Search((end,), 0, complete=False, undecided=1.0)
 
     def _search(
         self,

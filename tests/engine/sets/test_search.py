@@ -34,6 +34,36 @@ def test_interpreter_and_compiler_find_the_same_to_the_last_bit(
     assert sum(one.trials for one in boxed[0].attractors) == SAMPLED
 
 
+def test_every_start_there_is(engines: tuple[SetEngine, SetEngine]) -> None:
+    """The same plain and compiled; whatever the box's list has is in this one."""
+    found = [one.search_anywhere(knob(), max_samples=None) for one in engines]
+    assert found[0] == found[1]
+    assert found[0].complete
+    assert found[0].grows is None
+    assert found[0].region is not None
+    boxed = engines[1].search_box(knob(), BOX, max_samples=None)
+    listed = {(one.period, round(one.x, 9)) for one in found[0].attractors}
+    assert {(one.period, round(one.x, 9)) for one in boxed.attractors} <= listed
+
+
+def test_where_every_start_need_not_come_in_the_reason_is_said(engines: tuple[SetEngine, SetEngine]) -> None:
+    """Undamped, unheld, too stiff, and no time: nothing is called complete."""
+    for loop, outcome, reason in (
+        (make_loop(0.0, 0.08, 0.5, 0.3, 1.0, 0.0, 0.0), Outcome.UNDECIDED, Reason.NO_DAMPING),
+        (make_loop(0.3, 0.0, 0.5, 0.3, 1.0, 0.0, 0.0), Outcome.UNDECIDED, Reason.NO_STIFFNESS),
+        (make_loop(0.0101, 0.159, 2.01, 0.3, 1.0, 0.0, 0.0), Outcome.DIVERGED, Reason.NONE),
+        (make_loop(0.251, 0.128, 542.0, 0.3, 1.0, 0.0, 0.0), Outcome.UNDECIDED, Reason.NO_REGION),
+    ):
+        found = engines[1].search_anywhere(loop, max_samples=None)
+        assert not found.complete
+        assert found.region is None
+        assert (found.grows is not None) == (outcome is Outcome.DIVERGED)
+        assert [(one.outcome, one.reason) for one in found.attractors] == [(outcome, reason)]
+    found = engines[1].search_anywhere(knob(), max_samples=None, seconds=0.0)
+    assert not found.complete
+    assert [one.reason for one in found.attractors] == [Reason.TIME_LIMIT]
+
+
 def test_every_start_of_a_map_ends_in_a_listed_attractor(engines: tuple[SetEngine, SetEngine]) -> None:
     """The map and the counted shares agree, to the chance of both."""
     found = engines[1].search_box(knob(), BOX, max_samples=None)
