@@ -79,6 +79,43 @@ def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str
     assert "starts cannot be followed all at once; 64 clock phases were sampled there." in words
 
 
+CONTROLLED = RANGES.replace("scene:\n", "scene:\n  controller: {kind: bounded_lag, keep: 0.15}\n")
+
+
+def test_every_start_with_a_controller(hknob: Run, write: Callable[[str], Path]) -> None:
+    """Shares are areas, and nowhere said to be counted."""
+    path = write(CONTROLLED)
+    done = hknob("sweep", path, "--out", "out", "--json")
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["completeness"]["complete"] == 1
+    cell = pq.read_table(path.parent / "out" / "cells.parquet").to_pylist()[0]
+    assert cell["complete"]
+    assert cell["undecided_fraction"] == 0.0
+    assert cell["piece_count"] > 10
+    orbits = pq.read_table(path.parent / "out" / "orbits.parquet").to_pylist()
+    assert all(one["certified"] for one in orbits)
+    assert sum(one["basin_fraction"] for one in orbits) == pytest.approx(1.0)
+    text = " ".join(hknob("sweep", path, "--out", "again").stdout.split())
+    assert "buzz is no larger than the largest cycle above" in text
+    assert "Shares are counted" not in text
+
+
+def test_a_controller_that_senses_the_velocity_is_sampled(hknob: Run, write: Callable[[str], Path]) -> None:
+    """Ranges are refused, but where the spec says how many starts are to be drawn; a map of basins is refused."""
+    sensed = CONTROLLED.replace("bounded_lag, keep: 0.15", "half_sample, velocity: sensor")
+    for text in (sensed, CONTROLLED.replace("bounded_lag, keep: 0.15", "phase_damping, estimate: kalman")):
+        done = hknob("sweep", write(text), "--out", "out")
+        assert done.returncode == 2
+        assert "scene.controller: must be absent where starts are a range" in done.stderr
+    done = hknob("sweep", write(sensed), "--set", "starts.random=20", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert "20 random ones were simulated there" in " ".join(done.stdout.split())
+    done = hknob("sweep", write(CONTROLLED + "basins: {points: 20}\n"))
+    assert done.returncode == 2
+    assert "basins: must be absent where a controller is given" in done.stderr
+
+
 FAULTS = [
     ("starts.velocity=0", "starts.velocity: must be a range, [least, largest], as the other one is, got 0"),
     ("starts.angle=[0.1, 0]", "starts.angle: must have its least value first, got [0.1, 0]"),

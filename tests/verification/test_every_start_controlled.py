@@ -1,4 +1,4 @@
-"""Every start of a wall with a controller, against trials one by one by a program that shares no code with hknob."""
+"""Every start of a wall with a controller, against trials by a program that shares no code with the package."""
 
 from itertools import islice
 
