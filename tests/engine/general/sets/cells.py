@@ -1,4 +1,4 @@
-"""Cells of the general loop that the tests of its sets share: with one thing more than the plain loop each, or several."""
+"""Cells of the general loop that the tests of its sets share: with one thing more than the plain loop each."""
 
 from math import pi
 from typing import Any
@@ -10,7 +10,7 @@ from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.room import Known, make_known
 from hknob_cli.scene.general_knob import GeneralKnob
 
-from ..bodies import knob
+from tests.engine.general.bodies import knob
 
 FREE = {"inertia": 1.9e-6}
 FINGER = {

@@ -1,6 +1,7 @@
 """Tests of `engine.general.sets.arc`, `curve` and `known`: whatever a phase truly ends in, its arc says."""
 
 import random
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -46,7 +47,7 @@ def test_arcs_hold_every_phase_and_end_as_it_does(kind: str) -> None:
     arcs = sorted(tuple(room.ended[3 * k : 3 * k + 3]) for k in range(int(totals[0])))
     assert arcs[0][0] == 0.0
     assert arcs[-1][1] == 1.0
-    assert all(-1e-6 < right[0] - left[1] <= 0.0 for left, right in zip(arcs, arcs[1:], strict=False))
+    assert all(-1e-6 < right[0] - left[1] <= 0.0 for left, right in pairwise(arcs))
     assert sum(known.table[k * FIELDS + 6] for k in range(int(known.counts[0]))) == pytest.approx(totals[3])
     chance = random.Random(kind)
     for phase in [chance.random() for _ in range(8)]:

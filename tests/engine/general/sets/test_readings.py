@@ -1,4 +1,4 @@
-"""Tests of `engine.general.sets.readings`: what acts alike gets the same commands, and nothing else is thrown together."""
+"""Tests of `engine.general.sets.readings`: what acts alike gets the same commands, and no more."""
 
 from math import inf
 
