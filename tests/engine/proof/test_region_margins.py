@@ -15,6 +15,7 @@ UNIT = 64.0 * EPSILON
 # Behind each other 2 and 8, at half the knob's inertia: 2 * 8 / (0.5 * 2 + 8) = 16 / 9.
 CHAIN = FINGER._replace(order=4, lag=0.0, ratio=0.5, push=1.0, drive=-1.0, friction=0.25, shift=0.5, reach=1.0)
 STIFF = 16.0 / 9.0
+CONTINUOUS = WALL._replace(analog=1.0)
 
 
 def keeps(
@@ -43,6 +44,8 @@ def test_the_zone_of_a_finger_is_narrowed_by_all_that_is_rounded(shift: float, u
 @pytest.mark.parametrize("missing", ["pad_stiffness", "finger_stiffness"])
 def test_a_finger_that_one_spring_does_not_hold_has_no_zone(missing: str) -> None:
     _, low, high = hold_zone(0.0, 0.0, CHAIN._replace(**{missing: 0.0}), WALL)
+    assert low > high
+    _, low, high = hold_zone(1.0, -1.0, CHAIN._replace(**{missing: 0.0}), CONTINUOUS)  # which the wall does not replace
     assert low > high
     for stiffness in (1.0, 2.0):
         _, low, high = hold_zone(0.0, 0.0, CHAIN._replace(**{missing: stiffness}), WALL)
@@ -75,9 +78,6 @@ def test_a_lag_settles_at_the_command() -> None:
     assert (found, gap, orbit) == (True, pytest.approx(0.5), [-0.5, 0.0, 1.0])
     for late, settles in ((0.24, True), (0.26, False)):
         assert keeps([-0.5, 0.0, 1.0 + late], slow)[0] is settles
-
-
-CONTINUOUS = WALL._replace(analog=1.0)
 
 
 def test_the_wall_of_a_continuous_sensor_is_a_spring_beside_the_hand() -> None:
