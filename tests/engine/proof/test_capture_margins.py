@@ -231,9 +231,10 @@ def test_an_end_without_an_orbit_has_no_margins() -> None:
 
 
 def test_a_full_table_says_so() -> None:
-    ends = room()._replace(table=zeros(29))
-    assert [known.add_end(REST_PROVEN, 1, -0.1 * k, 0.0, [], 0, ends, RESTS) for k in range(4)] == [0, 1, -1, -1]
-    assert ends.counts[0] == 2.0
+    for size, rows in ((29, [0, 1, -1, -1]), (30, [0, 1, 2, -1])):
+        ends = room()._replace(table=zeros(size))
+        assert [known.add_end(REST_PROVEN, 1, -0.1 * k, 0.0, [], 0, ends, RESTS) for k in range(4)] == rows
+        assert ends.counts[0] == max(rows) + 1.0
 
 
 def test_a_shorter_period_that_is_not_proven_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
