@@ -24,15 +24,15 @@ from hknob_cli.engine.sets.ball import (
 from hknob_cli.engine.sets.known import add_end
 from hknob_cli.engine.turning import first_zero, zero_spacing
 
-# Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius (below 0: to be
-# looked up), samples in no known attractor, and those after which one is looked for (0: as many as for all).
+# Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius, samples in no
+# known attractor, and those after which one is looked for (0: as many as for all).
 ARC = 12
 # Numbers of a cell that is followed: arcs that wait; samples taken; arcs that ended; the phases that did not end
 # proven, and of them those that ran out of samples; the shortest arc; the length of all that ended, at last 1 and what
 # they overlap by; whether there was room for all parts; and the patience of arcs.
 PROGRESS = 9
 WAITING, TAKEN, DONE, UNDECIDED, SPENT, SHORTEST, COVERED, WHOLE, PATIENCE = range(PROGRESS)
-BISECTIONS = 60
+BISECTIONS, ENOUGH = 60, 12  # evaluations of a cut, and those after which rounding may hide the rest
 NEXT = EPSILON  # apart are phases next to each other
 OPEN, ENDED, UNPROVEN, PARTED, INTERRUPTED = range(5)  # what becomes of an arc
 
@@ -60,20 +60,22 @@ def solve_phase(target, low, high, base, dx, dv, loop):
     halves where a step leaves them, and ends where rounding hides what is between them.
     """
     phase, rising, before, ahead = low, True, True, NEXT
-    hidden = 2.0 * EPSILON * (abs(target) + abs(base))
+    left, right = float("inf"), float("inf")  # distances from the target at either side
+    hidden = EPSILON * (abs(target) + abs(base))
     for i in range(BISECTIONS):
         x, v = free_motion(phase, dx, dv, loop)
-        below = x + base < target
+        below, away = x + base < target, abs(x + base - target)
         if i == 0:
-            rising = below
+            pull = v if v != 0.0 else -loop.beta * x
+            rising = below or (away == 0.0 and pull > 0.0)
         ahead = 8.0 * ahead if below == before else NEXT
         before = below
-        step = abs(x + base - target) / abs(v) + ahead if v != 0.0 else 1.0
+        step = away / abs(v) + ahead if v != 0.0 else 1.0
         if below == rising:
-            low, phase = phase, phase + step
+            low, left, phase = phase, away, phase + step
         else:
-            high, phase = phase, phase - step
-        if high - low <= 4.0 * NEXT or (high - low) * abs(v) <= hidden:
+            high, right, phase = phase, away, phase - step
+        if high - low <= 4.0 * NEXT or (i >= ENOUGH and left + right <= hidden):
             break
         if not low < phase < high:
             phase = 0.5 * (low + high)
@@ -171,7 +173,7 @@ def begin_arcs(angle, velocity, delay, patience, room, loop):
     x, v = free_motion(0.5, angle - rest, velocity, loop)
     stack[0], stack[1], stack[2], stack[3], stack[4] = 0.0, 1.0, 0.0, x + rest, v
     stack[5], stack[6], stack[7], stack[8] = slack, 0.0, 0.0, FIRST_REST_TEST
-    stack[9], stack[10], stack[11] = -1.0, 0.0, 0.0
+    stack[9], stack[10], stack[11] = arc_radius(0.0, 1.0, angle - rest, velocity, loop), 0.0, 0.0
     for k in range(delay):
         room.rings[k] = 0.0
     for k in range(PROGRESS):
@@ -220,9 +222,6 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
         head = 0
         if wait == 0:
             wait = patience
-        if radius < 0.0:
-            dx, dv = free_motion(float(n), dx0, dv0, loop)
-            radius = arc_radius(low, high, dx, dv, loop)
         fate = OPEN
         while fate == OPEN:
             samples = max(0, min(wait - since, budget - n, most - taken))
@@ -292,8 +291,8 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
                     at = waiting * ARC
                     stack[at], stack[at + 1], stack[at + 2], stack[at + 3] = first, last, float(n + 1), cx
                     stack[at + 4], stack[at + 5], stack[at + 6] = cv, grown, q
-                    stack[at + 7], stack[at + 8], stack[at + 9] = 0.0, FIRST_REST_TEST, -1.0
-                    stack[at + 10], stack[at + 11] = 0.0, 0.0
+                    stack[at + 7], stack[at + 8] = 0.0, FIRST_REST_TEST
+                    stack[at + 9], stack[at + 10], stack[at + 11] = arc_radius(first, last, dx, dv, loop), 0.0, 0.0
                     for k in range(delay):
                         rings[waiting * delay + k] = spare[(to + k) % delay]
                     waiting += 1

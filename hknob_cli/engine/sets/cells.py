@@ -43,7 +43,7 @@ def follow_cell(loop, x, v, delay, max_samples, tries, most, arcs, known):
         return -1, 0
     if arcs.progress[WAITING] == 0.0:
         begin_arcs(x, v, delay, first_patience(skip), arcs, loop)
-        known.counts[0], known.counts[1] = 0.0, 0.0
+        known.counts[0], known.counts[1], known.counts[2] = 0.0, 0.0, 0.0
     final = tries == 0 or tries >= budget
     taken = follow_arcs(x, v, delay, budget if final else tries, limit, most, final, arcs, known, loop)
     if arcs.progress[WHOLE] == 0.0:

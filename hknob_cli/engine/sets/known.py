@@ -30,6 +30,8 @@ def captor(x, v, reach, ring, head, known, loop):
     """
     delay = len(ring)
     points, margins = known.points, known.margins
+    if not reach < known.counts[2]:
+        return -1
     for j in range(int(known.counts[1])):
         base = 3 * j
         if not abs(x - points[base + 1]) + reach < margins[j]:
@@ -52,6 +54,7 @@ def add_points(row, x, v, ring, head, n, known, loop):
         if i >= n and level < before and entered < POINTS_OF_ORBIT and 3 * count + 3 <= len(known.points):
             known.points[3 * count], known.points[3 * count + 1], known.points[3 * count + 2] = row, x, v
             known.margins[count] = known.table[10 * row + 4] - known.table[10 * row + 7]
+            known.counts[2] = max(known.counts[2], known.margins[count])
             for k in range(delay):
                 known.point_lines[count * delay + k] = line[(at + k) % delay]
             count += 1

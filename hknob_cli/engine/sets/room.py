@@ -25,7 +25,7 @@ class Known(NamedTuple):
     starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where
     the wall
     steps deeper; ``point_lines`` their delay lines; ``margins``: of their orbits, less the bound on rounding.
-    ``counts``: of rows and of points.
+    ``counts``: of rows and of points, and the largest of the margins.
     """
 
     table: Any
@@ -96,7 +96,7 @@ def make_known(zeros: Zeros, delay: int) -> Known:
         points=zeros(3 * POINTS),
         point_lines=zeros(max(1, POINTS * delay)),
         margins=zeros(POINTS),
-        counts=zeros(2),
+        counts=zeros(3),
     )
 
 

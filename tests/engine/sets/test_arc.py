@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import Loop, level_of, lower_edge, make_loop, upper_edge
-from hknob_cli.engine.sets.arc import arc_radius, cut, extent, free_motion, part_within, turn_after
+from hknob_cli.engine.sets.arc import arc_radius, cut, extent, free_motion, part_within, solve_phase, turn_after
 from hknob_cli.engine.sets.room import make_arc_room
 
 from .loops import follow_all, free_response, knob, known, loops, zeros
@@ -120,6 +120,26 @@ def test_an_arc_that_turns_beyond_an_edge_is_cut_in_three() -> None:
     assert cuts[7] == pytest.approx(cuts[2], abs=1e-15)
     assert cuts[8] == pytest.approx(cuts[4], abs=1e-15)
     assert cuts[2] < cuts[4]
+
+
+@settings(max_examples=300, deadline=None)
+@given(loop=loops, dx=places, dv=speeds, base=places, low=phases, high=phases, part=phases)
+def test_a_cut_lies_between_two_phases_that_only_rounding_parts(
+    loop: Loop, dx: float, dv: float, base: float, low: float, high: float, part: float
+) -> None:
+    """On either side of the target, as evaluated, and as near to it as positions can be told apart there."""
+    low, high = min(low, high), max(low, high)
+    high = min(high, turn_after(low, dx, dv, loop))
+    a, b = (free_motion(phase, dx, dv, loop)[0] + base for phase in (low, high))
+    target = a + part * (b - a)
+    if not min(a, b) < target < max(a, b):
+        return
+    left, right = solve_phase(target, low, high, base, dx, dv, loop)
+    assert low <= left <= right <= high
+    near, far = (free_motion(phase, dx, dv, loop)[0] + base for phase in (left, right))
+    assert (near < target) == (a < target)
+    assert (far < target) != (a < target)
+    assert abs(far - near) <= 1e-13 * (abs(dx) + abs(dv) * (1.0 + 1.0 / sqrt(loop.beta)) + abs(base) + 1e-6)
 
 
 def test_an_arc_that_meets_too_many_edges_is_not_cut() -> None:

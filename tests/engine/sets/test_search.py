@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.engine.attractors import StoppedError
+from hknob_cli.engine.attractors import NeedsCompilerError, Patience, StoppedError
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import make_loop
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -123,3 +123,25 @@ def test_a_search_is_given_up_when_told() -> None:
     """Before the first slice."""
     with pytest.raises(StoppedError):
         SetEngine(stopped=lambda: True).search_box(knob(), BOX, max_samples=None)
+
+
+def test_phases_end_with_their_time_and_when_told() -> None:
+    """Between two slices: those left are undecided, with the limit as their reason; a late limit changes nothing."""
+    start = {"x": 2.0, "v": 0.0, "delay_line": 0, "max_samples": None}
+    found = SetEngine().search_phases(knob(), **start, seconds=0.0)
+    assert found is not None
+    assert not found.complete
+    assert [(one.outcome, one.reason, one.trials) for one in found.attractors] == [
+        (Outcome.UNDECIDED, Reason.TIME_LIMIT, 1.0)
+    ]
+    assert SetEngine().search_phases(knob(), **start, seconds=1e5) == SetEngine().search_phases(knob(), **start)
+    with pytest.raises(StoppedError):
+        SetEngine(stopped=lambda: True).search_phases(knob(), **start)
+
+
+def test_the_interpreter_hands_over_phases_that_take_it_too_long() -> None:
+    """Too many samples of a motion, or too much time."""
+    start = {"x": 2.0, "v": 0.0, "delay_line": 0, "max_samples": None}
+    for patience in (Patience(samples=20), Patience(seconds=0.0)):
+        with pytest.raises(NeedsCompilerError):
+            SetEngine(patience=patience).search_phases(knob(), **start)
