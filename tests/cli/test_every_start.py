@@ -148,7 +148,7 @@ def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
 UNCUT = [
     "scene.knob.coulomb_torque=1e-4",
     "scene.actuator.delay_samples=1",
-    "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.05}",
+    "scene.controller={kind: half_sample, velocity: sensor}",
 ]
 
 
