@@ -193,6 +193,7 @@ def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
 UNCUT = [
     ("scene.knob.coulomb_torque=1e-4", "scene.actuator.time_constant=2e-4"),
     ("scene.hand.stiffness=0", "scene.knob.coulomb_torque=0"),
+    ("scene.controller={kind: half_sample, velocity: sensor}", "scene.knob.coulomb_torque=0"),
 ]
 
 

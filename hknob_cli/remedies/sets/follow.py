@@ -118,13 +118,13 @@ class Follower:
         return front
 
     def _run(self, front: Front) -> None:
-        """Follow sets to their ends; what there is no room for waits."""
+        """Follow sets, which have been cut at this sample, to their ends; what there is no room for waits."""
         mover = self.mover.take(front.cell)
-        # Sets that waited have been cut at this sample; to cut them again changes nothing.
         i = 0
         while len(front):
-            before, size = front.count, len(front)
-            front, of = self.cutter.meet(front)
+            before, size, of = front.count, len(front), np.arange(len(front))
+            if i > 0:
+                front, of = self.cutter.meet(front)
             changed = len(front) != size or (of != np.arange(len(of))).any()
             falls = np.flatnonzero(front.count < before[of])
             left = self._captured(front, falls, deeper=True)

@@ -145,7 +145,7 @@ class Cutter:
         front = replace(
             front,
             state=step.state,
-            error=front.error + step_error(before, step, beta),
+            error=front.error + step_error(before, step, beta, mover.lanes.gamma),
             radius=front.radius * self._decay[front.cell],
             since=front.since + 1,
             taken=front.taken + 1,
@@ -192,12 +192,12 @@ def _cut_all(
     return sets[number], parts, number
 
 
-def step_error(before: State, step: Step, beta: Array) -> Array:
+def step_error(before: State, step: Step, beta: Array, gamma: Array) -> Array:
     """Bound on what rounding adds to the error of centres in one sample; as `engine.sets.ball.step_error`, each part.
 
     Memory and torques have no rounding: a controller is its program, in double precision.
     """
-    pull = np.maximum.reduce([np.abs(drive) for drive in step.drives])
+    pull = np.maximum.reduce([np.abs(drive) for drive in step.drives]) + 2.0 * gamma  # torque and push may cancel
     place = np.maximum(np.abs(before.x), np.abs(step.state.x))
     pace = np.maximum(np.abs(before.v), np.abs(step.state.v)) + pull + beta * place
     one = EPSILON * (4.0 * place + 24.0 * (1.0 + 1.0 / np.sqrt(beta)) * (pace + pull + beta * place))

@@ -132,3 +132,18 @@ def test_sets_hold_still_where_no_edge_is_met() -> None:
         assert front.radius[0] <= radius
         radius = float(front.radius[0])
     assert front.error[0] > 0.0
+
+
+def test_sets_are_cut_once_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What a controller remembers of the first count is the count that acts: no sliver has another."""
+    remedy, batch, _ = make_cell("damping, differenced", BOX, counts=256)
+    step, seen = Cutter.step, []
+
+    def check(self: Cutter, front: Front, mover: Mover) -> Any:
+        if front.taken.max() == 0:
+            seen.append((front.state.memory[0] == front.count + batch.lanes.offset[0]).all())
+        return step(self, front, mover)
+
+    monkeypatch.setattr(Cutter, "step", check)
+    the_starts.follow_starts(remedy, batch.lanes, batch.knobs, BOX)
+    assert seen == [True]
