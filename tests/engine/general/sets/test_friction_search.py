@@ -7,12 +7,12 @@ import pytest
 
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.general.sets.friction_rest import resting_piece
-from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift
+from hknob_cli.engine.general.sets.friction_room import can_rub
 from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import largest_norm
 from hknob_cli.engine.general.sets.readings import remembered
-from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
