@@ -14,8 +14,8 @@ COMPILING_S = {
     "bounces": 3.0,
     "general": 40.0,
     "sets": 25.0,
-    "general sets": 60.0,
-    "friction sets": 90.0,
+    "general sets": 90.0,
+    "friction sets": 120.0,
     "unsampled": 12.0,
     "pulse": 4.0,
 }

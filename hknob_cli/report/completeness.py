@@ -9,6 +9,7 @@ from hknob_cli.spec.plan import Starts
 def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[str, Any]:
     """Of how many cells the list is proven to be complete, and why not of the others, as plain data."""
     sampled = [row for row in cells if not row["complete"] and row["piece_count"] == 0]
+    left = [row for row in cells if not row["complete"] and row["piece_count"] > 0]
     return {
         "starts": _scope(starts),
         "cells": len(cells),
@@ -16,6 +17,8 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts) -> dict[s
         "sampled": len(sampled),
         "phases": starts.phases,
         "shares_counted": starts.span is not None,
+        **({"undecided_max": max(row["undecided_fraction"] for row in left)} if left else {}),
+        **({"reasons": _reasons(left)} if left else {}),
     }
 
 
@@ -27,7 +30,11 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     if complete == 0:
         lines = ["The list is not proven to be complete."]
     if left := total - complete - found["sampled"]:
-        lines.append(f"In {left} of {total} cells some starts have no proven end; undecided_fraction says how many.")
+        share = f"at most {100.0 * found['undecided_max']:.2g} % of them"
+        lines.append(
+            f"In {left} of {total} cells some starts have no proven end, {share}; undecided_fraction says how many."
+        )
+        lines += [f"  {count} cell{'s' if count > 1 else ''}: {reason}." for reason, count in found["reasons"].items()]
     if found["sampled"] and found["shares_counted"]:
         lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
     elif found["sampled"]:
@@ -46,3 +53,11 @@ def _scope(starts: Starts) -> str:
     low, high = labels([1e3 * angle for angle in starts.span[:2]])
     slowest, fastest = labels(list(starts.span[2:]))
     return f"every start from {low} to {high} mrad and {slowest} to {fastest} rad/s at a sample"
+
+
+def _reasons(cells: list[dict[str, Any]]) -> dict[str, int]:
+    """Why most of the starts without a proven end have none, and in how many cells: the most frequent first."""
+    counts: dict[str, int] = {}
+    for row in cells:
+        counts[row["incomplete_reason"]] = counts.get(row["incomplete_reason"], 0) + 1
+    return dict(sorted(counts.items(), key=lambda one: (-one[1], one[0])))

@@ -63,6 +63,7 @@ FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipat
 EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
+    Column("incomplete_reason", _TEXT, "", "why most starts without a proven end have none; empty where complete"),
 )
 GROWTH = (
     Column("growth_j_per_s2", _REAL, "J/s^2", "second-order coefficient of the energy at bounce peaks, mean of trials"),

@@ -13,6 +13,17 @@ PHASES = 64  # of one start, sampled where the motions of a scene cannot be foll
 # With friction, sets of starts are followed only without these.
 _UNRUBBED = ("hand.finger", "actuator.time_constant")
 
+# And with which their basins are not mapped.
+_UNMAPPED = (
+    "knob.coulomb_torque",
+    "wall.damping",
+    "hand.finger",
+    "actuator.time_constant",
+    "actuator.torque_limit",
+    "actuator.torque_step",
+    "actuator.delay_samples",
+)
+
 
 def _form(value: Any) -> str:
     return "two values" if isinstance(value, list | tuple) else "one value"
@@ -103,3 +114,9 @@ def span_faults(scene: SceneSpec, axes: Axes, *, population: bool) -> list[tuple
     if not scene.hand and not population:
         found.append((("starts",), "must be one start without a hand: nothing draws the knob back, and no set shrinks"))
     return found
+
+
+def map_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene keeps the basins of a box of starts from being mapped."""
+    why = "must be absent where basins are mapped: a map tells starts by angle and velocity alone"
+    return [(place, why) for path in _UNMAPPED for place in given(scene, axes, path)]

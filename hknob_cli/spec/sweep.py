@@ -12,7 +12,7 @@ from hknob_cli.spec.points_plan import Points
 from hknob_cli.spec.population import PopulationSpec
 from hknob_cli.spec.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
 from hknob_cli.spec.scene import Part, SceneSpec, given
-from hknob_cli.spec.starts import StartsSpec, span_faults
+from hknob_cli.spec.starts import StartsSpec, map_faults, span_faults
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
@@ -145,6 +145,8 @@ class SweepSpec(Part):
             found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
         if self.basins and not self.starts.spans:
             found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        if self.basins:
+            found += map_faults(self.scene, axes)
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))

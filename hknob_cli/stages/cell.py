@@ -261,6 +261,11 @@ def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult
     )
 
 
+def _why(attractors: tuple[Attractor, ...]) -> Reason:
+    """Why starts have no proven end, where a search does not tell: as most of those that are listed without one."""
+    return next((one.reason for one in attractors if not one.certified), Reason.NO_REPEAT)
+
+
 def _result(
     cell: Cell, quantum_rad: float, search: Search, measure: Callable[[Attractor], OrbitMeasures], group: str
 ) -> CellResult:
@@ -279,5 +284,5 @@ def _result(
         complete=bool(search.complete),
         pieces=search.pieces,
         undecided=search.undecided,
-        why=search.why,
+        why=search.why if search.complete is not False or search.why is not Reason.NONE else _why(attractors),
     )

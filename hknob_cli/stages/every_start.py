@@ -4,11 +4,14 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.engine.attractors import NeedsCompilerError, Patience, Search
+from hknob_cli.engine.outcome import WORDS, Reason
 from hknob_cli.scene.sampled_knob import SampledKnob
-from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.spec.plan import Starts, SweepPlan
 
 if TYPE_CHECKING:
     from hknob_cli.scene.general_knob import GeneralKnob
+
+SAMPLED = "clock phases were sampled: sets of states are not followed in such a scene"
 
 
 class StartsFinder:
@@ -87,3 +90,12 @@ def _box(plan: SweepPlan, knob: Any) -> Any:
     assert plan.starts.span
     low, high, slowest, fastest = plan.starts.span
     return Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
+
+
+def why_incomplete(complete: bool, pieces: int, why: Reason, starts: Starts) -> str:
+    """Why most of the starts of a cell that have no proven end have none, in words; empty where all have one."""
+    if complete:
+        return ""
+    if why is Reason.NONE and pieces == 0 and starts.span is None:
+        return SAMPLED
+    return WORDS[Reason.NO_REPEAT if why is Reason.NONE else why]

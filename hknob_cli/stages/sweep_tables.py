@@ -26,6 +26,7 @@ from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
+from hknob_cli.stages.every_start import why_incomplete
 from hknob_cli.stages.found import Array, Found, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
@@ -58,6 +59,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
+        more["incomplete_reason"] = [why_incomplete(one.complete, one.pieces, one.why, plan.starts) for one in results]
         if plan.starts.span:
             more["undecided_fraction"] = [one.undecided for one in results]
     if plan.perceive:

@@ -115,7 +115,7 @@ class SetEngine:
             used, lost = sample(starts, followed, stop, skip, most, limit, room.ring, ends, known, loop)
             taken, unproven, followed = taken + used, unproven + lost, stop
         if followed < SAMPLED:
-            return self._boxed(known, int(taken), 0, 1.0, unproven, SAMPLED - followed)
+            return self._boxed(known, int(taken), 0, 1.0, unproven, Reason.TIME_LIMIT, SAMPLED - followed)
         follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
         release = self._function(lattice, "release")
         self._function(box, "fill_box")(*states, room, loop)
@@ -128,7 +128,8 @@ class SetEngine:
                 waiting, ended, lost, used = follow(room, waiting, width, patience, most, limit, SLICE, known, loop)
                 pieces, undecided, taken = pieces + ended, undecided + lost, taken + used
                 if taken > LONGEST or monotonic() > until:
-                    return self._boxed(known, int(taken), pieces, 1.0, unproven)
+                    why = Reason.WORK_LIMIT if taken > LONGEST else Reason.TIME_LIMIT
+                    return self._boxed(known, int(taken), pieces, 1.0, unproven, why)
             if not room.counts[0]:
                 return self._boxed(known, int(taken), pieces, min(1.0, undecided), unproven)
             waiting = int(release(room, 0, loop))
@@ -136,7 +137,8 @@ class SetEngine:
             if generation + 1 < GENERATIONS:
                 taken += seek_some(room, waiting, SEEN, skip, most, limit, known, loop)
         left = sum(room.stack[k * POLYGON + WEIGHT] for k in range(waiting))
-        return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven)
+        why = Reason.WORK_LIMIT if left > undecided else Reason.NONE
+        return self._boxed(known, int(taken), pieces, min(1.0, undecided + left), unproven, why)
 
     def map_starts(
         self, loop: Loop, starts: NDArray[np.float64], attractors: tuple[Attractor, ...], *, max_samples: int | None
@@ -165,14 +167,21 @@ class SetEngine:
         return found
 
     def _boxed(
-        self, known: Any, taken: int, pieces: int, undecided: float, unproven: int, unfollowed: int = 0
+        self,
+        known: Any,
+        taken: int,
+        pieces: int,
+        undecided: float,
+        unproven: int,
+        why: Reason = Reason.NONE,
+        unfollowed: int = 0,
     ) -> Search:
         found = _ends(known, 0)
         if unfollowed:
             found.append(whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, float(unfollowed)))
         if unproven:
             found.append(whole(Outcome.UNDECIDED, Reason.NO_REPEAT, float(unproven)))
-        return Search(ranked(found), taken, complete=undecided == 0.0, pieces=pieces, undecided=undecided)
+        return Search(ranked(found), taken, complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
 
 
 def _patience(skip: int) -> int:

@@ -118,11 +118,14 @@ def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
     )
 
 
-def make_piece_room(zeros: Zeros, order: int, delay: int) -> PieceRoom:
-    """Room for the pieces of a cell; pieces of more than two states are not merged, and have no lattice."""
-    size, cells = piece_size(order, delay), CELLS if order == 2 else 1
+def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELLS, deep: int = DEEP) -> PieceRoom:
+    """Room for the pieces of a cell; pieces of more than two states are not merged, and have no lattice.
+
+    ``lattice``: cells of the lattice, twice as many as it may hold; ``deep``: pieces that may wait beside them.
+    """
+    size, cells = piece_size(order, delay), lattice if order == 2 else 1
     return PieceRoom(
-        stack=zeros(size * (DEEP + cells)),
+        stack=zeros(size * (deep + cells)),
         own=zeros(size),
         own_z=zeros(order),
         own_ring=zeros(delay),

@@ -1,0 +1,67 @@
+"""Cells of the general loop that the tests of its sets share: with one thing more than the plain loop each."""
+
+from math import pi
+from typing import Any
+
+from hypothesis import strategies as st
+
+from hknob_cli.engine.general.search import make_space
+from hknob_cli.engine.general.sets.drift import Drift, make_drift
+from hknob_cli.engine.general.sets.room import Known, make_known
+from hknob_cli.scene.general_knob import GeneralKnob
+
+from tests.engine.general.bodies import knob
+
+FREE = {"inertia": 1.9e-6}
+FINGER = {
+    "finger": {"inertia": 3.0e-7, "damping": 2.9e-3, "stiffness": 0.4},
+    "fingerpad": {"damping": 3.8e-4, "stiffness": 0.05},
+}
+STIFF = {
+    "finger": {"inertia": 3.0e-7, "damping": 1.265e-2, "stiffness": 2.53},
+    "fingerpad": {"damping": 1.265e-3, "stiffness": 0.253},
+}
+STEP = 0.27 * 2.0 * pi / 1024  # torque of one count
+
+KINDS: dict[str, dict[str, Any]] = {
+    "whole delay": {"actuator": {"delay_samples": 1.0}},
+    "fractional delay": {"actuator": {"delay_samples": 1.4}},
+    "limit": {"actuator": {"torque_limit": 2.5 * STEP}},
+    "step": {"actuator": {"torque_step": 0.6 * STEP}, "encoder": {"rounding": "ceil", "offset_counts": 0.25}},
+    "virtual damping": {"wall": {"stiffness": 0.27, "damping": 4e-5}},
+    "truncated": {"wall": {"stiffness": 0.27, "damping": 2e-5}, "encoder": {"rounding": "truncate"}},
+    "lag": {"actuator": {"time_constant": 4e-4}},
+    "finger": {"hand": FINGER},
+    "stiff finger, late": {"hand": STIFF, "actuator": {"delay_samples": 0.3, "time_constant": 2e-4}},
+    "all of second order": {
+        "wall": {"stiffness": 0.27, "damping": 2e-5},
+        "actuator": {"delay_samples": 0.5, "torque_limit": 6.0 * STEP, "torque_step": 0.5 * STEP},
+        "encoder": {"rounding": "nearest"},
+    },
+}
+SECOND = [name for name in KINDS if name not in ("lag", "finger", "stiff finger, late")]
+
+
+def cell(kind: str, rate_hz: float = 464.2) -> GeneralKnob:
+    """A cell of this kind, without friction."""
+    return knob(rate_hz, knob=FREE, **KINDS[kind])
+
+
+def bounds(cell: GeneralKnob) -> Drift:
+    """Its bounds."""
+    return make_drift(cell.body, cell.wall)
+
+
+def zeros(count: int) -> list[float]:
+    """Work space of the interpreter."""
+    return [0.0] * count
+
+
+def nothing_known(cell: GeneralKnob) -> Known:
+    """Room for its attractors."""
+    n = cell.body.order
+    return make_known(zeros, n, cell.delay_line, make_space(n, cell.delay_line, zeros))
+
+
+kinds = st.sampled_from(sorted(KINDS))
+rates = st.sampled_from([100.0, 464.2, 2154.0, 10_000.0])
