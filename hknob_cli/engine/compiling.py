@@ -16,7 +16,7 @@ COMPILING_S = {
     "general": 40.0,
     "sets": 25.0,
     "general sets": 90.0,
-    "friction sets": 90.0,
+    "friction sets": 120.0,
     "unsampled": 12.0,
     "pulse": 4.0,
 }

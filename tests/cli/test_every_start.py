@@ -111,8 +111,9 @@ def test_maps_of_scenes_with_more_in_them_are_refused(hknob: Run, write: Callabl
 
 
 def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str], Path]) -> None:
-    """With friction, 64 phases; the list is not called complete."""
-    done = hknob("sweep", write(PHASES), "--set", "scene.knob.coulomb_torque=1e-4", "--out", "out")
+    """With friction and a lag, 64 phases; the list is not called complete."""
+    friction, lag = "scene.knob.coulomb_torque=1e-4", "scene.actuator={time_constant: 3e-4}"
+    done = hknob("sweep", write(PHASES), "--set", friction, "--set", lag, "--out", "out")
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "The list is not proven to be complete." in words
@@ -162,7 +163,6 @@ FAULTS = [
     ("starts.phases=8", "starts.phases: must be absent where angle and velocity are ranges"),
     ("starts.angle=[0.1, 0.2, 0.3]", "starts.angle: must have at most 2 items"),
     ("starts.angle=[1 kg, 0.2]", "is in kilogram, which is not a kind of rad"),
-    ("scene.knob.coulomb_torque=1e-4", "scene.knob.coulomb_torque: must be absent where starts are a range"),
     ("scene.encoder=none", "scene.encoder: must not be none where starts are a range"),
     ("scene.hand=null", "starts: must be one start without a hand"),
     ("record={duration: 0.1}", "record: must be absent where starts are a range"),
@@ -181,6 +181,22 @@ def test_faults_of_ranges(hknob: Run, write: Callable[[str], Path], setting: str
     assert words in done.stderr
     assert "Traceback" not in done.stderr
     assert not (path.parent / "out").exists()
+
+
+def test_friction_with_a_lag_is_refused_for_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
+    """At the key of the lag: friction alone is followed."""
+    friction, lag = "scene.knob.coulomb_torque=1e-4", "scene.actuator={time_constant: 3e-4}"
+    done = hknob("sweep", write(RANGES), "--set", friction, "--set", lag, "--out", "out")
+    assert done.returncode == 2, done.stdout
+    why = "must be absent where starts are a range and the knob has friction"
+    assert f"scene.actuator.time_constant: {why}" in done.stderr
+
+
+def test_every_clock_phase_with_friction(hknob: Run, write: Callable[[str], Path]) -> None:
+    """Complete, as without."""
+    done = hknob("sweep", write(PHASES), "--set", "scene.knob.coulomb_torque=5.6e-4", "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
 
 
 def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:

@@ -1,4 +1,4 @@
-"""Knob and hand with Coulomb friction from many starts at once, by matrix exponentials: apart from the package.
+"""Knob and hand with Coulomb friction from many starts, by matrix exponentials: shares nothing with the package.
 
 A hold in which no velocity changes its sign is one matrix. Where one does, the time of the stop is found by halving,
 with the matrices of T/2, T/4, ..., and what is left of the hold is put together of the same.

@@ -11,6 +11,7 @@ from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, PARTED
 from hknob_cli.engine.general.sets.convex import widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
+from hknob_cli.engine.general.sets.known import NO_ROOM, blame
 from hknob_cli.engine.general.sets.piece import piece_size, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
 from hknob_cli.engine.general.slide_two import coefficients, rub_two
@@ -42,8 +43,10 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
     part = high - low
     bulge = 0.125 * part * part * rate
     bulge_v = 0.125 * part * part * (body.beta * fastest + body.alpha * rate)
-    if not (va * vb > 0.0 and part < body.spacing):
-        bulge_v += 0.5 * part * body.friction  # it may stop or turn within
+    if part >= body.spacing:
+        bulge_v += 0.5 * part * rate  # it may turn more than once
+    elif not va * vb > 0.0:
+        bulge_v += 0.5 * part * body.friction  # its rate may jump once, by at most twice the friction
     work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
     count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
     error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
@@ -106,6 +109,8 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
         if fate == PARTED:
             continue
         pieces += 1
+        if pieces > TOO_MANY:
+            blame(NO_ROOM, high - low if narrow else 0.0, known)
         if fate != ENDED or pieces > TOO_MANY:
             proven = False
         elif row < 0:

@@ -1,0 +1,113 @@
+"""Tests of `engine.general.sets.friction_search`: complete lists, the same as many trials find; honest where not."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.general.sets.friction_rest import resting_piece
+from hknob_cli.engine.general.sets.friction_room import can_rub
+from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
+from hknob_cli.engine.general.sets.piece import largest_norm
+from hknob_cli.engine.general.sets.readings import remembered
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.scene.general_knob import GeneralKnob
+from tests.engine.general.bodies import knob
+from tests.engine.sets.test_polygon import states_of
+
+MEASURED = {"inertia": 1.9e-6, "coulomb_torque": 5.6e-4}
+HALF = {"half_quantum": True}
+
+
+def search_phases(one: GeneralKnob, **limits: Any) -> Any:
+    """All clock phases of the start at 20 mrad."""
+    return FrictionSetEngine().search_phases(
+        one.body,
+        one.wall,
+        one.start(0.02, 0.0),
+        rate=one.rate,
+        delay_line=one.delay_line,
+        **{"max_samples": None, **limits},
+    )
+
+
+@pytest.mark.parametrize("actuator", [{}, {"delay_samples": 0.5}])
+def test_phases_end_where_many_trials_end(actuator: dict[str, Any]) -> None:
+    """No trial of 64 ends elsewhere, and shares agree as far as 64 trials can tell."""
+    one = knob(455.0, 256, knob=MEASURED, bias=HALF, actuator=actuator)
+    found = search_phases(one)
+    assert found.complete
+    assert found.why is Reason.NONE
+    assert sum(each.trials for each in found.attractors) == pytest.approx(1.0, abs=1e-6)
+    sampled = GeneralEngine().search(
+        one.body,
+        one.wall,
+        one.start(0.02, 0.0),
+        rate=one.rate,
+        phases=64,
+        delay_line=one.delay_line,
+        max_samples=None,
+    )
+    shares = {(each.period, round(each.x, 6)): each.trials for each in found.attractors}
+    for each in sampled.attractors:
+        share = shares.pop((each.period, round(each.x, 6)))
+        assert abs(each.trials / 64 - share) < 8 / 64
+    assert all(share < 8 / 64 for share in shares.values())
+
+
+def test_too_few_samples_are_not_complete() -> None:
+    """A budget within which nothing settles: said, and why."""
+    found = search_phases(knob(455.0, 256, knob=MEASURED, bias=HALF), max_samples=3)
+    assert not found.complete
+    assert found.why is not Reason.NONE
+    assert all(each.outcome is Outcome.UNDECIDED for each in found.attractors)
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        {"knob": {"inertia": 1.9e-6}},
+        {"actuator": {"time_constant": 3e-4}},
+        {"encoder": "none"},
+        {"hand": {"inertia": 3e-7, "damping": 3.45e-4}},
+    ],
+)
+def test_other_scenes_are_not_followed(parts: dict[str, Any]) -> None:
+    """Without friction, with a lag, a continuous sensor, or nothing that holds the knob."""
+    one = knob(1000.0, None if "encoder" in parts else 512, **parts)
+    assert not can_rub(one.body, one.wall)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_what_is_said_to_rest_comes_to_rest_in_that_reading(seed: int) -> None:
+    """Every state of a captured piece, followed by itself; and most pieces near a rest are captured."""
+    chance = np.random.default_rng(seed)
+    engine = FrictionSetEngine()
+    captured = 0
+    one = knob(1000.0, 512, knob={"inertia": 1.9e-6, "coulomb_torque": 9.0e-4}, bias=HALF)
+    body, drift, known = engine.ready(one.body, one.wall, 0)
+    for _ in range(20):
+        x, v = chance.uniform(-3.0, 2.0), chance.choice([0.0, 1.0]) * chance.normal() * 0.01
+        size = 10.0 ** chance.uniform(-4.0, -0.5)
+        tall = 0.0 if v == 0.0 else 0.05 * size
+        corners = [-size, -tall, size, -tall, size, tall, -size, tall]
+        level = remembered(0.0, one.wall) + min(read(x, one.wall), 0.0)
+        if min(read(x - size, one.wall), 0.0) != level or min(read(x + size, one.wall), 0.0) != level:
+            continue
+        radius = largest_norm(corners, 0, 4, body)
+        row = resting_piece([x, v], 0.0, [], 1e-13, radius, level, corners, 4, known, drift, body, one.wall)
+        if row < 0:
+            continue
+        captured += 1
+        readings = {known.table[10 * k + 9] for k in range(int(known.counts[0]))}
+        for dx, dv in states_of(corners, 4, seed):
+            z, before, head = [x + dx, v + dv], 0.0, 0
+            for _ in range(400):
+                before, head = advance(z, before, [], head, body, one.wall, [0.0] * 4)
+                assert min(read(z[0], one.wall), 0.0) == level
+            assert abs(z[1]) < 1e-9
+            assert read(z[0], one.wall) in readings
+    assert captured or seed
