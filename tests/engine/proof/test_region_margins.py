@@ -7,7 +7,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, read
-from hknob_cli.engine.general.inner_region import hold_zone, keeps_reading
+from hknob_cli.engine.general.inner_region import come_to_rest, hold_zone, keeps_reading
 
 from .test_standstill_margins import FINGER, LAGGING, WALL, body
 
@@ -83,9 +83,8 @@ def test_a_lag_settles_at_the_command() -> None:
 def test_the_wall_of_a_continuous_sensor_is_a_spring_beside_the_hand() -> None:
     """1 and 0.25 hold it from -2.08 to -1.92; the wall's edge is 2.08 counts from the farther end."""
     one = body(alpha=0.5, beta=0.25, friction=0.1, push=2.5)
-    for far, speed, settles in ((1.9, 0.0, True), (1.93, 0.0, False), (1.15, 1.7, True), (1.15, 1.73, False)):
+    for far, speed in ((2.07, 0.0), (2.09, 0.0), (0.0, 2.32), (0.0, 2.33), (1.5, 1.5), (1.5, 1.7), (1.5, -1.7)):
         z = [-2.08 - far, speed]
-        assert (sqrt(far * far + speed * speed / 1.25) < 2.08) or not settles
         found, gap, orbit = keeps(z, one, CONTINUOUS)
         assert orbit[0] == pytest.approx(-2.08)
         assert gap == pytest.approx(2.08)
@@ -109,3 +108,12 @@ def test_the_reading_is_kept_only_beyond_all_roundings() -> None:
         gap = UNIT * ((1.0 + gap) + gap)
     assert not keeps([gap, 0.0], one)[0]
     assert keeps([gap + 2.0**-90, 0.0], one)[0]
+
+
+def test_where_it_ends_is_told_of_second_order_under_a_steady_command_alone() -> None:
+    """Elsewhere what `keeps_reading` has left stands."""
+    slow, one = LAGGING._replace(lag=0.5, reach=1.0), body(alpha=0.5, beta=0.25, friction=0.1, push=2.5)
+    for z, bodied, wall in (([-0.5, 0.0, 1.0], slow, WALL), ([-2.0, 0.3], one, CONTINUOUS)):
+        orbit = [7.0] * bodied.order
+        come_to_rest(z, read(z[0], wall), 1.0, bodied, wall, orbit)
+        assert orbit == [7.0] * bodied.order
