@@ -10,6 +10,9 @@ before, the client's; it is looked at in a turn before the others, for a look ta
 compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
+    python tests/benchmarks/spread.py --phases [--points 10] [--jobs 2] [--repeat 3]
+
+With ``--phases`` instead: every clock phase beside 64 sampled ones, in turns, and the ratio of the rates of each turn.
 
 It ends with the results of the day it was last run.
 """
@@ -157,7 +160,11 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--phases", action="store_true", help="every clock phase beside 64 of them")
     given = parser.parse_args()
+    if given.phases:
+        compare_phases(given.points, given.jobs, given.repeat)
+        return
     cells = given.points**6
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder)
@@ -187,6 +194,22 @@ def main() -> None:
                 f"{way:18}  {seconds:8.1f}  {cells / seconds:8.0f}  {ratio:8.2f}  {fastest:8.1f}  "
                 f"{share:8.3f}  {peaks[way] / 2**20:8.0f}  {equal}"
             )
+
+
+def compare_phases(points: int, jobs: int, repeat: int) -> None:
+    """Rates of sweeps with every clock phase, and with 64 of them."""
+    ways = {name: ["--jobs", str(jobs), "--set", f"starts.phases={name}"] for name in ("64", "null")}
+    with tempfile.TemporaryDirectory() as folder:
+        for options in ways.values():
+            run(Path(folder) / "warm", 4, *options)
+        timed = np.array(
+            [[run(Path(folder) / name, points, *options)[0] for name, options in ways.items()] for _ in range(repeat)]
+        )
+    rates = points**6 / timed
+    print(f"{points**6} cells, {jobs} processes, {repeat} turns; cells/s of 64 phases, of every phase, ratio")
+    for sampled, every in rates:
+        print(f"{sampled:8.0f}  {every:8.0f}  {every / sampled:8.2f}")
+    print(f"{np.median(rates[:, 0]):8.0f}  {np.median(rates[:, 1]):8.0f}  {np.median(rates[:, 1] / rates[:, 0]):8.2f}")
 
 
 def folder_of(way: str) -> str:
