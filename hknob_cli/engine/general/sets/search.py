@@ -33,8 +33,6 @@ from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known,
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import GENERATIONS, LONGEST, SAMPLED, SEEN, SLICE, WIDEST, Box
 
-SLICE_INTERPRETED = 2000
-
 
 class Scope(NamedTuple):
     """How far motions of a cell are followed.
@@ -133,7 +131,7 @@ class GeneralSetEngine:
         begin = np.array(start) if self.compiled else list(start)
         slack = self._function(arc, "fill_arcs")(begin, delay_line, room, drift, body)
         follow = self._function(arc, "follow_arcs")
-        rest = scope.budget, scope.patience, scope.limit, SLICE if self.compiled else SLICE_INTERPRETED
+        rest = scope.budget, scope.patience, scope.limit, SLICE
         waiting, taken = 1, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             while waiting > 0 and not alarm.over and taken <= LONGEST:
