@@ -19,6 +19,7 @@ from hknob_cli.engine.general.slide_two import coefficients, rub_two
 FIRST = 16  # intervals to begin with
 HALVINGS = 28
 NARROWEST = 2.0**-HALVINGS / FIRST  # interval of phases that is not halved any more
+UNPROVEN = 2.0**-10  # interval that is not halved any more where it has no proven end
 TOO_MANY = 4096  # pieces of one interval
 
 
@@ -99,7 +100,9 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
     """
     row, other, proven, pieces, taken = -1, -1, True, 0, 0
     narrow = high - low <= NARROWEST
-    waiting = put_chord(angle, velocity, low, high, high - low if narrow else 0.0, room, work, drift, body, wall)
+    waiting = put_chord(
+        angle, velocity, low, high, high - low if high - low <= UNPROVEN else 0.0, room, work, drift, body, wall
+    )
     delay = len(work.ring)
     while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
         waiting, fate, found, used = follow_piece(
@@ -110,7 +113,7 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
             continue
         pieces += 1
         if pieces > TOO_MANY:
-            blame(NO_ROOM, high - low if narrow else 0.0, known)
+            blame(NO_ROOM, high - low if high - low <= UNPROVEN else 0.0, known)
         if fate != ENDED or pieces > TOO_MANY:
             proven = False
         elif row < 0:
@@ -155,7 +158,8 @@ def follow_phases(
         if body.halt[0] > 0.0:
             return waiting + 1, ended, undecided, shortest, taken  # as it was, among those that wait
         narrow = high - low <= NARROWEST
-        if (other >= 0 or not proven) and not narrow:
+        given_up = narrow or (not proven and high - low <= UNPROVEN)
+        if (other >= 0 or not proven) and not given_up:
             middle = 0.5 * (low + high)
             stack[2 * waiting], stack[2 * waiting + 1] = low, middle
             stack[2 * waiting + 2], stack[2 * waiting + 3] = middle, high
