@@ -16,7 +16,7 @@ from hknob_cli.engine.sets.ball import (
     step_through,
 )
 from hknob_cli.engine.sets.known import add_end
-from hknob_cli.engine.sets.lattice import keep
+from hknob_cli.engine.sets.lattice import forget, keep
 from hknob_cli.engine.sets.polygon import (
     COUNT,
     ERROR,
@@ -82,7 +82,7 @@ def fill_box(low_x, high_x, low_v, high_v, room, loop):
     room.stack[ERROR] = 4.0 * EPSILON * (abs(low_x) + abs(high_x) + weight * (abs(low_v) + abs(high_v)))
     room.stack[LEVEL], room.stack[SAMPLE], room.stack[WEIGHT], room.stack[COUNT] = 0.0, 0.0, 1.0, 4.0
     put_box(room.stack, 7, low_x - x, high_x - x, low_v - v, high_v - v)
-    room.counts[0] = 0.0
+    forget(room)
 
 
 def fill_polygon(corners, count, room, loop):
@@ -92,7 +92,7 @@ def fill_polygon(corners, count, room, loop):
         size_x, size_v = max(size_x, abs(corners[2 * k])), max(size_v, abs(corners[2 * k + 1]))
     error = 8.0 * EPSILON * (size_x + size_v / sqrt(loop.beta))
     put(room.stack, 0, 0.0, 0.0, error, 0.0, 0.0, 1.0, corners, count)
-    room.counts[0] = 0.0
+    forget(room)
 
 
 def follow_polygon(room, waiting, width, patience, budget, limit, known, loop):

@@ -52,6 +52,13 @@ def keep(room, x, v, error, level, sample, weight, corners, count, width, loop):
     return True
 
 
+def forget(room):
+    """Empty the lattice of what a search that was cut short has left: it would take in polygons of the next one."""
+    for one in range(int(room.counts[0])):
+        room.used[int(room.taken[one])] = 0.0
+    room.counts[0] = 0.0
+
+
 def release(room, waiting, loop):
     """Put what the lattice holds back to wait, merged, and empty it; how many polygons wait."""
     weight = 1.0 / sqrt(loop.beta)  # of velocities in the norm

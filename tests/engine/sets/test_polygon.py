@@ -227,3 +227,19 @@ def test_a_polygon_alone_in_its_cell_goes_on_as_it_is(room: PolygonRoom) -> None
     assert release(room, 0, knob()) == 1
     before[WEIGHT] = 0.5
     assert room.stack[:POLYGON] == before
+
+
+def test_what_a_search_cut_short_leaves_in_the_lattice_is_forgotten(room: PolygonRoom) -> None:
+    """Else a polygon of the next search joins a cell that is never released, and its starts are lost."""
+    from hknob_cli.engine.sets.box import fill_box, fill_polygon
+
+    from .loops import knob
+
+    loop, square = knob(), [-0.1, -0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1]
+    for fill in (lambda: fill_box(-1.0, 1.0, -1.0, 1.0, room, loop), lambda: fill_polygon(square, 4, room, loop)):
+        assert keep(room, 0.3, 0.2, 0.0, 0.0, 1.0, 0.5, square, 4, 1.0, loop)
+        fill()
+        assert not any(room.used)
+        assert keep(room, 0.3, 0.2, 0.0, 0.0, 1.0, 0.5, square, 4, 1.0, loop)
+        assert release(room, 0, loop) == 1
+        assert room.stack[WEIGHT] == 0.5
