@@ -16,9 +16,11 @@ from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
 from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room
 from hknob_cli.engine.general.sets.room import Known, make_known, make_piece_room
-from hknob_cli.engine.general.sets.search import SLICE_INTERPRETED, GeneralSetEngine, ends_of, make_scope, why_not
+from hknob_cli.engine.general.sets.search import GeneralSetEngine, ends_of, make_scope, why_not
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import LONGEST, SLICE
+
+SLICE_INTERPRETED = 2000  # samples between two chances to be interrupted
 
 
 class FrictionSetEngine(GeneralSetEngine):
