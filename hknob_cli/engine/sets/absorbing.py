@@ -177,6 +177,8 @@ def states_in(corners: Sequence[float], count: int) -> list[float]:
     sides = [(corners[2 * k] - x, corners[2 * k + 1] - v) for k in range(1, last + 1)]
     areas = [abs(ax * bv - av * bx) for (ax, av), (bx, bv) in pairwise(sides)]
     states = []
+    if not sum(areas) > 0.0:  # a point or a line
+        return [x, v] * count
     for k in chance.choices(range(last - 1), areas, k=count):
         a, b = chance.random(), chance.random()
         if a + b > 1.0:

@@ -32,6 +32,8 @@ ARC = 12
 # they overlap by; whether there was room for all parts; and the patience of arcs.
 PROGRESS = 9
 WAITING, TAKEN, DONE, UNDECIDED, SPENT, SHORTEST, COVERED, WHOLE, PATIENCE = range(PROGRESS)
+MOST_ARCS = 65_536  # of a cell; one with more is sampled
+MOST_COVERED = 2.0  # arcs that overlap by more are all within rounding of an edge, and double for ever
 BISECTIONS, ENOUGH = 60, 12  # evaluations of a cut, and those after which rounding may hide the rest
 NEXT = EPSILON  # apart are phases next to each other
 OPEN, ENDED, UNPROVEN, PARTED, INTERRUPTED = range(5)  # what becomes of an arc
@@ -261,7 +263,7 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
                     if row >= 0:
                         known.table[row * 10 + 8] += high - low
                 elif row < rows:
-                    patience *= 2  # it was on its way to a known one
+                    patience = min(2 * patience, budget)  # it was on its way to a known one
                 continue
             reach = radius + error
             if level_of(x - reach, loop.sense) == level_of(x + reach, loop.sense):
@@ -315,6 +317,8 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
             ended += 1
             covered += high - low
             shortest = min(shortest, high - low)
+            if ended >= MOST_ARCS or covered > MOST_COVERED:
+                waiting, progress[WHOLE] = 0, 0.0
     progress[WAITING], progress[DONE], progress[PATIENCE] = float(waiting), float(ended), float(patience)
     progress[UNDECIDED], progress[SHORTEST], progress[COVERED] = undecided, shortest, covered
     progress[TAKEN] += taken

@@ -31,6 +31,7 @@ from hknob_cli.engine.general.sets.known import NO_ROOM
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known, make_piece_room
 from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
 from hknob_cli.engine.sets.search import GENERATIONS, LONGEST, SAMPLED, SEEN, SLICE, WIDEST, Box
 
 
@@ -134,7 +135,7 @@ class GeneralSetEngine:
         rest = scope.budget, scope.patience, scope.limit, SLICE
         waiting, taken = 1, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
-            while waiting > 0 and not alarm.over and taken <= LONGEST:
+            while waiting > 0 and not alarm.over and taken <= LONGEST and not _endless(totals):
                 if self.stopped():
                     raise StoppedError
                 waiting, used = follow(waiting, delay_line, slack, *rest, totals, room, drift, known, body, wall)
@@ -150,7 +151,7 @@ class GeneralSetEngine:
         lost = 1.0 - left / covered - sum(one.trials for one in found)
         why = why_not(known)
         if left > 0.0:
-            over = taken > LONGEST
+            over = taken > LONGEST or _endless(totals)
             given_up = self._given_up(left / covered, seconds, over=over)
             found.append(given_up)
             why = given_up.reason
@@ -265,6 +266,11 @@ class GeneralSetEngine:
         left = sum(room.stack[k * size + WEIGHT] for k in range(int(waiting)))
         left += sum(room.singles[int(room.taken[k]) * size + WEIGHT] for k in range(int(room.counts[0])))
         return float(left)
+
+
+def _endless(totals: Any) -> bool:
+    """Whether the arcs of a start are too many, or overlap as only those do that lie within rounding of an edge."""
+    return bool(totals[0] >= MOST_ARCS or totals[3] > MOST_COVERED)
 
 
 def why_not(known: Known) -> Reason:
