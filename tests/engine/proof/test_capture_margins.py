@@ -106,7 +106,10 @@ def planted(margin: float, bound: float, *points: tuple[int, float, float], rows
         ends.table[10 * row + 4], ends.table[10 * row + 7] = margin / (row + 1), bound / (row + 1)
     for k, point in enumerate(points):
         ends.points[3 * k : 3 * k + 3] = point
+        row = 10 * int(point[0])
+        ends.margins[k] = ends.table[row + 4] - ends.table[row + 7]
     ends.counts[0], ends.counts[1] = rows, len(points)
+    ends.counts[2] = max(ends.margins[: len(points)], default=0.0)
     return ends
 
 
@@ -187,7 +190,7 @@ def test_no_more_samples_are_entered_than_there_is_room_for() -> None:
         known.add_points(0, 2.0, 0.0, [], 0, 3000, ends, long)
         assert ends.counts[1] == 64 * times
     for size in (3, 5, 6):
-        short = ends._replace(points=zeros(size), counts=[0.0, 0.0])
+        short = ends._replace(points=zeros(size), counts=[0.0, 0.0, 0.0])
         known.add_points(0, 2.0, 0.0, [], 0, 3000, short, long)
         assert short.counts[1] == size // 3
 
@@ -227,7 +230,7 @@ def test_an_end_without_an_orbit_has_no_margins() -> None:
     assert ends.table[:10] == [GREW, 0, 1e7, 3.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     assert known.add_end(REST_PROVEN, 1, -0.5, 0.0, [], 0, ends, RESTS) == 1
     assert ends.table[10:20] == [REST_PROVEN, 1, -0.5, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
-    assert ends.counts == [2.0, 0.0]
+    assert ends.counts == [2.0, 0.0, 0.0]
 
 
 def test_a_full_table_says_so() -> None:
