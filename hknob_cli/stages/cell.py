@@ -294,6 +294,7 @@ def _result(
         whole(Outcome.UNDECIDED, Reason.TOO_LONG, one.trials) if one.outcome is Outcome.CYCLE and not m.cycles else one
         for one, m in zip(search.attractors, measures, strict=True)
     )
+    open_ = search.complete is not None and not search.complete
     return CellResult(
         cell=cell,
         quantum_rad=quantum_rad,
@@ -305,5 +306,5 @@ def _result(
         pieces=search.pieces,
         undecided=search.undecided,
         share_error=search.share_error,
-        why=search.why if search.complete is not False or search.why is not Reason.NONE else why_open(attractors),
+        why=why_open(attractors) if open_ and search.why is Reason.NONE else search.why,
     )

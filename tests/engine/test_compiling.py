@@ -41,6 +41,9 @@ def said(base: Path) -> list[str]:
     return done.stdout.splitlines()
 
 
+GROUP = "friction sets"  # of the engine, that the one cell takes
+
+
 def test_what_is_compiled_and_how_long_it_took_is_told_and_nothing_where_it_is_kept(tmp_path: Path) -> None:
     first = said(tmp_path)
     assert first[0] == "compiling the engine for this machine: 1 function"
@@ -68,9 +71,9 @@ def test_one_cell_does_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
     assert result.cells.num_rows == 1
     assert not stage.compiled
     assert told == []
-    patience = stage._patience("general")
-    assert patience.samples == int(PATIENCE * compiling.COMPILING_S["general"] / LOADING_S)
-    assert 0.0 < patience.seconds < compiling.COMPILING_S["general"]
+    patience = stage._patience(GROUP)
+    assert patience.samples == int(PATIENCE * compiling.COMPILING_S[GROUP] / LOADING_S)
+    assert 0.0 < patience.seconds < compiling.COMPILING_S[GROUP]
 
 
 def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,9 +83,9 @@ def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: 
     for kept in (True, False):
         monkeypatch.setattr(jit, "is_kept", lambda _group="plain", kept=kept: kept)
         stage = SweepStage(loaded(ONE_CELL.replace("[1000]", "{log: [500, 5000, 12]}")), jobs=1)
-        assert stage.expected["general"] * sweep.HEAVIER["general"] > sweep.COMPILE_ABOVE
+        assert stage.expected[GROUP] * sweep.HEAVIER[GROUP] > sweep.COMPILE_ABOVE
         stage._find(None)
-    assert asked == ["general"]
+    assert asked == [GROUP]
 
 
 def test_an_interpreter_that_has_taken_its_time_gives_way(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -90,7 +93,7 @@ def test_an_interpreter_that_has_taken_its_time_gives_way(monkeypatch: pytest.Mo
     asked: list[str] = []
     monkeypatch.setattr(SweepStage, "_compile", lambda self, group: asked.append(group))
     stage = SweepStage(loaded(ONE_CELL), jobs=1)
-    stage._interpreted_s["general"] = compiling.COMPILING_S["general"] + 1.0
-    with pytest.raises(Exception, match="general"):
+    stage._interpreted_s[GROUP] = compiling.COMPILING_S[GROUP] + 1.0
+    with pytest.raises(Exception, match=GROUP):
         stage.run()
-    assert asked == ["general"]
+    assert asked == [GROUP]
