@@ -151,7 +151,9 @@ def follow_polygon(room, waiting, width, patience, budget, limit, known, loop):
             low, high = level_of(x + least - reach, loop.sense), level_of(x + most + reach, loop.sense)
             if low < high:
                 parted = part(room, waiting, x, v, reach, float(n), weight, corners, count, low, high, loop)
-                return (parted, PARTED, taken) if parted >= 0 else (waiting, UNPROVEN, taken)
+                if parted < 0:
+                    return waiting, UNPROVEN, taken
+                return parted, PARTED, taken + parted - waiting  # a part costs as much as a sample
             run, next_test = (run + 1, next_test) if level == low else (0, FIRST_REST_TEST)
             level = low
             x, v, error, head = step_through(x, v, error, level, ring, head, loop)

@@ -40,7 +40,7 @@ WIDEST = 8.0  # the first lattice has so many cells across the box
 SEEN = 16  # polygons of a generation whose ends are looked for
 GENERATIONS = 60  # of lattices, each half as wide as the last
 MAPPED = 4096  # starts of a map between two chances to be interrupted
-SLICE = 5_000_000  # samples between two chances to be interrupted
+SLICE = 250_000  # samples between two chances to be interrupted; each may be compared with thousands of states
 SLICE_INTERPRETED = 50_000
 LONGEST = 4_000_000_000  # samples that a cell may take
 
