@@ -37,7 +37,8 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
     if complete == 0:
         lines = ["The list is not proven to be complete."]
     if complete == total and found["ranged"]:
-        lines[0] += " However the knob is let go there, its buzz is no larger than the largest cycle above."
+        there = "" if "regions" in found else " there"
+        lines[0] += f" However the knob is let go{there}, its buzz is no larger than the largest cycle above."
     growing = found.get("growing") or {"cells": 0}
     if left := total - complete - found["sampled"] - growing["cells"]:
         share = f"at most {100.0 * found['undecided_max']:.2g} % of them"
