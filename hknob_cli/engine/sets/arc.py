@@ -196,7 +196,7 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
         delay: Commands under way.
         budget: Samples that a motion may take.
         limit: Position past which a motion has diverged.
-        most: Samples that this call may take, but for what a search for an orbit takes beyond.
+        most: Samples after which this call ends. A search for an orbit under way then is finished first.
         final: Whether a motion gets no more samples than its budget, as in `follow`.
         room: `sets.room.ArcRoom`, made ready by `begin_arcs`.
         known: `sets.room.Known`, to be filled.

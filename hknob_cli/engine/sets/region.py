@@ -1,6 +1,6 @@
 """Convex regions of states, and a region around all that the loop may make of one in a sample.
 
-A wall that reads its encoder pushes as one that knew the angle would, but for less than one count of rounding. So from
+A wall that reads its encoder differs from one that knows the angle by less than one count of torque. So from
 sample to sample a region is bent once, along the line where the wall begins, and shifted by a bounded amount; what
 comes out is enclosed in a convex region again, with few corners and with all roundings.
 """
@@ -188,7 +188,7 @@ def trace_back(region, count, most, limits, room, loop):
         size = abs(f) * (1.0 + g * spring) + s * s * spring
         if not abs(det) > 1e-6 * size:
             return 0
-        # Each number of the inverse is exact to a few units in the last place, but for what its determinant loses.
+        # Each number of the inverse is exact to a few units in the last place and to what its determinant loses.
         lost = 64.0 * EPSILON * (1.0 + size / abs(det)) / abs(det)
         around_x = lost * (abs(f) * far + abs(s) * fast)
         around_v = lost * (abs(s) * spring * far + (1.0 + g * spring) * fast)

@@ -1,7 +1,7 @@
 """The attractors known so far of a cell, and whether one of them captures a set of states.
 
-As `engine.sets.known`, for what the general loop has beside: states of any order, commands under way, and the last
-reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
+The same as `engine.sets.known`, with what the general loop has more: states of any order, commands under way, and the
+last reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
 """
 
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
