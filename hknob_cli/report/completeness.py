@@ -41,7 +41,8 @@ def completeness_text(found: dict[str, Any]) -> list[str]:
         lines[0] += f" However the knob is let go{there}, its buzz is no larger than the largest cycle above."
     growing = found.get("growing") or {"cells": 0}
     if left := total - complete - found["sampled"] - growing["cells"]:
-        share = f"at most {100.0 * found['undecided_max']:.2g} % of them"
+        most = found["undecided_max"]
+        share = "perhaps all of them" if most > 0.99 else f"at most {100.0 * most:.2g} % of them"
         lines.append(
             f"In {left} of {total} cells some starts have no proven end, {share}; undecided_fraction says how many."
         )

@@ -95,11 +95,11 @@ def test_every_start_in_a_range_of_a_scene_with_more_in_it(hknob: Run, write: Ca
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
     assert found["completeness"]["complete"] == 1
-    few = ("--set", "limits.max_samples=150", "--out", "few")
+    few = ("--set", "limits.max_samples=100", "--out", "few")
     done = hknob("sweep", path, "--set", f"scene.actuator={LATE}", *few)
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
-    assert "In 1 of 1 cells some starts have no proven end, at most" in words
+    assert "In 1 of 1 cells some starts have no proven end" in words
     assert "1 cell: no level sequence repeated within the sample limit (limits.max_samples)." in words
 
 
