@@ -9,7 +9,7 @@ from hknob_cli.claims.ledger import Claim, Ledger, Reading
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 REPRODUCED, DIFFERS, CONTRADICTED, NOT_TESTABLE = VERDICTS = (
     "reproduced",
@@ -49,12 +49,12 @@ class Judged(NamedTuple):
     missing: str = ""
 
 
-def judge(ledger: Ledger, evidence: Evidence) -> pa.Table:
+def judge(ledger: Ledger, evidence: ResultSet) -> pa.Table:
     """Every claim of a ledger with its verdict, as a table. Raises `UsageError` for arguments a check does not take."""
     return build_table(COLUMNS, [judge_claim(claim, evidence) for claim in ledger.claims])
 
 
-def judge_claim(claim: Claim, evidence: Evidence) -> dict[str, Any]:
+def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:
     """One row of the table."""
     readings = [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
     allowed = [judged for judged in readings if judged.reading.excluded is None]
@@ -81,7 +81,7 @@ def judge_claim(claim: Claim, evidence: Evidence) -> dict[str, Any]:
     }
 
 
-def _read(claim: Claim, reading: Reading, evidence: Evidence) -> Judged:
+def _read(claim: Claim, reading: Reading, evidence: ResultSet) -> Judged:
     assert claim.check is not None
     assert claim.holds is not None
     try:
@@ -98,7 +98,7 @@ def _read(claim: Claim, reading: Reading, evidence: Evidence) -> Judged:
     return Judged(reading, computed, DIFFERS if near else CONTRADICTED)
 
 
-def _data(claim: Claim, judged: Judged, evidence: Evidence) -> list[str]:
+def _data(claim: Claim, judged: Judged, evidence: ResultSet) -> list[str]:
     """Names of the results that a reading is computed from."""
     arguments = {**claim.arguments, **judged.reading.arguments}
     given = (str(arguments.get(key)) for key in ("result", "to", "against"))

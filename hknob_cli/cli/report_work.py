@@ -17,7 +17,7 @@ from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
 from hknob_cli.results.digest import digest
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.marked import mark
 from hknob_cli.results.versions import showing_versions
 
@@ -134,8 +134,8 @@ class ReportWork(Work):
         return "\n".join(lines)
 
 
-def _evidence(job: Job) -> Evidence:
-    return Evidence({name: Path(folder) for name, folder in job.plan.results.items()})
+def _evidence(job: Job) -> ResultSet:
+    return ResultSet({name: Path(folder) for name, folder in job.plan.results.items()})
 
 
 def _sha256(path: Path) -> str:

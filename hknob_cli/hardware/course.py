@@ -35,7 +35,7 @@ class Ended(str, Enum):
     OVER = "over"
 
 
-class Course:
+class TrialPhases:
     """Follows a trial block by block; nothing in it depends on when the blocks arrive."""
 
     def __init__(self, plan: CoursePlan, interval_s: float) -> None:

@@ -8,8 +8,8 @@ is added to it directly, which leaves its equation as it is: the push is constan
 from typing import Any
 
 from hknob_cli.engine.general.body import SECOND
-from hknob_cli.engine.general.glide import coast, glide
-from hknob_cli.engine.general.slide_two import rub_two
+from hknob_cli.engine.general.glide import advance_span, advance_hold
+from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.spec.plan import Actuator, Hand, Knob, Scene, Wall
@@ -42,7 +42,7 @@ class KnobMotion:
         self._state: Any = knob.start(simulated.angle_rad, 0.0)
         self._pad: Any = [0.0] * (2 * knob.body.order)
         self._push = 0.0
-        self._coast: Any = coast
+        self._coast: Any = advance_span
         self._moves = 0
 
     @property
@@ -68,7 +68,7 @@ class KnobMotion:
             state[-1] -= (push_nm - self._push) / self._unit_nm
             self._push = push_nm
             if periods == 1.0 and body.friction == 0.0:
-                glide(state, command, SECOND, body, self._pad)
+                advance_hold(state, command, SECOND, body, self._pad)
                 return
             self._moves += 1
             if self._moves == (1 if KnobMotion._is_compiled else PATIENCE):
@@ -76,7 +76,7 @@ class KnobMotion:
                 body, state = self._body, self._state
         elif periods == 1.0:
             if body.friction > 0.0:
-                state[0], state[1] = rub_two(state[0], state[1], command, 1.0, body.s2, body.g2, body.f2, body)
+                state[0], state[1] = step_with_friction(state[0], state[1], command, 1.0, body.s2, body.g2, body.f2, body)
             else:
                 x, v = state[0], state[1]
                 y = command - body.beta * x

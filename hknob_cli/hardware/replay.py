@@ -10,7 +10,7 @@ import numpy as np
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
 from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.hardware.takes import Take, is_of_wall, read_takes
+from hknob_cli.hardware.takes import RecordedTrial, is_of_wall, read_takes
 
 _SAME_RATE = 1e-3  # by how much a recorded sample rate may be off
 
@@ -29,7 +29,7 @@ class ReplayDevice:
             raise UsageError("there is nothing to replay")
         self._identity = Identity("replay", self._takes[0].native_counts, 1, False, 1)
         self._turns: dict[tuple[int, int], int] = {}
-        self._chosen: tuple[Take, Settings] | None = None
+        self._chosen: tuple[RecordedTrial, Settings] | None = None
         self._playing: _Playing | None = None
         self._started = False
 
@@ -110,7 +110,7 @@ class _Playing:
     What is left before the start is skipped, and index and time go on without a gap. Gaps that were recorded are gaps.
     """
 
-    def __init__(self, take: Take, settings: Settings) -> None:
+    def __init__(self, take: RecordedTrial, settings: Settings) -> None:
         self._take, self._settings = take, settings
         on = np.flatnonzero(take.running)
         self._first_on = int(on[0]) if on.size else take.number.size
@@ -143,7 +143,7 @@ class _Playing:
         )
 
 
-def _not_there(settings: Settings, near: list[Take], takes: list[Take]) -> str:
+def _not_there(settings: Settings, near: list[RecordedTrial], takes: list[RecordedTrial]) -> str:
     """Why no recording is of these settings, and what there is."""
     asked = f"{1e9 / settings.period_ns:g} Hz with {settings.counts_per_rev} counts"
     if near:

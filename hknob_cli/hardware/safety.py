@@ -1,6 +1,6 @@
 """The host's own watch over a trial: what is sent must be within the limits, in order, and as was agreed.
 
-Of a device at a wire, where `Watch` is told ``wired``, the wall's flag and the torque must also be those that follow
+Of a device at a wire, where `LimitMonitor` is told ``wired``, the wall's flag and the torque must also be those that follow
 from the commands and from the settings that it took.
 """
 
@@ -19,7 +19,7 @@ LAW_SHARE = 1e-4
 LAW_LIMIT_SHARE = 1e-6
 
 
-class Watch:
+class LimitMonitor:
     """Checks blocks as they come; ``gaps`` counts samples whose index is missing."""
 
     def __init__(self, settings: Settings, native_counts: int, *, wired: bool = False) -> None:

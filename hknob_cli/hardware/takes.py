@@ -45,7 +45,7 @@ _RANGES = {
 _ALIKE = 0.98  # share of the samples whose torque must be the wall's: one by an edge may be rounded to the other side
 
 
-class Take(NamedTuple):
+class RecordedTrial(NamedTuple):
     """One recorded trial, arrays (n,) as in a `Block`; ``number``: index of each sample since arming.
 
     ``counts_per_rev`` of the wall's encoder, None where the recording does not say; ``native_counts`` of the device's.
@@ -67,12 +67,12 @@ class Take(NamedTuple):
         return f"{self.sample_rate_hz:g} Hz with {counts}"
 
 
-def read_takes(paths: Iterable[Path]) -> list[Take]:
+def read_takes(paths: Iterable[Path]) -> list[RecordedTrial]:
     """Trials of recordings, CSV or Parquet, or of campaigns' folders, in their order.
 
     Raises `UsageError` if one cannot be read, or if they are of different encoders.
     """
-    takes: list[Take] = []
+    takes: list[RecordedTrial] = []
     for path in paths:
         file = inside(path, "samples.parquet")
         trials = read([file])
@@ -86,7 +86,7 @@ def read_takes(paths: Iterable[Path]) -> list[Take]:
     return takes
 
 
-def is_of_wall(take: Take, settings: Settings) -> bool:
+def is_of_wall(take: RecordedTrial, settings: Settings) -> bool:
     """Whether the recorded torque is that of the wall in the settings, at the recorded angles (`docs/wire.md`).
 
     A recording in which the knob was never inside the wall fits any.
@@ -134,7 +134,7 @@ def _extra_columns(path: Path) -> dict[str, np.ndarray[Any, Any]]:
     return found
 
 
-def _take(trial: Trial, extra: dict[str, np.ndarray[Any, Any]]) -> Take:
+def _take(trial: Trial, extra: dict[str, np.ndarray[Any, Any]]) -> RecordedTrial:
     rows = slice(trial.first_row - 1, trial.first_row - 1 + trial.time_s.size)
     own = {name: values[rows] for name, values in extra.items()}
     name = f"{trial.source}, trial {trial.key.trial} of block {trial.key.block}"
@@ -152,7 +152,7 @@ def _take(trial: Trial, extra: dict[str, np.ndarray[Any, Any]]) -> Take:
         moved = np.flatnonzero(counts != counts[0])
         running = np.arange(counts.size) >= (moved[0] - 1 if moved.size else 0)
     rate = own[RATE][0] if RATE in own else _round_rate(trial.time_s)
-    return Take(
+    return RecordedTrial(
         name=name,
         sample_rate_hz=float(rate),
         counts_per_rev=int(own[COUNTS][0]) if COUNTS in own else None,

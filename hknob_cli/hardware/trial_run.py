@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.clock_drift import drift_fault
-from hknob_cli.hardware.course import Course, Ended
+from hknob_cli.hardware.course import TrialPhases, Ended
 from hknob_cli.hardware.operator import Operator, View, Wish
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Block, Device, Drift, Settings, Torque
-from hknob_cli.hardware.safety import Watch
+from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.sample_clock import SampleClock
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.undisturbed import undisturbed
@@ -85,9 +85,9 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
     """
     with letting_go(device):
         device.configure(task.settings, task.simulated)
-        watch = Watch(task.settings, device.identity.native_counts, wired=task.live)
+        watch = LimitMonitor(task.settings, device.identity.native_counts, wired=task.live)
         clock = SampleClock(task.settings, simulated=device.identity.simulated)
-        course = Course(task.course, task.settings.interval_s)
+        course = TrialPhases(task.course, task.settings.interval_s)
 
         def take(block: Block) -> None:
             keep(block)
@@ -143,7 +143,7 @@ class Bound:
 
 
 def _follow(
-    device: Device, task: Task, course: Course, take: Callable[[Block], None], bound: Bound, operator: Operator
+    device: Device, task: Task, course: TrialPhases, take: Callable[[Block], None], bound: Bound, operator: Operator
 ) -> Ended:
     """Take blocks until the trial has ended."""
     while True:
@@ -176,7 +176,7 @@ def _heed(wish: Wish) -> Wish:
     return wish
 
 
-def _view(task: Task, course: Course) -> View:
+def _view(task: Task, course: TrialPhases) -> View:
     return View(
         trial=task.trial,
         trials=task.trials,

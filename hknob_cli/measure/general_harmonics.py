@@ -7,7 +7,7 @@ with the same G add up to a sum over the jumps of z between them, of which those
 import numpy as np
 
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.search import Chart
+from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.measure.forms import generator
 from hknob_cli.measure.harmonics import Array, Complex
 
@@ -16,7 +16,7 @@ _BLOCK = 1 << 19  # numbers worked on at once
 _SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
 
 
-def of_chart(body: Body, chart: Chart, period_samples: int, split: float, count: int) -> Complex:
+def of_chart(body: Body, chart: PeriodSegments, period_samples: int, split: float, count: int) -> Complex:
     """Amplitudes (count,), in counts, of the period that a chart has piece by piece; ``split`` of the delay."""
     m, width = len(chart.spans), body.order + 3
     before = np.zeros((m, width))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.search import Chart, GeneralEngine
+from hknob_cli.engine.general.search import PeriodSegments, GeneralEngine
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients
@@ -28,7 +28,7 @@ class Turns(NamedTuple):
     minima: Array
 
 
-def find_turns(chart: Chart) -> Turns:
+def find_turns(chart: PeriodSegments) -> Turns:
     """Local maxima and minima of a period; a stretch at which the knob is held counts once."""
     sliding = np.flatnonzero(chart.modes != 0.0)
     modes, x = chart.modes[sliding], chart.states[sliding, 0]
@@ -75,7 +75,7 @@ class GeneralMeasurer:
         chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)
         return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
 
-    def _cycle(self, attractor: Attractor, chart: Chart) -> OrbitMeasures:
+    def _cycle(self, attractor: Attractor, chart: PeriodSegments) -> OrbitMeasures:
         knob, body = self.knob, self.knob.body
         turns = find_turns(chart)
         cycles = len(turns.maxima)
@@ -111,7 +111,7 @@ class GeneralMeasurer:
         edge = 0.0 if wall.sense > 0.0 or wall.analog > 0.0 else -1.0
         return split_leak(x, commands, edge=edge, kappa=wall.kappa, offset=wall.offset, analog=wall.analog > 0.0)
 
-    def _few_states(self, chart: Chart, reference: float) -> Totals:
+    def _few_states(self, chart: PeriodSegments, reference: float) -> Totals:
         """Second order: whole holds by their forms, pieces between events by quadrature."""
         body = self.knob.body
         pace = max(body.alpha, sqrt(body.beta))
@@ -135,7 +135,7 @@ class GeneralMeasurer:
             speed += float((part * (form.speed @ part)).sum())
         return Totals(mean=mean, square=square, loss=body.alpha * speed, power=nan)
 
-    def _many_states(self, chart: Chart, reference: float) -> Totals:
+    def _many_states(self, chart: PeriodSegments, reference: float) -> Totals:
         """More states: every piece by the integrals over its length."""
         body, n = self.knob.body, self.knob.body.order
         total = np.zeros(4)

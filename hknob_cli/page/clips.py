@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from hknob_cli.page.book import Clip
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.page_plan import Listen
 
 RATE_HZ = 16000
@@ -16,7 +16,7 @@ DURATION_S = 1.2
 MOST_BYTES = 60_000  # of a clip in the page
 
 
-def clips(evidence: Evidence, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
+def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
     """WAV clips of the cycles that trials end in, as data: addresses. Raises `MissingError`.
 
     The loudest takes half of full scale, and sets the factor from speed to sample of all.

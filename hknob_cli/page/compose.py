@@ -17,7 +17,7 @@ from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.page.tables import table_of
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import ResultSet, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
@@ -33,7 +33,7 @@ class Judgement(NamedTuple):
 
 def compose(
     plan: ReportPlan,
-    evidence: Evidence,
+    evidence: ResultSet,
     judgement: Judgement,
     *,
     versions: dict[str, str],
@@ -86,7 +86,7 @@ def _value_faults(sentence: Sentence) -> list[str]:
     return [f"{sentence.where}: {name}: {text}" for name, text in wrong.items() if text]
 
 
-def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
+def _drawn(figure: FigurePlan, evidence: ResultSet, mark: str) -> Drawn:
     """A figure with its SVG; where a result is missing, with the reason instead."""
     of: Any = figure.of[0] if len(figure.of) == 1 else list(figure.of)
     svg, caption, missing = "", "", ""
@@ -107,7 +107,7 @@ def _drawn(figure: FigurePlan, evidence: Evidence, mark: str) -> Drawn:
     return Drawn(figure.id, figure.title, caption, svg, figure.alt, figure.of, missing, heard)
 
 
-def _tabulated(table: TablePlan, evidence: Evidence) -> Table:
+def _tabulated(table: TablePlan, evidence: ResultSet) -> Table:
     """A table. Raises `UsageError` for a file that is not as its stage writes it."""
     try:
         return table_of(table, evidence)
@@ -115,7 +115,7 @@ def _tabulated(table: TablePlan, evidence: Evidence) -> Table:
         raise UsageError(f"{table.file}.parquet of '{table.of}' cannot be shown: {error}") from error
 
 
-def _filled(sentence: Sentence, evidence: Evidence) -> str:
+def _filled(sentence: Sentence, evidence: ResultSet) -> str:
     """A text with its numbers. Raises `MissingError` where one of them is missing."""
     values = {}
     for name, (check, arguments, scale, form) in sentence.values.items():
@@ -131,7 +131,7 @@ def _filled(sentence: Sentence, evidence: Evidence) -> str:
     return sentence.text.format(**values) if values else sentence.text
 
 
-def _said(sentences: tuple[Sentence, ...], evidence: Evidence) -> list[str]:
+def _said(sentences: tuple[Sentence, ...], evidence: ResultSet) -> list[str]:
     """Sentences with their numbers; those that lack one are left out."""
     said = []
     for sentence in sentences:

@@ -10,13 +10,13 @@ from hknob_cli.page.default_figures import figures_of
 from hknob_cli.page.default_tables import tables_of
 from hknob_cli.report.means import SAME, WORST
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Result
+from hknob_cli.results.evidence import CAMPAIGN, ResultSet, MissingError, Result
 from hknob_cli.spec.page_plan import ChapterPlan
 
 T = TypeVar("T")
 
 
-def chapters_of(evidence: Evidence) -> tuple[ChapterPlan, ...]:
+def chapters_of(evidence: ResultSet) -> tuple[ChapterPlan, ...]:
     """A chapter for each result, with pictures and tables of its rows. Raises `UsageError` for tables of others."""
     return tuple(_of(evidence[name], _chapter) for name in evidence.names)
 
@@ -34,7 +34,7 @@ def _chapter(result: Result) -> ChapterPlan:
     return ChapterPlan(f"{result.name} ({result.stage})", "", figures_of(result), tables_of(result))
 
 
-def sentences_of(evidence: Evidence) -> tuple[str, ...]:
+def sentences_of(evidence: ResultSet) -> tuple[str, ...]:
     """A sentence for each sweep, and each campaign on a knob: how many cells, how large, what pitch, how surely."""
     return tuple(text for name in evidence.names if (text := _of(evidence[name], _sentence)))
 

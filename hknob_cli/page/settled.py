@@ -3,12 +3,12 @@
 import numpy as np
 
 from hknob_cli.page.figures.recording import At, Recording, one_recording
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 CLOSE = 1e-3  # of the swing: how far two periods in a row may be apart, 60 dB below the cycle
 
 
-def settled_period(evidence: Evidence, of: str, *, at: At | None = None) -> Recording:
+def settled_period(evidence: ResultSet, of: str, *, at: At | None = None) -> Recording:
     """The last whole period of the only such recording, from sample to sample, both ends among its rows.
 
     The period is the shortest of the cell's proven cycles by which the last samples repeat. Raises `MissingError` where

@@ -10,7 +10,7 @@ from hknob_cli.page.columns import Shown, shown_as
 from hknob_cli.page.numeral import numeral
 from hknob_cli.report.means import WORST, differs
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import ResultSet, MissingError, Result
 from hknob_cli.results.parted import Parted
 from hknob_cli.spec.page_plan import TablePlan
 from hknob_cli.spec.plan import COUNTS, PERSON, RATE
@@ -53,7 +53,7 @@ class _Cut(NamedTuple):
     which: str
 
 
-def table_of(plan: TablePlan, evidence: Evidence) -> Table:
+def table_of(plan: TablePlan, evidence: ResultSet) -> Table:
     """The table of a plan. Raises `MissingError` where its file has no rows."""
     result = evidence[plan.of]
     fields, cut = _rows(result, plan)

@@ -9,7 +9,7 @@ count's step, and not at all once the knob is still: at rest the wall is as stif
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 
@@ -22,11 +22,11 @@ class BoundedLag(Plain):
         self.keep = keep
         self.time_constant = time_constant
 
-    def settling(self, lanes: Lanes) -> Array:
+    def settling(self, lanes: PlantBatch) -> Array:
         """The mean's time constant."""
         return self.time_constant / lanes.period_s
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Part of the way that the mean goes in an interval."""
         return (-np.expm1(-lanes.period_s / self.time_constant),)
 

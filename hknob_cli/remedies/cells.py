@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes, flow_over, moved
+from hknob_cli.remedies.lanes import Array, PlantBatch, flow_over, moved
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Cell, Scene, Starts, scene_at
@@ -15,7 +15,7 @@ class Batch(NamedTuple):
     """Trials of cells: the ``knobs`` of the cells, and per lane its plant, first sample, and number of its cell."""
 
     knobs: tuple[SampledKnob, ...]
-    lanes: Lanes
+    lanes: PlantBatch
     x: Array
     v: Array
     cell: np.ndarray
@@ -29,7 +29,7 @@ def make_batch(scene: Scene, some: Sequence[Cell], starts: Starts) -> Batch:
         for one, cell in zip(scenes, some, strict=True)
     )
     columns = np.array([_numbers(one, knob) for one, knob in zip(scenes, knobs, strict=True)]).T
-    lanes = Lanes(*np.repeat(columns, starts.phases, axis=1))
+    lanes = PlantBatch(*np.repeat(columns, starts.phases, axis=1))
     cell = np.repeat(np.arange(len(knobs)), starts.phases)
     if starts.span:  # states at a sample
         drawn = random_starts(starts)

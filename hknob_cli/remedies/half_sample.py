@@ -8,7 +8,7 @@ velocity. The velocity is the difference of two counts, or a sensor's.
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes, flow_over
+from hknob_cli.remedies.lanes import Array, PlantBatch, flow_over
 from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
@@ -18,7 +18,7 @@ class HalfSample(Differencing):
     def __init__(self, *, sensor: bool) -> None:
         self.senses_speed = sensor
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, the plant over half an interval, and what of a torque is left by the way it goes in it."""
         s, g, _ = flow_over(lanes, 0.5)
         return lanes.offset, s, 1.0 - g * lanes.beta, 1.0 / (1.0 + g * lanes.kappa)

@@ -14,7 +14,7 @@ from hknob_cli.engine.propagator import hold_coefficients
 Array = NDArray[np.float64]
 
 
-class Lanes(NamedTuple):
+class PlantBatch(NamedTuple):
     """Plants of lanes, each array (lanes,).
 
     ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``gamma``: the push into the wall; ``sense``
@@ -35,7 +35,7 @@ class Lanes(NamedTuple):
 
     def take(self, lanes: Any) -> "Lanes":
         """Some of the lanes, by index."""
-        return Lanes(*(values[lanes] for values in self))
+        return PlantBatch(*(values[lanes] for values in self))
 
 
 class Flow(NamedTuple):
@@ -50,7 +50,7 @@ class Flow(NamedTuple):
         return Flow(self.s[..., lanes], self.g[..., lanes], self.f[..., lanes])
 
 
-def flow_over(lanes: Lanes, time: float | Array) -> Flow:
+def flow_over(lanes: PlantBatch, time: float | Array) -> Flow:
     """Response over ``time`` (sample periods; one for all, or one a lane); plants that are alike are computed once."""
     keys = np.stack([lanes.alpha, lanes.beta, np.broadcast_to(time, lanes.alpha.shape)])
     distinct, back = np.unique(keys, axis=1, return_inverse=True)

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.lanes import Array, moved
-from hknob_cli.remedies.motion import Mover, State, put, take
+from hknob_cli.remedies.motion import BatchStepper, State, put, take
 
 
-class Lap(NamedTuple):
+class PeriodRun(NamedTuple):
     """A period: ``end``, the state after it; ``values`` (samples, kinds, lanes), what may switch, at every sample.
 
     The first ``places`` kinds are positions that the encoder reads, the others guards. After a lane's own period its
@@ -33,12 +33,12 @@ class Path(NamedTuple):
     rows: Array
 
 
-def run_lap(mover: Mover, state: State, period: np.ndarray) -> Lap:
+def run_lap(mover: BatchStepper, state: State, period: np.ndarray) -> PeriodRun:
     """Run every lane for its ``period`` samples."""
     return _run(mover, state, period, None)
 
 
-def trace_lap(mover: Mover, state: State, period: np.ndarray) -> tuple[Lap, Path]:
+def trace_lap(mover: BatchStepper, state: State, period: np.ndarray) -> tuple[PeriodRun, Path]:
     """As `run_lap`, and the motion on the way."""
     longest, lanes = int(period.max()), len(state.x)
     held = longest * len(mover.flows)
@@ -51,7 +51,7 @@ def trace_lap(mover: Mover, state: State, period: np.ndarray) -> tuple[Lap, Path
     return _run(mover, state, period, path), path
 
 
-def _run(mover: Mover, state: State, period: np.ndarray, path: Path | None) -> Lap:
+def _run(mover: BatchStepper, state: State, period: np.ndarray, path: Path | None) -> PeriodRun:
     ends = {int(one): np.flatnonzero(period == one) for one in np.unique(period)}
     end = take(state, np.arange(len(state.x)))
     longest, parts = max(ends), len(mover.flows)
@@ -75,4 +75,4 @@ def _run(mover: Mover, state: State, period: np.ndarray, path: Path | None) -> L
             put(end, ends[i + 1], take(state, ends[i + 1]))
     if path:
         path.x[-1], path.v[-1], path.rows[-1] = state.x, state.v, state.rows
-    return Lap(end, values, places)
+    return PeriodRun(end, values, places)

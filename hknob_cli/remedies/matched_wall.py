@@ -7,11 +7,11 @@ sample to sample as against a continuous spring. It needs position and velocity,
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes, flow_over
+from hknob_cli.remedies.lanes import Array, PlantBatch, flow_over
 from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
-def matched_gains(lanes: Lanes) -> tuple[Array, Array]:
+def matched_gains(lanes: PlantBatch) -> tuple[Array, Array]:
     """Gains on position and velocity, in steps of the wall per count and per count a sample."""
     s, g, f = flow_over(lanes, 1.0)
     held = flow_over(lanes._replace(beta=lanes.beta + lanes.kappa), 1.0)
@@ -29,7 +29,7 @@ class MatchedWall(Differencing):
     def __init__(self, *, sensor: bool) -> None:
         self.senses_speed = sensor
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and the gains."""
         return (lanes.offset, *matched_gains(lanes))
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Flow, Lanes, count_at, flow_over, moved, wall_depth
+from hknob_cli.remedies.lanes import Array, Flow, PlantBatch, count_at, flow_over, moved, wall_depth
 from hknob_cli.remedies.remedy import Reading, Remedy
 
 
@@ -52,10 +52,10 @@ class Step(NamedTuple):
     looked: Array | None
 
 
-class Mover:
+class BatchStepper:
     """Moves lanes by whole samples; the plants' responses over the parts of an interval are computed once."""
 
-    def __init__(self, remedy: Remedy, lanes: Lanes) -> None:
+    def __init__(self, remedy: Remedy, lanes: PlantBatch) -> None:
         self.remedy = remedy
         self.lanes = lanes
         self._limited = bool(np.isfinite(lanes.limit).any())
@@ -72,7 +72,7 @@ class Mover:
 
     def take(self, lanes: Any) -> "Mover":
         """The same for some of the lanes, by index."""
-        other = object.__new__(Mover)
+        other = object.__new__(BatchStepper)
         other.remedy, other.lanes, other._limited = self.remedy, self.lanes.take(lanes), self._limited
         other.fixed = tuple(values[lanes] for values in self.fixed)
         other.flows = [flow.take(lanes) for flow in self.flows]

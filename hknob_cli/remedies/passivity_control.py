@@ -8,7 +8,7 @@ acts wherever energy is owed, outside the wall too.
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
@@ -24,7 +24,7 @@ class PassivityControl(Differencing):
         self.damping = damping
         self.reset = reset
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and the largest damping, in steps of the wall per count a sample."""
         return lanes.offset, self.damping / (lanes.stiffness * lanes.period_s)
 

@@ -11,7 +11,7 @@ from math import pi
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 MEAN_SAMPLES = 64.0  # of the running mean
@@ -35,11 +35,11 @@ class PhaseDamping(Plain):
         self.kalman = kalman
         self.provable = not kalman
 
-    def settling(self, lanes: Lanes) -> Array:
+    def settling(self, lanes: PlantBatch) -> Array:
         """The running mean's."""
         return np.full(len(lanes.alpha), MEAN_SAMPLES)
 
-    def recall(self, lanes: Lanes, count: Array) -> Array:
+    def recall(self, lanes: PlantBatch, count: Array) -> Array:
         """Nothing crossed yet."""
         del count
         memory = np.zeros((8, len(lanes.alpha)))

@@ -14,8 +14,8 @@ import numpy as np
 
 from hknob_cli.remedies.contraction import contraction_form, fixed_point_step, frozen_rows, inverse_root, without
 from hknob_cli.remedies.lanes import Array, count_at
-from hknob_cli.remedies.lap import Lap, Path, run_lap, trace_lap
-from hknob_cli.remedies.motion import Mover, State, take
+from hknob_cli.remedies.lap import PeriodRun, Path, run_lap, trace_lap
+from hknob_cli.remedies.motion import BatchStepper, State, take
 
 NUDGE = 1e-7  # of the copies beside an orbit, relative
 ROUNDS = 2  # of Newton's method; the second where the first has changed what is counted on the way
@@ -65,7 +65,7 @@ class _Found(NamedTuple):
     settled: np.ndarray  # whether the derivative is that of the orbit
 
 
-def prove(mover: Mover, found: State, period: np.ndarray) -> Orbits:
+def prove(mover: BatchStepper, found: State, period: np.ndarray) -> Orbits:
     """Orbits of ``period`` samples (lanes,) near the states ``found``, one a lane."""
     here = _attempt(mover, found, found.rows, period)
     orbits = here.orbits
@@ -78,7 +78,7 @@ def prove(mover: Mover, found: State, period: np.ndarray) -> Orbits:
     return orbits
 
 
-def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _Found:
+def _attempt(mover: BatchStepper, found: State, guess: Array, period: np.ndarray) -> _Found:
     """Newton's step from a ``guess`` (rows, lanes), and the proof of where it leads."""
     size, lanes = guess.shape
     scale = _scale(mover, guess)
@@ -135,7 +135,7 @@ def _attempt(mover: Mover, found: State, guess: Array, period: np.ndarray) -> _F
     return _Found(orbits, better, settled)
 
 
-def _scale(mover: Mover, rows: Array) -> Array:
+def _scale(mover: BatchStepper, rows: Array) -> Array:
     """How large a change of each row is one of its kind, (rows, lanes)."""
     scale = 1.0 + np.abs(rows)
     lanes = mover.lanes
@@ -153,7 +153,7 @@ def _copies(rows: Array, nudge: Array, seen: Array | None, copies: np.ndarray) -
     return State(flat[0], flat[1], flat[2:], None if seen is None else seen[:, copies])
 
 
-def _switched(mover: Mover, lap: Lap, one: Array, others: Array) -> np.ndarray:
+def _switched(mover: BatchStepper, lap: PeriodRun, one: Array, others: Array) -> np.ndarray:
     """Where ``others`` (samples, kinds, lanes, any) are on another side of a switch than ``one``."""
     sense, k = mover.lanes.sense[:, None], lap.places
     there = count_at(others[:, :k], sense) != count_at(one[:, :k], sense)

@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 
 
 class Reading(NamedTuple):
@@ -50,13 +50,13 @@ class Remedy(Protocol):
     provable: bool
     counted: tuple[int, ...]
 
-    def settling(self, lanes: Lanes) -> Array:
+    def settling(self, lanes: PlantBatch) -> Array:
         """Longest time constant of what it remembers, in sample periods, a lane."""
 
-    def recall(self, lanes: Lanes, count: Array) -> Array:
+    def recall(self, lanes: PlantBatch, count: Array) -> Array:
         """Memory before the first sample, at which the encoder shows ``count``, (rows, lanes)."""
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Numbers of each lane that it needs again and again, each (lanes,)."""
 
     def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
@@ -74,15 +74,15 @@ class Plain:
     counted: tuple[int, ...] = ()
     rows: int = 0
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where the encoder's counts lie."""
         return (lanes.offset,)
 
-    def settling(self, lanes: Lanes) -> Array:
+    def settling(self, lanes: PlantBatch) -> Array:
         """Nothing lasts."""
         return np.zeros(len(lanes.alpha))
 
-    def recall(self, lanes: Lanes, count: Array) -> Array:
+    def recall(self, lanes: PlantBatch, count: Array) -> Array:
         """Nothing has happened: no torque, as outside the wall."""
         del count
         return np.zeros((self.rows, len(lanes.alpha)))
@@ -95,7 +95,7 @@ class Differencing(Plain):
     reads_outside: bool = True
     counted: tuple[int, ...] = (0,)
 
-    def recall(self, lanes: Lanes, count: Array) -> Array:
+    def recall(self, lanes: PlantBatch, count: Array) -> Array:
         """The knob was where it is."""
         memory = np.zeros((self.rows, len(lanes.alpha)))
         memory[0] = count + lanes.offset

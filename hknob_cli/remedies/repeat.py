@@ -7,14 +7,14 @@ import numpy as np
 
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.motion import Mover, State, put, take
+from hknob_cli.remedies.motion import BatchStepper, State, put, take
 
 MOST = 65_536  # samples of a search
 GREW = 1e9  # counts
 LOOK = 256  # samples between looks for lanes that have grown
 
 
-class Effort(NamedTuple):
+class SearchBudget(NamedTuple):
     """How long to wait and how near a return must be.
 
     ``settle``: transient, in time constants of the slowest mode or of the controller's memory; ``patience``: further
@@ -27,7 +27,7 @@ class Effort(NamedTuple):
     near: float
 
 
-class Found(NamedTuple):
+class RepeatedOrbits(NamedTuple):
     """How trials ended: ``period`` in samples, 0 where none was found; ``state`` then; ``grew``; ``samples`` in all."""
 
     period: np.ndarray
@@ -36,7 +36,7 @@ class Found(NamedTuple):
     samples: int
 
 
-def time_constants(mover: Mover) -> Array:
+def time_constants(mover: BatchStepper) -> Array:
     """The slowest, of each lane, in sample periods."""
     lanes = mover.lanes
     pairs, back = np.unique(np.stack([lanes.alpha, lanes.beta]), axis=1, return_inverse=True)
@@ -48,7 +48,7 @@ def time_constants(mover: Mover) -> Array:
 class _Lanes:
     """The lanes that still go on, and where those that do not have ended."""
 
-    def __init__(self, mover: Mover, start: State) -> None:
+    def __init__(self, mover: BatchStepper, start: State) -> None:
         self.all, self.mover = mover, mover
         self.state = start
         self.going = np.arange(len(start.x))
@@ -76,7 +76,7 @@ class _Lanes:
             self.end(wild)
 
 
-def find_repeats(mover: Mover, start: State, effort: Effort, over: Callable[[], bool] = lambda: False) -> Found:
+def find_repeats(mover: BatchStepper, start: State, effort: SearchBudget, over: Callable[[], bool] = lambda: False) -> RepeatedOrbits:
     """Run all lanes until each repeats, grows beyond bounds, or has had its time; ``over``: whether all have."""
     longest = float(np.max(time_constants(mover)))
     skip = int(min(np.ceil(effort.settle * longest), MOST))
@@ -108,4 +108,4 @@ def find_repeats(mover: Mover, start: State, effort: Effort, over: Callable[[], 
         if len(lanes.going) == 0 or over():
             break
     put(lanes.last, lanes.going, lanes.state)
-    return Found(period, lanes.last, grew, lanes.samples)
+    return RepeatedOrbits(period, lanes.last, grew, lanes.samples)

@@ -6,16 +6,16 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.remedies.lanes import Array, Lanes
-from hknob_cli.remedies.motion import Mover, State, take
+from hknob_cli.remedies.lanes import Array, PlantBatch
+from hknob_cli.remedies.motion import BatchStepper, State, take
 from hknob_cli.remedies.proof import Orbits, prove
 from hknob_cli.remedies.remedy import Remedy
-from hknob_cli.remedies.repeat import Effort, find_repeats
+from hknob_cli.remedies.repeat import SearchBudget, find_repeats
 
 # First a rough return, whose orbit Newton's method completes and the proof checks; for the rest a patient one.
 EFFORTS = (
-    Effort(settle=5.0, patience=4.0, fewest=1024, near=1e-4),
-    Effort(settle=4.0, patience=24.0, fewest=8192, near=1e-8),
+    SearchBudget(settle=5.0, patience=4.0, fewest=1024, near=1e-4),
+    SearchBudget(settle=4.0, patience=24.0, fewest=8192, near=1e-8),
 )
 SAME = 1e-6  # of two orbits that are one, relative
 AT_REST = 1e-9  # counts
@@ -46,13 +46,13 @@ class Settled(NamedTuple):
 
 
 def search(
-    remedy: Remedy, lanes: Lanes, x: Array, v: Array, cell: np.ndarray, over: Callable[[], bool] = lambda: False
+    remedy: Remedy, lanes: PlantBatch, x: Array, v: Array, cell: np.ndarray, over: Callable[[], bool] = lambda: False
 ) -> tuple[dict[int, list[Settled]], int]:
     """Ends of trials from (``x``, ``v``) at their first sample, by ``cell``, a number a lane; trial-samples taken.
 
     ``over``: whether the time is over, after which the trials that are left are undecided.
     """
-    mover = Mover(remedy, lanes)
+    mover = BatchStepper(remedy, lanes)
     ends: dict[int, list[Settled]] = {int(one): [] for one in np.unique(cell)}
 
     def enter(one: Settled) -> None:
@@ -62,11 +62,11 @@ def search(
 
 
 def settle(
-    mover: Mover,
+    mover: BatchStepper,
     state: State,
     enter: Callable[[Settled], None],
     over: Callable[[], bool] = lambda: False,
-    efforts: tuple[Effort, ...] = EFFORTS,
+    efforts: tuple[SearchBudget, ...] = EFFORTS,
 ) -> int:
     """Follow all lanes from ``state``, and ``enter`` the end of each; trial-samples taken."""
     going, samples = np.arange(len(state.x)), 0
@@ -128,7 +128,7 @@ def _same(one: Settled, other: Settled) -> bool:
     return all(abs(float(of(one.x[:-1]) - of(other.x[:-1]))) <= SAME * size for of in (np.min, np.max, np.mean, np.std))
 
 
-def _settled(mover: Mover, orbits: Orbits, i: int, lane: int, seen: Array | None) -> Settled:
+def _settled(mover: BatchStepper, orbits: Orbits, i: int, lane: int, seen: Array | None) -> Settled:
     period = int(orbits.turn[i])
     held = period * len(mover.remedy.parts)
     x, v = orbits.path.x[: held + 1, i].copy(), orbits.path.v[: held + 1, i].copy()
@@ -148,7 +148,7 @@ def _settled(mover: Mover, orbits: Orbits, i: int, lane: int, seen: Array | None
     )
 
 
-def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> Reason:
+def _reason(mover: BatchStepper, orbits: Orbits, i: int, lane: int, *, still: bool) -> Reason:
     if not orbits.contracts[i]:
         return Reason.CONTINUUM if mover.lanes.beta[lane] == 0.0 else Reason.EXPANDS
     if not mover.remedy.provable:
@@ -160,7 +160,7 @@ def _reason(mover: Mover, orbits: Orbits, i: int, lane: int, *, still: bool) -> 
     return Reason.NONE
 
 
-def _windows(mover: Mover, state: State, at: np.ndarray, enter: Callable[[Settled], None], reason: Reason) -> None:
+def _windows(mover: BatchStepper, state: State, at: np.ndarray, enter: Callable[[Settled], None], reason: Reason) -> None:
     """Motion of lanes that did not repeat, over a window of time."""
     period_s = float(mover.lanes.period_s[0])
     count = int(np.clip(WINDOW_S / period_s, *WINDOW))

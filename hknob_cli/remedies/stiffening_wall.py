@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 from hknob_cli.remedies.remedy import Action, Plain, Reading
 
 
@@ -13,7 +13,7 @@ class StiffeningWall(Plain):
         self.surface = surface
         self.depth = depth
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """A count, in parts of the depth."""
         return (lanes.quantum_rad / self.depth,)
 

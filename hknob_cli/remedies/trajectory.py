@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.cells import Batch
-from hknob_cli.remedies.lanes import Array, Lanes, flow_over, moved
-from hknob_cli.remedies.motion import Mover
+from hknob_cli.remedies.lanes import Array, PlantBatch, flow_over, moved
+from hknob_cli.remedies.motion import BatchStepper
 from hknob_cli.remedies.remedy import Remedy
 
 
@@ -30,7 +30,7 @@ def follow(
     """
     phases = len(batch.x)
     lane = batch.lanes.take([trial])
-    mover = Mover(remedy, lane)
+    mover = BatchStepper(remedy, lane)
     clock = (trial + 0.5) / phases
     x, v = np.array([start[0]]), np.array([start[1]])
     yield from _between(lane, x, v, -lane.gamma, 0.0, min(clock, until), every, "")
@@ -48,7 +48,7 @@ def follow(
 
 
 def _between(
-    lane: Lanes, x: Array, v: Array, drive: Array, begin: float, end: float, every: float, event: str
+    lane: PlantBatch, x: Array, v: Array, drive: Array, begin: float, end: float, every: float, event: str
 ) -> Iterator[Point]:
     """The start of a stretch of constant torque, and what is due within it."""
     torque = float((drive[0] + lane.gamma[0]) / lane.kappa[0])

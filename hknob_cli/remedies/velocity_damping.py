@@ -6,7 +6,7 @@ difference. Below 0 the damping drives: to take back physical damping outside th
 
 import numpy as np
 
-from hknob_cli.remedies.lanes import Array, Lanes
+from hknob_cli.remedies.lanes import Array, PlantBatch
 from hknob_cli.remedies.remedy import Action, Differencing, Reading
 
 
@@ -18,7 +18,7 @@ class VelocityDamping(Differencing):
         self.senses_speed = sensor
         self.everywhere = everywhere
 
-    def constants(self, lanes: Lanes) -> tuple[Array, ...]:
+    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and steps of the wall per count a sample."""
         return lanes.offset, -self.damping / (lanes.stiffness * lanes.period_s)
 

@@ -161,7 +161,7 @@ class Result:
         return Hand(**numbers, by_grip=by_grip)
 
 
-class Evidence:
+class ResultSet:
     """Results by name."""
 
     def __init__(self, folders: dict[str, Path]) -> None:

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 from hknob_cli.spec import plan
 from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
 from hknob_cli.spec.part import Part, Place
-from hknob_cli.spec.quantity import AddedInertia, Damping, Fixed, Inertia, Stiffness
+from hknob_cli.spec.quantity import AddedInertia, Damping, NotSweepable, Inertia, Stiffness
 from hknob_cli.spec.whole import WHOLE
 
 _GIVEN = ("inertia", "damping", "stiffness", "finger", "fingerpad")
@@ -80,7 +80,7 @@ class HandSpec(Part):
     )
     estimator: Annotated[str | None, Field(description="of the file: default output_error, if it is there")] = None
     subtract_apparatus: Annotated[
-        Inertia | None, Fixed(), Field(description="inertia of the apparatus, where the file's includes it")
+        Inertia | None, NotSweepable(), Field(description="inertia of the apparatus, where the file's includes it")
     ] = None
 
     _printed = field_validator("grip_n")(printed_beside_table)

@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 from hknob_cli.spec.grip import Grip, printed_beside_table, printed_grip_schema
 from hknob_cli.spec.hand import Label
 from hknob_cli.spec.part import Part
-from hknob_cli.spec.quantity import Fixed, Inertia
+from hknob_cli.spec.quantity import NotSweepable, Inertia
 from hknob_cli.spec.whole import WHOLE
 
 MOST_PEOPLE = 100_000
@@ -47,7 +47,7 @@ class PopulationSpec(Part):
     experiment: Annotated[Label | None, Field(description="of the file: its experiment")] = None
     estimator: Annotated[str | None, Field(description="of the file: default output_error, if it is there")] = None
     subtract_apparatus: Annotated[
-        Inertia | None, Fixed(), Field(description="inertia of the apparatus, where the file's includes it")
+        Inertia | None, NotSweepable(), Field(description="inertia of the apparatus, where the file's includes it")
     ] = None
     spread: Annotated[
         Literal["lognormal", "subjects"],

@@ -100,7 +100,7 @@ def _whole(value: Any) -> Any:
 MayBeFloat = BeforeValidator(_whole)  # annotation of a strict whole number that a large one of is written as 1e7
 
 
-class Fixed:
+class NotSweepable:
     """Annotation of a number that no grid varies."""
 
 

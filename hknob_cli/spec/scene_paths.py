@@ -6,7 +6,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from hknob_cli.spec.plan import RATE
-from hknob_cli.spec.quantity import Fixed, Unit
+from hknob_cli.spec.quantity import NotSweepable, Unit
 from hknob_cli.spec.scene import SceneSpec
 
 
@@ -77,7 +77,7 @@ def _first_model(kind: Any) -> type[BaseModel] | None:
 
 
 def _is_number(info: FieldInfo) -> bool:
-    if any(isinstance(item, Fixed) for item in info.metadata):
+    if any(isinstance(item, NotSweepable) for item in info.metadata):
         return False
     arms = _arms(info)
     return float in arms or any(getattr(arm, "__origin__", None) is float for arm in arms)

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 
-class Found(NamedTuple):
+class AttractorColumns(NamedTuple):
     """Attractors of cells, those of a cell together, the most frequent first; arrays with one entry an attractor.
 
     ``cell``: number of its cell, from 0; ``outcome``, ``reason``: codes of `engine.outcome`; ``closed``: whether it is
@@ -58,11 +58,11 @@ class Found(NamedTuple):
         return which
 
 
-def in_columns(results: Sequence[CellResult]) -> Found:
+def in_columns(results: Sequence[CellResult]) -> AttractorColumns:
     """The attractors of some cells."""
     every = [(i, result.contact, one) for i, result in enumerate(results) for one in result.attractors]
     measures = zip(*(m for result in results for m in result.measures), strict=True)
-    return Found(
+    return AttractorColumns(
         quantum_rad=np.array([result.quantum_rad for result in results]),
         cell=_whole([i for i, _, _ in every]),
         outcome=_whole([one.outcome for _, _, one in every]),

@@ -21,7 +21,7 @@ from hknob_cli.spec.cells import Cells
 from hknob_cli.spec.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import group_of
 from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
-from hknob_cli.stages.found import Found
+from hknob_cli.stages.found import AttractorColumns
 from hknob_cli.stages.sweep_tables import SweepTables, lay_out_cells, lay_out_orbits
 
 GROUP = "cells"  # of compiled functions, `engine.jit`
@@ -131,7 +131,7 @@ def _why_incomplete(plan: SweepPlan, ends: Ends, followed: FollowedCells) -> NDA
     return why_incomplete(followed.complete, followed.pieces, why, plan.starts)
 
 
-def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
+def _in_si(knob: SampledKnob, ends: Ends, count: int) -> AttractorColumns:
     """The attractors of ``count`` cells as the tables want them."""
 
     def of_cells(values: Any) -> Any:
@@ -144,7 +144,7 @@ def _in_si(knob: SampledKnob, ends: Ends, count: int) -> Found:
         shift=of_cells(knob.shift),
     )
     period: Any = np.maximum(ends.period, 1)  # of what has none nothing is measured
-    return Found(
+    return AttractorColumns(
         quantum_rad=np.broadcast_to(knob.quantum_rad, count),
         cell=ends.cell,
         outcome=ends.outcome,

@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from hknob_cli.engine.general.body import CONSTANT, Body
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import coast
+from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
@@ -161,7 +161,7 @@ def record_trial(
     for time, event in stops:
         while t < time:
             step = min(time - t, 1.0)
-            coast(z, acting, step, body, pad)
+            advance_span(z, acting, step, body, pad)
             t = time if step == time - t else t + step
         if event == "sample":
             shown = read(z[0], wall)

@@ -29,7 +29,7 @@ from hknob_cli.spec.cells import WHOLE
 from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
 from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
-from hknob_cli.stages.found import Array, Found, in_columns
+from hknob_cli.stages.found import Array, AttractorColumns, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 _OUTCOMES = [outcome.name.lower() for outcome in Outcome]
@@ -109,7 +109,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 def lay_out_cells(
     plan: SweepPlan,
     axes: Axes,
-    found: Found,
+    found: AttractorColumns,
     columns: Sequence[Column] = CELLS,
     more: Mapping[str, Sequence[Any]] | None = None,
 ) -> pa.Table:
@@ -158,7 +158,7 @@ def lay_out_cells(
 def lay_out_orbits(
     plan: SweepPlan,
     axes: Axes,
-    found: Found,
+    found: AttractorColumns,
     columns: Sequence[Column] = ORBITS,
     more: Mapping[str, Sequence[Any]] | None = None,
 ) -> pa.Table:

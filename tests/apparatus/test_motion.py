@@ -7,7 +7,7 @@ from hknob_cli.apparatus.hand import SecondOrder, split, static_stiffness
 from hknob_cli.apparatus.motion import follow, increment, increments, mechanism
 from hknob_cli.apparatus.people import EXPERIMENTS, grips, mean_hand
 from hknob_cli.apparatus.pulse import scaled_pulse
-from hknob_cli.engine.general.glide import coast
+from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.spec.plan import Actuator, Finger, Fingerpad, Knob, Scene, Wall
 from hknob_cli.spec.plan import Hand as SceneHand
@@ -82,7 +82,7 @@ def test_the_engine_goes_the_same_way(number: int, grip: float, order: str, coul
     z, pad, angle = knob.start(0.0, 0.0), [0.0] * (2 * n), [0.0]
     for command, count in stretches(torque):
         for _ in range(count):
-            coast(z, command / knob.torque_nm, 1.0, knob.body, pad)
+            advance_span(z, command / knob.torque_nm, 1.0, knob.body, pad)
             angle.append(knob.angle_rad(z[0]))
     body = mechanism(parts if four else hand, coulomb=coulomb, lag_s=lag)
     states = follow(body, np.zeros(len(body.entry)), stretches(torque), DT)

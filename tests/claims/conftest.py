@@ -10,7 +10,7 @@ import pytest
 
 from hknob_cli.claims.ledger import Ledger, load_ledger
 from hknob_cli.printed import tables
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 
@@ -22,7 +22,7 @@ SCENE = {
     "bias": {"half_quantum": True},
 }
 BOUNDED = {"at_rest_fraction": 0.0, "diverged_fraction": 0.0, "undecided_fraction": 0.0, "certified_fraction": 1.0}
-Made = Callable[..., Evidence]
+Made = Callable[..., ResultSet]
 
 
 @pytest.fixture
@@ -58,14 +58,14 @@ def made(tmp_path: Path) -> Made:
         axes: tuple[str, ...] = ("sample_rate_hz", "counts_per_rev"),
         scene: dict[str, Any] = SCENE,
         stage: str = "sweep",
-    ) -> Evidence:
+    ) -> ResultSet:
         folder = tmp_path / name
         folder.mkdir()
         values = {"name": name, "scene": scene, "grid": {axis: [] for axis in axes}}
         provenance = describe(stage=stage, values=values, overrides=())
         write({folder / f"{file}.parquet": pa.Table.from_pylist(rows) for file, rows in tables.items()}, provenance)
         folders[name] = folder
-        return Evidence(folders)
+        return ResultSet(folders)
 
     return make
 

@@ -11,7 +11,7 @@ from hknob_cli.claims.checks.bounces import worst_delay
 from hknob_cli.claims.checks.motion import Point
 from hknob_cli.claims.verdict import judge_claim
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from tests.claims.conftest import Made, cell
 
 AFTER = {"result": "a", "after": 0.1}
@@ -116,7 +116,7 @@ def test_the_verdict_follows_the_recording(made: Made, ledger: Any) -> None:
 
 
 def test_published_thresholds() -> None:
-    none = Evidence({})
+    none = ResultSet({})
     assert compute("touch_optimum", none, {"thresholds": "thenar"}) == 250.0
     assert compute("touch_optimum", none, {"thresholds": "cylinder"}) == 175.0
     # 25.1 to 0.653 um.
@@ -130,7 +130,7 @@ def test_published_thresholds() -> None:
 
 def test_contours_of_hearing() -> None:
     """ISO 226:2023, Table 1: thresholds -5.9 at 3150 Hz, 12.2 at 10 kHz and so on; its contours are phon at 1 kHz."""
-    none = Evidence({})
+    none = ResultSet({})
     assert compute("hearing_optimum", none, {}) == pytest.approx(3150.0, rel=2e-3)
     assert compute("hearing_optimum", none, {"phon": 60}) == pytest.approx(3150.0, rel=2e-3)
     flat = {"from_hz": 600, "to_hz": 1500}

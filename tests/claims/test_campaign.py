@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.claims.checks import compute
 from hknob_cli.claims.ledger import load_ledger
 from hknob_cli.claims.verdict import judge_claim
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests.claims.conftest import SCENE, Made, cell
 from tests.conftest import ROOT
 
@@ -37,12 +37,12 @@ def size(rate: float, counts: int) -> float:
     return 500.0 * 2.0 * pi / counts / rate
 
 
-def simulated(made: Made, **more: Any) -> Evidence:
+def simulated(made: Made, **more: Any) -> ResultSet:
     """A sweep by the law, 100 Hz everywhere."""
     return made("sim", {"cells": [cell(rate, counts, size(rate, counts), 100.0) for rate, counts in GRID]}, **more)
 
 
-def campaign(made: Made, name: str, pitch: float, factor: float, steeper: float = 0.0) -> Evidence:
+def campaign(made: Made, name: str, pitch: float, factor: float, steeper: float = 0.0) -> ResultSet:
     """Trials at so many times its pitch and size, smaller by a further power of the resolution; the last rests."""
     rows = [
         trial(rate, counts, factor * size(rate, counts) * counts**-steeper, 100.0 * pitch) for rate, counts in GRID[:-1]
@@ -155,4 +155,4 @@ def test_a_grip_that_persons_are_built_from_confirms_nothing() -> None:
     ledger = load_ledger(ROOT / "data" / "claims.yaml")
     for name in ("sec-8.3-grip-held", "sec-8.3-grip-constant", "sec-8.2-just-enough-torque"):
         claim = next(one for one in ledger.claims if one.id == name)
-        assert judge_claim(claim, Evidence({}))["verdict"] == "not testable"
+        assert judge_claim(claim, ResultSet({}))["verdict"] == "not testable"

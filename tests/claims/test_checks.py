@@ -10,7 +10,7 @@ from hknob_cli.claims.checks import compute, known
 from hknob_cli.claims.checks.network import network
 from hknob_cli.errors import UsageError
 from hknob_cli.printed import tables
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 HEAD = (
     "grip_n,inertia_kg_m2,damping_nm_s_per_rad,damping_std_nm_s_per_rad,damping_cv_percent,"
@@ -41,7 +41,7 @@ def small_tables(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def value(name: str, **arguments: object) -> float | None:
-    return compute(name, Evidence({}), arguments)
+    return compute(name, ResultSet({}), arguments)
 
 
 def test_arithmetic_binds_names_to_places_numbers_and_each_other() -> None:

@@ -9,14 +9,14 @@ from hknob_cli.claims.ledger import load_ledger
 from hknob_cli.claims.verdict import judge
 from hknob_cli.printed import tables
 from hknob_cli.printed.tables import file_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from tests.conftest import ROOT
 
 LEDGER = ROOT / "data" / "claims.yaml"
 
 
 def verdicts() -> dict[str, dict[str, Any]]:
-    return {row["claim"]: row for row in judge(load_ledger(LEDGER), Evidence({})).to_pylist()}
+    return {row["claim"]: row for row in judge(load_ledger(LEDGER), ResultSet({})).to_pylist()}
 
 
 def test_print_that_does_not_hold_together_is_found() -> None:

@@ -10,7 +10,7 @@ from hknob_cli.claims.checks import known
 from hknob_cli.claims.ledger import Claim, Ledger, load_ledger
 from hknob_cli.claims.verdict import judge, judge_claim
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 from hknob_cli.spec.load import validate
@@ -39,7 +39,7 @@ def test_every_reading_fits_its_computation(ledger: Ledger) -> None:
 
 
 def test_without_results_nothing_that_needs_one_is_decided(ledger: Ledger) -> None:
-    for row in judge(ledger, Evidence({})).to_pylist():
+    for row in judge(ledger, ResultSet({})).to_pylist():
         if row["check"] and "result" in inspect.signature(known()[row["check"]]).parameters:
             assert row["verdict"] == "not testable", row["claim"]
         assert row["because"]
@@ -49,7 +49,7 @@ def test_an_argument_that_a_computation_lacks_is_a_mistake_of_the_ledger(ledger:
     claim = by_id(ledger, "sec-9.3-constant")
     wrong = claim.model_copy(update={"arguments": {**claim.arguments, "lawn": "green"}, "readings": []})
     with pytest.raises(UsageError, match=r"sec-9.3-constant: law_constant cannot use .*lawn"):
-        judge_claim(wrong, Evidence({}))
+        judge_claim(wrong, ResultSet({}))
 
 
 def swept(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
@@ -70,8 +70,8 @@ def swept(folder: Path, name: str, *changes: tuple[str, str]) -> Path:
 
 def test_a_changed_constant_changes_verdicts(ledger: Ledger, tmp_path: Path) -> None:
     """Twice the damping halves C = 2 K / (pi b), and what the sweep itself shows, so 500 is no longer right."""
-    printed = Evidence({"hand-on-knob": swept(tmp_path, "printed")})
-    doubled = Evidence({"hand-on-knob": swept(tmp_path, "doubled", ("3.45e-4", "6.9e-4"))})
+    printed = ResultSet({"hand-on-knob": swept(tmp_path, "printed")})
+    doubled = ResultSet({"hand-on-knob": swept(tmp_path, "doubled", ("3.45e-4", "6.9e-4"))})
     law, fitted = (by_id(ledger, name) for name in ("sec-9.3-constant", "sec-9.3-constant-fitted"))
     assert judge_claim(law, printed)["verdict"] == "reproduced"
     assert judge_claim(fitted, printed)["verdict"] in ("reproduced", "differs")
@@ -85,8 +85,8 @@ def test_a_stiffer_hand_changes_a_verdict(ledger: Ledger, tmp_path: Path) -> Non
     """At 2048 counts a hand of 0.08 N*m/rad carries the push within a count; one of 0.04 does not."""
     claim = by_id(ledger, "sec-6.4.2-table-7")
     stiffer = swept(tmp_path, "firm", ("1024", "2048"), ("0.04", "0.08"))
-    light = Evidence({"stiffer": stiffer, "hand-on-knob": swept(tmp_path, "light", ("1024", "2048"))})
-    firm = Evidence({"stiffer": stiffer, "hand-on-knob": stiffer})
+    light = ResultSet({"stiffer": stiffer, "hand-on-knob": swept(tmp_path, "light", ("1024", "2048"))})
+    firm = ResultSet({"stiffer": stiffer, "hand-on-knob": stiffer})
     assert judge_claim(claim, light)["verdict"] == "reproduced"
     assert judge_claim(claim, firm)["verdict"] == "contradicted"
 

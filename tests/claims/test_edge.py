@@ -12,9 +12,9 @@ DOUBLED = {**SCENE, "hand": {**SCENE["hand"], "damping": 6.9e-4}}
 
 
 def test_the_relay_by_quadrature() -> None:
-    from hknob_cli.results.evidence import Evidence
+    from hknob_cli.results.evidence import ResultSet
 
-    assert compute("relay_gain", Evidence({}), {}) == pytest.approx(4.0 / pi, abs=1e-6)
+    assert compute("relay_gain", ResultSet({}), {}) == pytest.approx(4.0 / pi, abs=1e-6)
 
 
 def test_a_cycle_that_solves_the_printed_equation(made: Made) -> None:

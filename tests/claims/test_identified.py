@@ -13,7 +13,7 @@ from hknob_cli.claims.verdict import judge_claim
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.second_order import Plant, respond
 from hknob_cli.printed.tables import table
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 from tests import sysid_results
@@ -119,7 +119,7 @@ def test_bias_at_a_level(made: Made) -> None:
 def test_regularisation_is_what_least_squares_do_with_a_noisy_acceleration() -> None:
     """Against 3,000 noisy fits: their mean is known to 0.1 points, and 300 samples are within a point of many."""
     hand = {"J": 2.11e-6, "B": 3.45e-4, "K": 0.04}
-    nothing = Evidence({})
+    nothing = ResultSet({})
     assert compute("regularised_inertia", nothing, {"where": hand, "noise_percent": 0}) == pytest.approx(
         100.0, rel=1e-9
     )
@@ -159,7 +159,7 @@ def recording(folder: Path, name: str, angles: list[float], velocities: list[flo
 def test_motions_beside_each_other(tmp_path: Path) -> None:
     one = recording(tmp_path, "one", [0.0, 1.0, 2.0, 1.0, 0.0], [0.0, 2.0, 1.0, -1.0, 0.0], [0.0, 0.2, 0.0, 0.0, 0.0])
     two = recording(tmp_path, "two", [0.0, 1.0, 1.9, 1.0, 0.0], [0.0, 1.0, -1.0, 1.0, 0.0], [0.0] * 5)
-    evidence = Evidence({"one": one, "two": two})
+    evidence = ResultSet({"one": one, "two": two})
     assert compute("motion_difference", evidence, {"result": "two", "to": "one"}) == pytest.approx(5.0)
     asked = {"result": "two", "to": "one", "quantity": "acceleration"}
     assert compute("motion_difference", evidence, asked) == pytest.approx(100.0 * 4.0 / 2.0)
@@ -185,7 +185,7 @@ def test_steps_that_fall_and_people_that_spread(made: Made) -> None:
 
 def test_friction_is_taken_for_inertia_and_stiffness_of_a_bare_knob(tmp_path: Path) -> None:
     """A free knob that friction slows: what knows it finds the truth to a hundredth, least squares do not."""
-    evidence = Evidence({"apparatus": sysid_results.identify(tmp_path, sysid_results.APPARATUS)})
+    evidence = ResultSet({"apparatus": sysid_results.identify(tmp_path, sysid_results.APPARATUS)})
     asked = {"result": "apparatus", "statistic": "largest_size"}
     plain, knowing = ({**asked, "estimator": name} for name in ("least_squares", "output_error_friction"))
     assert compute("apparatus_error", evidence, knowing) < 1.0 < 5.0 < compute("apparatus_error", evidence, plain)
@@ -221,7 +221,7 @@ def test_other_hands_change_a_verdict(made: Made, name: str, file: str, right: l
     evidence = made("others", {file: wide})
     one = claim(name)
     assert judge_claim(one, evidence)["verdict"] in ("reproduced", "differs")
-    others = Evidence({"hands": evidence["others"].folder})
+    others = ResultSet({"hands": evidence["others"].folder})
     assert judge_claim(one, others)["verdict"] == "contradicted"
 
 
@@ -239,7 +239,7 @@ def test_a_slower_amplifier_changes_a_verdict(made: Made) -> None:
     one = claim("appendix-a-settling-disturbs")
     assert judge_claim(one, made("bias-study", {"bias": rows(3.0)}))["verdict"] == "reproduced"
     slow = made("slow", {"bias": rows(20.0)})
-    assert judge_claim(one, Evidence({"bias-study": slow["slow"].folder}))["verdict"] == "contradicted"
+    assert judge_claim(one, ResultSet({"bias-study": slow["slow"].folder}))["verdict"] == "contradicted"
 
 
 def test_nothing_is_left_for_a_higher_order_only_where_the_fit_is_near(made: Made) -> None:
@@ -247,4 +247,4 @@ def test_nothing_is_left_for_a_higher_order_only_where_the_fit_is_near(made: Mad
     evidence = made("rough", {"trials": [{"estimator": "output_error", "vaf": 0.95}]})
     one = claim("ch4-higher-order")
     assert judge_claim(one, evidence)["verdict"] == "contradicted"
-    assert judge_claim(one, Evidence({"pulses-fourth": evidence["rough"].folder}))["verdict"] == "reproduced"
+    assert judge_claim(one, ResultSet({"pulses-fourth": evidence["rough"].folder}))["verdict"] == "reproduced"

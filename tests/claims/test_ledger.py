@@ -5,7 +5,7 @@ import re
 import pytest
 
 from hknob_cli.errors import SpecError, UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 GOOD = """\
   - id: sum
@@ -66,7 +66,7 @@ def test_arguments_a_check_does_not_take_are_faults_of_the_claim(ledger) -> None
     for arguments in ("{expression: 2 + q}", "{expression: 1/0}", "{expression: 5}", "{expression: 1, where: [1]}"):
         claims = ledger(GOOD.replace("{expression: 2 + 2}", arguments))
         with pytest.raises(UsageError, match="claim sum: arithmetic cannot use "):
-            judge(claims, Evidence({}))
+            judge(claims, ResultSet({}))
     for arguments, wrong in (("{}", "needs expression"), ("{expression: 1, wher: {}}", "did you mean 'where'?")):
         with pytest.raises(UsageError, match=rf"claims\.yaml:7:12: .*{re.escape(wrong)}"):
             ledger(GOOD.replace("{expression: 2 + 2}", arguments))

@@ -5,7 +5,7 @@ import pytest
 from hknob_cli.claims.checks import CHECKS
 from hknob_cli.claims.ledger import Ledger
 from hknob_cli.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, judge
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 CLAIM = {
     "id": "one",
@@ -22,7 +22,7 @@ CLAIM = {
 
 def verdict(**changes: object) -> dict[str, object]:
     claim = {key: value for key, value in {**CLAIM, **changes}.items() if value is not None}
-    table = judge(Ledger.model_validate({"text": "t", "claims": [claim]}), Evidence({}))
+    table = judge(Ledger.model_validate({"text": "t", "claims": [claim]}), ResultSet({}))
     assert table.column_names == [column.name for column in COLUMNS]
     return table.to_pylist()[0]
 
@@ -70,7 +70,7 @@ def test_the_reading_that_agrees_best_decides_unless_excluded() -> None:
 
 
 def test_what_is_missing_is_not_testable_and_says_what(monkeypatch: pytest.MonkeyPatch) -> None:
-    def of_a_sweep(evidence: Evidence) -> float:
+    def of_a_sweep(evidence: ResultSet) -> float:
         return float(evidence["main"].rows("cells")[0]["p2p_rad"])
 
     monkeypatch.setitem(CHECKS, "of_a_sweep", of_a_sweep)

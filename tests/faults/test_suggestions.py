@@ -6,7 +6,7 @@ import subprocess
 
 import pytest
 
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.kinds import SCHEMAS
 from tests.conftest import HKNOB
 
@@ -50,9 +50,9 @@ def test_until_an_unknown_stage_suggests_the_nearest(hknob, spec_file) -> None:
 
 def test_a_result_of_an_unknown_name_suggests_the_nearest(tmp_path) -> None:
     with pytest.raises(MissingError, match="no result 'gird'; did you mean 'grid'"):
-        Evidence({"grid": tmp_path, "laws": tmp_path})["gird"]
+        ResultSet({"grid": tmp_path, "laws": tmp_path})["gird"]
     with pytest.raises(MissingError, match=r"^no result 'grid'$"):
-        Evidence({"grid": tmp_path / "nothing"})["grid"]
+        ResultSet({"grid": tmp_path / "nothing"})["grid"]
 
 
 def test_kinds_are_the_same_in_help_message_schema_and_completion(hknob, spec_file) -> None:

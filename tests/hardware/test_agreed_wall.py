@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.safety import Watch
+from hknob_cli.hardware.safety import LimitMonitor
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
 TOLD = settings(1000, 1024, wall_damping=1e-6, torque_limit_nm=4e-3)
@@ -28,7 +28,7 @@ def parts(block: Block, size: int = 40) -> list[Block]:
 
 def watched(blocks: list[Block]) -> None:
     """The watch over blocks, told to start at the first that has the wall on."""
-    watch = Watch(TOLD, ALIGNED.native_counts, wired=True)
+    watch = LimitMonitor(TOLD, ALIGNED.native_counts, wired=True)
     for block in blocks:
         if block.running.any():
             watch.start()
@@ -68,7 +68,7 @@ def test_single_precision_is_the_same_torque() -> None:
 
 
 def test_a_flag_before_start_is_noticed() -> None:
-    watch = Watch(TOLD, ALIGNED.native_counts, wired=True)
+    watch = LimitMonitor(TOLD, ALIGNED.native_counts, wired=True)
     block = next(each for each in parts(trial()) if each.running.any())
     with pytest.raises(DeviceError, match="was not told to switch it on, at sample 40"):
         watch.check(block)
@@ -95,6 +95,6 @@ def test_a_flag_that_is_lost_with_the_last_sample_of_a_block_is_noticed_by_the_n
 
 
 def test_a_recording_is_not_held_to_the_wire() -> None:
-    watch = Watch(TOLD, ALIGNED.native_counts)
+    watch = LimitMonitor(TOLD, ALIGNED.native_counts)
     for block in altered(torque_nm=lambda torque: 0.5 * torque):
         watch.check(block)

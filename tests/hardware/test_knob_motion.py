@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general.glide import coast
+from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.hardware import knob_motion
 from hknob_cli.hardware.knob_motion import KnobMotion
 from tests.hardware.trials import FRICTION, HAND
@@ -53,12 +53,12 @@ def test_a_short_lag_is_nearly_none(monkeypatch: pytest.MonkeyPatch, friction: f
 
 
 def test_the_engine_is_what_moves_it() -> None:
-    """Any part of a period, as the engine's own `coast` does it, units apart."""
+    """Any part of a period, as the engine's own `advance_span` does it, units apart."""
     motion = KnobMotion(HAND, interval_s=2e-3, counts_per_rev=1000)
     motion.move(1e-3, 4e-4, 0.3)
     motion.move(1e-3, 4e-4, 2.2)
     other = KnobMotion(HAND, interval_s=2e-3, counts_per_rev=1000)
     state = list(other._state)
     for part in (0.3, 1.0, 1.0, 0.2):
-        coast(state, 6e-4 / other._unit_nm, part, other._body, other._pad)
+        advance_span(state, 6e-4 / other._unit_nm, part, other._body, other._pad)
     assert motion.angle_counts == pytest.approx(state[0], rel=1e-14)

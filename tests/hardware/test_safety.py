@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block
-from hknob_cli.hardware.safety import Watch
+from hknob_cli.hardware.safety import LimitMonitor
 from tests.hardware.trials import settings
 
 NATIVE = 10_000
@@ -30,7 +30,7 @@ def block(first: int = 0, count: int = 4, **changes: Any) -> Block:
 
 
 def test_a_trial_within_its_limits_passes() -> None:
-    watch = Watch(TOLD, NATIVE)
+    watch = LimitMonitor(TOLD, NATIVE)
     watch.check(block(torque_nm=[0.05, -0.05, 0.05, 0.0], angle_counts=[5, 5 + MOST_COUNTS, 5, -MOST_COUNTS + 5]))
     watch.check(block(4))
     watch.check(block(8, 0))
@@ -55,7 +55,7 @@ def test_a_trial_within_its_limits_passes() -> None:
     ],
 )
 def test_what_is_beyond_is_named(changes: dict[str, Any], said: str) -> None:
-    watch = Watch(TOLD, NATIVE)
+    watch = LimitMonitor(TOLD, NATIVE)
     watch.check(block(6))
     with pytest.raises(DeviceError) as error:
         watch.check(block(10, **changes))
@@ -64,14 +64,14 @@ def test_what_is_beyond_is_named(changes: dict[str, Any], said: str) -> None:
 
 def test_a_late_sample_is_no_fast_knob() -> None:
     """Five periods late, it may have come five times as far; a sample that is early by a hair no further."""
-    watch = Watch(TOLD, NATIVE)
+    watch = LimitMonitor(TOLD, NATIVE)
     watch.check(block())
     late = block(4, time_us=[8000, 8001, 9000, 10_000], angle_counts=[5 * 79, 5 * 79 + MOST_COUNTS, 400, 400])
     watch.check(late)
 
 
 def test_missing_samples_are_counted() -> None:
-    watch = Watch(TOLD, NATIVE)
+    watch = LimitMonitor(TOLD, NATIVE)
     watch.check(block(2))
     watch.check(block(9, angle_counts=[4 * 79] * 4))
     watch.check(block(20))

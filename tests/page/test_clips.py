@@ -16,7 +16,7 @@ from hknob_cli.page.clips import DURATION_S, MOST_BYTES, RATE_HZ, clips
 from hknob_cli.page.figures import draw
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 from hknob_cli.spec.load import load
@@ -33,7 +33,7 @@ BOTH = (Listen("coarse", "coarse"), Listen("fine", "fine"))
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     """A light contact at two resolutions, and one whose recording ends before it is steady."""
     folder = tmp_path_factory.mktemp("recorded")
     asked = {"coarse": (1000, 0.5), "fine": (2650, 0.5), "short": (2650, 0.02)}
@@ -45,7 +45,7 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
         provenance = describe(stage="sweep", values=plan.values, overrides=())
         (folder / name).mkdir()
         write({folder / name / f"{file}.parquet": table for file, table in tables.items()}, provenance)
-    return Evidence({name: folder / name for name in asked})
+    return ResultSet({name: folder / name for name in asked})
 
 
 def samples(address: str) -> np.ndarray:
@@ -56,7 +56,7 @@ def samples(address: str) -> np.ndarray:
         return np.frombuffer(stream.readframes(stream.getnframes()), dtype="<i2").astype(float)
 
 
-def test_the_period_is_that_of_a_proven_cycle_and_closes(evidence: Evidence) -> None:
+def test_the_period_is_that_of_a_proven_cycle_and_closes(evidence: ResultSet) -> None:
     period = settled_period(evidence, "fine")
     n = {row["period_samples"] for row in evidence["fine"].rows("orbits")}
     assert round((period.time[-1] - period.time[0]) * 1000.0) in n
@@ -66,7 +66,7 @@ def test_the_period_is_that_of_a_proven_cycle_and_closes(evidence: Evidence) -> 
         settled_period(evidence, "short")
 
 
-def test_one_factor_serves_all(evidence: Evidence) -> None:
+def test_one_factor_serves_all(evidence: ResultSet) -> None:
     coarse, fine = (samples(clip.address) for clip in clips(evidence, BOTH))
     assert len(coarse) == len(fine) == round(DURATION_S * RATE_HZ)
     loudest = max(np.abs(coarse).max(), np.abs(fine).max())
@@ -76,7 +76,7 @@ def test_one_factor_serves_all(evidence: Evidence) -> None:
     assert np.abs(coarse).max() / np.abs(fine).max() == pytest.approx(speeds[0] / speeds[1], rel=0.01)
 
 
-def test_its_pitch_is_the_cycles(evidence: Evidence) -> None:
+def test_its_pitch_is_the_cycles(evidence: ResultSet) -> None:
     heard = samples(clips(evidence, BOTH)[1].address)
     spectrum = np.abs(np.fft.rfft(heard * np.hanning(len(heard))))
     period = settled_period(evidence, "fine")
@@ -85,14 +85,14 @@ def test_its_pitch_is_the_cycles(evidence: Evidence) -> None:
     assert abs(spectrum.argmax() / DURATION_S - strongest) <= 1.0 / DURATION_S
 
 
-def test_clips_are_small_and_the_same_every_time(evidence: Evidence) -> None:
+def test_clips_are_small_and_the_same_every_time(evidence: ResultSet) -> None:
     found = clips(evidence, BOTH)
     assert found == clips(evidence, BOTH)
     assert all(len(clip.address) < MOST_BYTES for clip in found)
     assert clips(evidence, ()) == ()
 
 
-def test_cycles_and_their_harmonics_are_drawn(evidence: Evidence) -> None:
+def test_cycles_and_their_harmonics_are_drawn(evidence: ResultSet) -> None:
     options = {"names": ["a coarse one", "a fine one"]}
     one, two = (
         ink.svg(draw("cycle_spectra", evidence, ["coarse", "fine"], options), name="x", title="") for _ in range(2)

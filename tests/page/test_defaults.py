@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.errors import UsageError
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures.what_matters import what_matters
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.layout import as_file
 from hknob_cli.results.parted import Parted, put_part
 from hknob_cli.results.parting import Parting
@@ -28,12 +28,12 @@ CELLS: dict[str, Any] = {
 }
 
 
-def evidence(folder: Path, **columns: Any) -> Evidence:
+def evidence(folder: Path, **columns: Any) -> ResultSet:
     """A sweep over the sample rate, some columns of its cells as others have them, or absent."""
     table = pa.table({name: values for name, values in {**CELLS, **columns}.items() if values is not None})
     stamp = describe(stage="sweep", values={"name": "x", "grid": {"sample_rate_hz": [500, 1000]}}, overrides=())
     write({folder / "cells.parquet": table}, stamp)
-    return Evidence({"tried": folder})
+    return ResultSet({"tried": folder})
 
 
 def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
@@ -63,12 +63,12 @@ def test_a_design_over_several_axes_of_too_few_points_to_tell_shows_every_cell(t
     grid = {"design": {"sobol": 2}, "sample_rate_hz": {"log": [500, 1000]}, "bias.torque": {"lin": [0.0, 0.001]}}
     stamp = describe(stage="sweep", values={"name": "x", "grid": grid}, overrides=())
     write({tmp_path / "cells.parquet": pa.table({**CELLS, "bias.torque": [0.0, 0.001]})}, stamp)
-    found = Evidence({"tried": tmp_path})
+    found = ResultSet({"tried": tmp_path})
     assert found["tried"].scales == {"sample_rate_hz": "log", "bias.torque": "lin"}
     assert [figure.draw for figure in chapters_of(found)[0].figures] == ["cell_dots"]
 
 
-def design(folder: Path, *, parts: int) -> Evidence:
+def design(folder: Path, *, parts: int) -> ResultSet:
     """A design of 90 points over two axes, in one file or in parts."""
     dice = np.random.default_rng(0)
     rate, bias = dice.uniform(500.0, 1000.0, 90), dice.uniform(0.0, 1e-3, 90)
@@ -83,13 +83,13 @@ def design(folder: Path, *, parts: int) -> Evidence:
     folder.mkdir()
     if parts == 1:
         write({folder / "cells.parquet": table}, stamp)
-        return Evidence({"tried": folder})
+        return ResultSet({"tried": folder})
     parting = Parting(90, stamp, most=90 // parts)
     (folder / "cells.parquet").mkdir()
     for number in range(parts):
         start, stop = parting.range(number)
         put_part(as_file(table.slice(start, stop - start), parting.metadata(number)), folder / "cells.parquet", number)
-    return Evidence({"tried": folder})
+    return ResultSet({"tried": folder})
 
 
 def test_a_large_design_is_said_and_shown_part_by_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,21 +8,21 @@ import pytest
 from hknob_cli.page import ink
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.figures import draw
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests.conftest import SPEC
 
 RANGES = SPEC.replace("{angle: 0.02, phases: 8}", "{angle: [-20 mrad, 20 mrad], velocity: [-2, 2]}")
 
 
 @pytest.fixture
-def evidence(hknob, spec_file, tmp_path: Path) -> Evidence:
+def evidence(hknob, spec_file, tmp_path: Path) -> ResultSet:
     text = RANGES.replace("[1024]", "[512, 1024]")
     assert hknob("sweep", spec_file(text + "basins: {points: 12}\n"), "-o", "mapped").returncode == 0
     assert hknob("sweep", spec_file(RANGES), "-o", "unmapped").returncode == 0
-    return Evidence({name: tmp_path / name for name in ("mapped", "unmapped")})
+    return ResultSet({name: tmp_path / name for name in ("mapped", "unmapped")})
 
 
-def test_a_map_a_cell_with_sizes_and_shares(evidence: Evidence) -> None:
+def test_a_map_a_cell_with_sizes_and_shares(evidence: ResultSet) -> None:
     svg = ink.svg(draw("basins", evidence, "mapped", {}), name="f", title="a figure")
     words = re.sub(r"<[^>]+>", " ", svg)
     assert "1000 Hz" in words
@@ -40,7 +40,7 @@ def test_a_map_a_cell_with_sizes_and_shares(evidence: Evidence) -> None:
         draw("basins", evidence, "unmapped", {})
 
 
-def test_a_page_shows_maps_where_there_are_some(evidence: Evidence) -> None:
+def test_a_page_shows_maps_where_there_are_some(evidence: ResultSet) -> None:
     drawn = {
         name: [figure.draw for chapter in chapters_of(evidence) for figure in chapter.figures if name in figure.of]
         for name in ("mapped", "unmapped")

@@ -10,7 +10,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.campaign_samples import one_trial
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests.conftest import EXPERIMENTS, HKNOB
 
 GRID = "grid={sample_rate_hz: [1000, 4000], counts_per_rev: [256, 2048]}"
@@ -62,7 +62,7 @@ CASES: list[tuple[str, object, dict[str, Any], tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     base = tmp_path_factory.mktemp("campaigns")
     folders: dict[str, Path] = {}
     for name, (stage, spec, *sets) in RUNS.items():
@@ -71,12 +71,12 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
         command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", "-o", folders[name], "-q", *more]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
         assert done.returncode == 0, done.stderr
-    return Evidence(folders)
+    return ResultSet(folders)
 
 
 @pytest.mark.parametrize(("name", "of", "options", "says"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
 def test_what_a_figure_says(
-    evidence: Evidence, name: str, of: object, options: dict[str, Any], says: tuple[str, ...]
+    evidence: ResultSet, name: str, of: object, options: dict[str, Any], says: tuple[str, ...]
 ) -> None:
     text, again = (ink.svg(draw(name, evidence, of, dict(options)), name="f", title="t") for _ in range(2))
     assert text == again
@@ -96,13 +96,13 @@ def test_what_a_figure_says(
     ],
 )
 def test_what_is_not_there_is_said(
-    evidence: Evidence, name: str, of: object, options: dict[str, Any], says: str
+    evidence: ResultSet, name: str, of: object, options: dict[str, Any], says: str
 ) -> None:
     with pytest.raises(MissingError, match=says):
         draw(name, evidence, of, options)
 
 
-def test_pitch_is_that_of_cycles(evidence: Evidence) -> None:
+def test_pitch_is_that_of_cycles(evidence: ResultSet) -> None:
     """A cycle across the wall's edge switches its torque on once; a part of one may be missed at either end."""
     trial = one_trial(evidence, "friction", **ONE)
     (cell,) = (row for row in evidence["friction"].rows("cells") if all(row[name] == ONE[name] for name in ONE))
@@ -112,9 +112,9 @@ def test_pitch_is_that_of_cycles(evidence: Evidence) -> None:
     assert cell["frequency_hz"] == pytest.approx(switched / trial.row["steady_s"], abs=2.0 / trial.row["steady_s"])
 
 
-def test_a_page_of_its_own(evidence: Evidence) -> None:
+def test_a_page_of_its_own(evidence: ResultSet) -> None:
     """A campaign has pictures and a sentence where a report's spec lists neither."""
-    one = Evidence({"friction": evidence["friction"].folder})
+    one = ResultSet({"friction": evidence["friction"].folder})
     (chapter,) = chapters_of(one)
     assert [figure.draw for figure in chapter.figures] == ["grid_map", "grid_map", "campaign_thumbnails"]
     (sentence,) = sentences_of(one)

@@ -10,7 +10,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import MODULES, draw
 from hknob_cli.page.figures.grid import grid, number, rows_of
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests.conftest import EXPERIMENTS, HKNOB
 
 AXES = "grid={sample_rate_hz: [1000, 2000, 4000], counts_per_rev: [256, 512]}"
@@ -154,7 +154,7 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="session")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     """Every result of `RUNS`, through the command line."""
     folder = tmp_path_factory.mktemp("results")
     for name, (stage, spec, *overrides) in RUNS.items():
@@ -162,20 +162,20 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
         command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", *options, "-o", folder / name]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
-    return Evidence({name: folder / name for name in RUNS})
+    return ResultSet({name: folder / name for name in RUNS})
 
 
 def text_of(svg: str) -> str:
     return "\n".join(re.findall(r"<text[^>]*>(.*?)</text>", svg, flags=re.DOTALL))
 
 
-def drawn(evidence: Evidence, name: str, of: object, options: dict) -> str:
+def drawn(evidence: ResultSet, name: str, of: object, options: dict) -> str:
     return ink.svg(draw(name, evidence, of, options), name="f", title="a figure")
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
 def test_a_drawing_says_what_it_shows_and_is_the_same_twice(
-    evidence: Evidence, name: str, of: object, options: dict, said: tuple[str, ...]
+    evidence: ResultSet, name: str, of: object, options: dict, said: tuple[str, ...]
 ) -> None:
     svg = drawn(evidence, name, of, options)
     text = text_of(svg)
@@ -193,7 +193,7 @@ def test_every_drawing_of_grids_is_tried() -> None:
     assert {name for name, module in MODULES.items() if module in ours} == {case[0] for case in CASES}
 
 
-def test_a_map_writes_every_value_of_its_column(evidence: Evidence) -> None:
+def test_a_map_writes_every_value_of_its_column(evidence: ResultSet) -> None:
     text = text_of(drawn(evidence, "grid_map", "small", {}))
     for row in evidence["small"].rows("cells"):
         assert number(1e3 * row["p2p_rad"]) in text
@@ -232,12 +232,12 @@ def test_a_map_writes_every_value_of_its_column(evidence: Evidence) -> None:
         ("hardware_grid", ["small", "dfa"], {"column": "rms_rad"}, "has several; choose by where: {method"),
     ],
 )
-def test_what_is_missing_is_said(evidence: Evidence, name: str, of: object, options: dict, message: str) -> None:
+def test_what_is_missing_is_said(evidence: ResultSet, name: str, of: object, options: dict, message: str) -> None:
     with pytest.raises(MissingError, match=re.escape(message)):
         draw(name, evidence, of, options)
 
 
-def test_a_difference_is_that_of_the_analysis(evidence: Evidence, tmp_path: Path) -> None:
+def test_a_difference_is_that_of_the_analysis(evidence: ResultSet, tmp_path: Path) -> None:
     folder = tmp_path / "dfa"
     command = [
         HKNOB,
@@ -252,7 +252,7 @@ def test_a_difference_is_that_of_the_analysis(evidence: Evidence, tmp_path: Path
     ]
     against = f"against={evidence['small'].folder}"
     subprocess.run([*command, "--set", against], check=True, capture_output=True)
-    both = Evidence({"dfa": folder, "small": evidence["small"].folder})
+    both = ResultSet({"dfa": folder, "small": evidence["small"].folder})
     found = next(
         row
         for row in both["dfa"].rows("differences")
@@ -263,7 +263,7 @@ def test_a_difference_is_that_of_the_analysis(evidence: Evidence, tmp_path: Path
     assert f"standard deviation {100 * found['std']:.0f} %" in text
 
 
-def test_a_grid_is_laid_out_upward(evidence: Evidence) -> None:
+def test_a_grid_is_laid_out_upward(evidence: ResultSet) -> None:
     found = grid(evidence["small"], columns=("p2p_rad",))
     assert (found.across, found.down) == ("sample_rate_hz", "counts_per_rev")
     assert found.acrosses == [1000, 2000, 4000]
@@ -291,7 +291,7 @@ def test_ticks_of_a_log_scale_are_few_and_within_it(low: float, high: float) -> 
     assert all(0.999 * low <= tick <= 1.001 * high for tick in ticks)
 
 
-def test_of_several_cycles_in_a_cell_the_largest_is_drawn(evidence: Evidence) -> None:
+def test_of_several_cycles_in_a_cell_the_largest_is_drawn(evidence: ResultSet) -> None:
     result = evidence["several"]
     rows = result.rows("dfa")
     assert max(row["orbit"] for row in rows) > 0
@@ -305,7 +305,7 @@ def test_of_several_cycles_in_a_cell_the_largest_is_drawn(evidence: Evidence) ->
     assert text_of(drawn(evidence, "grid_map", "several", first)) != text
 
 
-def test_a_map_of_the_largest_cycles_has_the_mean_beside_them(evidence: Evidence) -> None:
+def test_a_map_of_the_largest_cycles_has_the_mean_beside_them(evidence: ResultSet) -> None:
     """Of 455 Hz and 256 counts, where two cycles coexist with rest, which is in no mean."""
     cell = next(row for row in evidence["pushed"].rows("cells") if row["counts_per_rev"] == 256)
     assert 0.0 < cell["at_rest_fraction"] < 1.0

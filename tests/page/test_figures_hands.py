@@ -13,7 +13,7 @@ from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.identification import plant_of, pulsed, rows_of, stage_of
 from hknob_cli.page.figures.refit import modelled
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests import sysid_results as made
 
 SPECS = (made.HANDS, made.FOURTH, made.MOTOR, made.GRIP_CELL, made.STUDY)
@@ -40,18 +40,18 @@ FIGURES: list[tuple[str, Any, dict[str, Any], tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     root = tmp_path_factory.mktemp("results")
     folders = [made.identify(root, text) for text in SPECS]
-    return Evidence({folder.name: folder for folder in folders})
+    return ResultSet({folder.name: folder for folder in folders})
 
 
-def drawn(evidence: Evidence, name: str, of: Any, options: dict[str, Any]) -> str:
+def drawn(evidence: ResultSet, name: str, of: Any, options: dict[str, Any]) -> str:
     return ink.svg(draw(name, evidence, of, options), name="figure", title=name)
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), FIGURES)
-def test_figures_say_what_they_show(evidence: Evidence, name: str, of: Any, options: dict, said: tuple) -> None:
+def test_figures_say_what_they_show(evidence: ResultSet, name: str, of: Any, options: dict, said: tuple) -> None:
     svg = drawn(evidence, name, of, options)
     words = set(re.findall(r"<text[^>]*>([^<]*)</text>", svg))
     for text in said:
@@ -77,12 +77,12 @@ def test_figures_say_what_they_show(evidence: Evidence, name: str, of: Any, opti
         ("hidden_inertia", "hands", {}, "no hidden_inertia.parquet"),
     ],
 )
-def test_what_a_figure_lacks_is_named(evidence: Evidence, name: str, of: Any, options: dict, why: str) -> None:
+def test_what_a_figure_lacks_is_named(evidence: ResultSet, name: str, of: Any, options: dict, why: str) -> None:
     with pytest.raises(MissingError, match=re.escape(why)):
         draw(name, evidence, of, options)
 
 
-def test_the_model_of_the_data_lies_on_them_and_that_of_another_block_does_not(evidence: Evidence) -> None:
+def test_the_model_of_the_data_lies_on_them_and_that_of_another_block_does_not(evidence: ResultSet) -> None:
     """Blocks differ by per cents; a mean of two trials is that of one hand to less than one."""
     result = evidence["hands"]
     one = pulsed(result, smooth=False, subject="S1", grip_target_n=0.71, block=1)[0]
@@ -98,15 +98,15 @@ def test_the_model_of_the_data_lies_on_them_and_that_of_another_block_does_not(e
 def test_a_subtracted_apparatus_is_put_back(tmp_path: Path) -> None:
     """A motion is of hand and apparatus together, whichever of them the result speaks of."""
     text = made.HANDS.replace("name: hands", "name: alone\nsubtract_apparatus: 19.8 g*cm^2")
-    whole = Evidence({"a": made.identify(tmp_path, made.HANDS)})["a"]
-    alone = Evidence({"a": made.identify(tmp_path, text)})["a"]
+    whole = ResultSet({"a": made.identify(tmp_path, made.HANDS)})["a"]
+    alone = ResultSet({"a": made.identify(tmp_path, text)})["a"]
     asked = {"subject": "S1", "grip_target_n": 0.71, "block": 1, "estimator": "output_error"}
     row, other = (rows_of(result, "trials", **asked)[0] for result in (whole, alone))
     assert other["inertia_kg_m2"] == pytest.approx(row["inertia_kg_m2"] - 1.98e-6, abs=1e-15)
     assert plant_of(other) == pytest.approx(plant_of(row), rel=1e-12)
 
 
-def test_a_models_friction_is_the_known_one_where_none_was_fitted(evidence: Evidence) -> None:
+def test_a_models_friction_is_the_known_one_where_none_was_fitted(evidence: ResultSet) -> None:
     one = pulsed(evidence["hands"], smooth=False)[0]
     plant = plant_of(rows_of(evidence["hands"], "trials", estimator="output_error")[0])
     known = respond(plant._replace(coulomb=5.6e-4), one.motion.torque_nm, one.motion.dt_s)
@@ -114,7 +114,7 @@ def test_a_models_friction_is_the_known_one_where_none_was_fitted(evidence: Evid
     assert np.max(np.abs(modelled(plant, one) - known)) > 1e-3
 
 
-def test_only_identifications_have_their_plan(evidence: Evidence) -> None:
+def test_only_identifications_have_their_plan(evidence: ResultSet) -> None:
     assert stage_of(evidence["hands"]).plan.keep
     evidence["hands"].provenance["stage"] = "sweep"
     try:
@@ -124,7 +124,7 @@ def test_only_identifications_have_their_plan(evidence: Evidence) -> None:
         evidence["hands"].provenance["stage"] = "sysid"
 
 
-def test_a_page_without_chapters_shows_what_was_identified(evidence: Evidence) -> None:
+def test_a_page_without_chapters_shows_what_was_identified(evidence: ResultSet) -> None:
     chapters = {chapter.title: chapter.figures for chapter in chapters_of(evidence)}
     shown = {title: [figure.draw for figure in figures] for title, figures in chapters.items()}
     assert shown["hands (sysid)"] == ["all_persons", "identified_values"]

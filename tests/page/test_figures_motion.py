@@ -11,7 +11,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.contact import _added
 from hknob_cli.page.figures.recording import one_recording, recordings
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
 from hknob_cli.spec.load import load
@@ -67,7 +67,7 @@ FIGURES: list[tuple[str, Any, dict[str, Any], tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     """Recordings of the experiments, without their limit cycles."""
     root, folders = tmp_path_factory.mktemp("results"), {}
     for name in NAMES:
@@ -76,15 +76,15 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> Evidence:
         folder.mkdir()
         table = record_sweep(plan)
         write({folder / "trajectories.parquet": table}, describe(stage="sweep", values=plan.values, overrides=()))
-    return Evidence(folders)
+    return ResultSet(folders)
 
 
-def drawn(evidence: Evidence, name: str, of: Any, options: dict[str, Any]) -> str:
+def drawn(evidence: ResultSet, name: str, of: Any, options: dict[str, Any]) -> str:
     return ink.svg(draw(name, evidence, of, options), name="figure", title=name)
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), FIGURES)
-def test_figures_say_what_they_show(evidence: Evidence, name: str, of: Any, options: dict, said: tuple) -> None:
+def test_figures_say_what_they_show(evidence: ResultSet, name: str, of: Any, options: dict, said: tuple) -> None:
     svg = drawn(evidence, name, of, options)
     words = set(re.findall(r"<text[^>]*>([^<]*)</text>", svg))
     for text in said:
@@ -116,7 +116,7 @@ def test_figures_say_what_they_show(evidence: Evidence, name: str, of: Any, opti
         ("schematic", None, {"kind": "third"}, "no schematic 'third'"),
     ],
 )
-def test_what_a_figure_lacks_is_named(evidence: Evidence, name: str, of: Any, options: dict, why: str) -> None:
+def test_what_a_figure_lacks_is_named(evidence: ResultSet, name: str, of: Any, options: dict, why: str) -> None:
     with pytest.raises(MissingError, match=re.escape(why)):
         draw(name, evidence, of, options)
 
@@ -127,10 +127,10 @@ def test_a_result_without_recording_has_no_figure_of_motion(tmp_path: Path, name
     provenance = describe(stage="sweep", values=plan.values, overrides=())
     write({tmp_path / "cells.parquet": record_sweep(plan)}, provenance)
     with pytest.raises(MissingError, match=r"no trajectories\.parquet"):
-        draw(name, Evidence({"short-contact": tmp_path}), "short-contact", {})
+        draw(name, ResultSet({"short-contact": tmp_path}), "short-contact", {})
 
 
-def test_energy_added_is_what_the_contact_gains(evidence: Evidence) -> None:
+def test_energy_added_is_what_the_contact_gains(evidence: ResultSet) -> None:
     """Outside the wall before and after, an immediate wall does no work: what is added is what the knob gains.
 
     A hold never takes away: its work is torque times way, more than the immediate wall's, whose potential is convex.
@@ -146,7 +146,7 @@ def test_energy_added_is_what_the_contact_gains(evidence: Evidence) -> None:
     assert np.abs(np.diff(_added(one))[symmetric]).max() < 1e-18
 
 
-def test_turns_of_a_ballistic_flight_are_exact(evidence: Evidence) -> None:
+def test_turns_of_a_ballistic_flight_are_exact(evidence: ResultSet) -> None:
     """Between contacts nothing but the push acts: the energy of a flight is the push times its peak."""
     one = one_recording(evidence, "bouncing-ball")
     times, angles, up = one.turns
@@ -156,7 +156,7 @@ def test_turns_of_a_ballistic_flight_are_exact(evidence: Evidence) -> None:
     assert angles[outside] * 0.001 == pytest.approx(energy[outside], rel=1e-9)
 
 
-def test_recordings_are_told_apart_by_cell_and_start(evidence: Evidence) -> None:
+def test_recordings_are_told_apart_by_cell_and_start(evidence: ResultSet) -> None:
     assert [one.cell["start_rad"] for one in recordings(evidence, "stiff-wall")] == [0.02, 0.01, 0.005]
     found = recordings(evidence, GRIPS, at=MOTOR)
     assert [one.scene.knob.inertia for one in found] == [1.98e-6, 1.98e-6]

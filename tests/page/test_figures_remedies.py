@@ -8,14 +8,14 @@ import pytest
 from hknob_cli.errors import UsageError
 from hknob_cli.page import ink
 from hknob_cli.page.figures import draw
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from tests.claims.conftest import Made, cell, made
 
 __all__ = ["made"]
-NONE = Evidence({})
+NONE = ResultSet({})
 
 
-def said(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> str:
+def said(name: str, evidence: ResultSet, of: Any, options: dict[str, Any]) -> str:
     return ink.svg(draw(name, evidence, of, options), name="x", title="")
 
 

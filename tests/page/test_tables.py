@@ -10,7 +10,7 @@ from hknob_cli.page.default_tables import tables_of
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.tables import CUT, WHOLE, table_of
 from hknob_cli.results.columns import CELLS
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.layout import as_file
 from hknob_cli.results.parted import put_part
 from hknob_cli.results.parting import Parting
@@ -41,24 +41,24 @@ def cells(count: int, **columns: Any) -> pa.Table:
     return pa.table(given, schema=schema)
 
 
-def evidence(folder: Path, table: pa.Table, *, parts: int = 1) -> Evidence:
+def evidence(folder: Path, table: pa.Table, *, parts: int = 1) -> ResultSet:
     """A sweep of these cells, in one file or in parts."""
     rates = table.column("sample_rate_hz").to_pylist()
     stamp = describe(stage="sweep", values={"name": "x", "grid": {"sample_rate_hz": rates}}, overrides=())
     folder.mkdir(exist_ok=True)
     if parts == 1:
         write({folder / "cells.parquet": table}, stamp)
-        return Evidence({"tried": folder})
+        return ResultSet({"tried": folder})
     parting = Parting(table.num_rows, stamp, most=-(-table.num_rows // parts))
     (folder / "cells.parquet").mkdir()
     for number in range(parts):
         start, stop = parting.range(number)
         data = as_file(table.slice(start, stop - start), parting.metadata(number))
         put_part(data, folder / "cells.parquet", number)
-    return Evidence({"tried": folder})
+    return ResultSet({"tried": folder})
 
 
-def shown(found: Evidence) -> Any:
+def shown(found: ResultSet) -> Any:
     (plan,) = tables_of(found["tried"])
     return table_of(plan, found)
 

@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import make_batch
-from hknob_cli.remedies.motion import Mover
+from hknob_cli.remedies.motion import BatchStepper
 from hknob_cli.spec.plan import Starts
 from hknob_cli.spec.scene import SceneSpec
 from tests.remedies.reference import CONTROLLERS, Rig, law_of, mp
@@ -40,7 +40,7 @@ def test_motion_and_torque_are_the_references(name: str, cell: str) -> None:
     remedy = make_remedy(plan.controller)
     key = {"sample_rate_hz": rate, "counts_per_rev": counts}
     batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=PHASES))
-    mover = Mover(remedy, batch.lanes)
+    mover = BatchStepper(remedy, batch.lanes)
     state = mover.start(batch.x, batch.v)
     rig = Rig(scene, rate, counts, mp.mpf)
     trials = [rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, (i + 0.5) / PHASES) for i in range(PHASES)]

@@ -11,9 +11,9 @@ from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import Batch, make_batch
 from hknob_cli.remedies.lanes import count_at, flow_over, moved
 from hknob_cli.remedies.lap import run_lap, trace_lap
-from hknob_cli.remedies.motion import Mover, take
+from hknob_cli.remedies.motion import BatchStepper, take
 from hknob_cli.remedies.proof import prove
-from hknob_cli.remedies.repeat import Effort, find_repeats
+from hknob_cli.remedies.repeat import SearchBudget, find_repeats
 from hknob_cli.remedies.search import search
 from hknob_cli.remedies.trajectory import follow
 from hknob_cli.spec.plan import Starts
@@ -56,7 +56,7 @@ def test_a_hold_in_parts_is_a_hold() -> None:
 @pytest.mark.parametrize("name", ["impulse, timed", "bounded lag"])
 def test_lanes_of_different_periods_end_each_after_its_own(name: str) -> None:
     remedy, batch = setting(name, phases=3)
-    mover = Mover(remedy, batch.lanes)
+    mover = BatchStepper(remedy, batch.lanes)
     start, period = mover.start(batch.x, batch.v), np.array([7, 3, 7])
     lap, path = trace_lap(mover, start, period)
     state = start
@@ -71,8 +71,8 @@ def test_lanes_of_different_periods_end_each_after_its_own(name: str) -> None:
 
 def test_repeats_are_periods() -> None:
     remedy, batch = setting("first-order hold")
-    mover = Mover(remedy, batch.lanes)
-    found = find_repeats(mover, mover.start(batch.x, batch.v), Effort(settle=8.0, patience=8.0, fewest=512, near=1e-9))
+    mover = BatchStepper(remedy, batch.lanes)
+    found = find_repeats(mover, mover.start(batch.x, batch.v), SearchBudget(settle=8.0, patience=8.0, fewest=512, near=1e-9))
     assert (found.period > 0).all()
     again = run_lap(mover, found.state, found.period).end
     np.testing.assert_allclose(again.rows, found.state.rows, atol=1e-7)
@@ -83,7 +83,7 @@ def test_repeats_are_periods() -> None:
 
 def test_no_proof_of_a_state_that_does_not_come_back() -> None:
     remedy, batch = setting("first-order hold")
-    mover = Mover(remedy, batch.lanes)
+    mover = BatchStepper(remedy, batch.lanes)
     start = mover.start(batch.x, batch.v)
     assert not prove(mover, start, np.array([1, 2, 5, 9])).proven.any()
 
@@ -91,8 +91,8 @@ def test_no_proof_of_a_state_that_does_not_come_back() -> None:
 def test_a_trial_far_from_its_orbit_is_not_captured_by_it() -> None:
     """The proof is of a trial, not of an orbit: the same orbit says nothing of a start that may go elsewhere."""
     remedy, batch = setting("first-order hold", phases=1)
-    mover = Mover(remedy, batch.lanes)
-    effort = Effort(settle=20.0, patience=8.0, fewest=512, near=1e-9)
+    mover = BatchStepper(remedy, batch.lanes)
+    effort = SearchBudget(settle=20.0, patience=8.0, fewest=512, near=1e-9)
     found = find_repeats(mover, mover.start(batch.x, batch.v), effort)
     near = take(found.state, [0])
     assert prove(mover, near, found.period).proven.all()

@@ -13,7 +13,7 @@ import pytest
 
 from hknob_cli.remedies.catalogue import make_remedy
 from hknob_cli.remedies.cells import make_batch
-from hknob_cli.remedies.motion import Mover
+from hknob_cli.remedies.motion import BatchStepper
 from hknob_cli.spec.controller import KEYS
 from hknob_cli.spec.plan import Starts
 from hknob_cli.spec.scene import SceneSpec
@@ -250,7 +250,7 @@ def test_a_controller_built_from_the_page_gives_the_engines_torques(
     remedy = make_remedy(plan.controller)
     key = {"sample_rate_hz": rate, "counts_per_rev": counts}
     batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=1))
-    mover = Mover(remedy, batch.lanes)
+    mover = BatchStepper(remedy, batch.lanes)
     state = mover.start(batch.x, batch.v)
     page = BLOCKS[controller["kind"]](counts, rate, **{name: one for name, one in controller.items() if name != "kind"})
     count = 2.0 * pi / counts

@@ -12,7 +12,7 @@ from pkgutil import iter_modules
 from typing import Any
 
 from hknob_cli.errors import MISSHAPEN, UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.messages import nearest, shown
 
 Check = Callable[..., float | bool | None]
@@ -57,7 +57,7 @@ def check_fault(name: str, given: dict[str, Any]) -> str | None:
     return f"{name}: {wrong}" if wrong else None
 
 
-def compute(name: str, evidence: Evidence, arguments: dict[str, Any]) -> float | None:
+def compute(name: str, evidence: ResultSet, arguments: dict[str, Any]) -> float | None:
     """Value of a computation. Raises `MissingError`, and `UsageError` for arguments that it cannot use."""
     try:
         value = known()[name](evidence, **arguments)

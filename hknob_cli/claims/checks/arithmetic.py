@@ -7,7 +7,7 @@ from statistics import mean, stdev
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.expression import evaluate
 from hknob_cli.printed.tables import cell, table
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 _STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
     "mean": mean,
@@ -37,14 +37,14 @@ def bound(where: Names | None) -> dict[str, float]:
 
 
 @check
-def arithmetic(_: Evidence, *, expression: str, where: Names | None = None) -> float:
+def arithmetic(_: ResultSet, *, expression: str, where: Names | None = None) -> float:
     """Value of an expression over numbers, and names for numbers of the tables; in whatever unit it has."""
     return evaluate(expression, bound(where))
 
 
 @check
 def spread_over_columns(
-    _: Evidence, *, table_number: int, rows: list[float | str], columns: list[str], what: str
+    _: ResultSet, *, table_number: int, rows: list[float | str], columns: list[str], what: str
 ) -> float:
     """Statistic of a block of a table, in the unit of the table: mean, sample standard deviation, least, largest."""
     return _STATISTICS[what]([cell(table_number, row, column) for row in rows for column in columns])
@@ -52,7 +52,7 @@ def spread_over_columns(
 
 @check
 def largest_margin_error(
-    _: Evidence, *, table_number: int, rows: list[float | str], columns: list[str], margin: str, what: str
+    _: ResultSet, *, table_number: int, rows: list[float | str], columns: list[str], margin: str, what: str
 ) -> float:
     """Largest difference between a printed margin and what its cells give, in the unit of the table.
 
@@ -66,7 +66,7 @@ def largest_margin_error(
 
 
 @check
-def largest_total_error(_: Evidence, *, table_number: int, total: str, rows: int | None = None) -> float:
+def largest_total_error(_: ResultSet, *, table_number: int, total: str, rows: int | None = None) -> float:
     """Largest difference between a printed total and the sum of what is printed above it, in the unit of the table.
 
     ``rows`` of the table are read, all by default, the total last. Columns without a number as total are left out.
@@ -83,7 +83,7 @@ def largest_total_error(_: Evidence, *, table_number: int, total: str, rows: int
 
 
 @check
-def share_among(_: Evidence, *, values: list[float], among: list[float], within_percent: float = 0.0) -> float:
+def share_among(_: ResultSet, *, values: list[float], among: list[float], within_percent: float = 0.0) -> float:
     """Share of the values that are among the others, or within a percentage of one of them; a fraction."""
     near = 0.01 * within_percent
     return sum(any(isclose(one, other, rel_tol=max(near, 1e-12)) for other in among) for one in values) / len(values)

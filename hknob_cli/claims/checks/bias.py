@@ -7,12 +7,12 @@ from hknob_cli.claims.checks.arithmetic import Names, bound
 from hknob_cli.claims.checks.rows import one_number, rows_of
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.linear_motion import hold_matrices
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 
 @check
 def bias_by(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     nuisance: str,
     level: float,
@@ -47,7 +47,7 @@ def bias_by(
 
 @check
 def regularised_inertia(
-    _: Evidence, *, where: Names, noise_percent: float, pulse_s: float = 0.02, window_s: float = 0.03
+    _: ResultSet, *, where: Names, noise_percent: float, pulse_s: float = 0.02, window_s: float = 0.03
 ) -> float:
     """Inertia, % of the true one, that least squares find where the acceleration alone has an error of its own.
 

@@ -9,7 +9,7 @@ from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.motion import Point, trials
 from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.plan import COUNTS, RATE
 
 ERRANT = 2.0  # times the median bounce of a trial: above it a bounce is errant
@@ -24,7 +24,7 @@ class Bounce(NamedTuple):
 
 
 @check
-def bounce_frequency(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+def bounce_frequency(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """Frequency, Hz, of the bounces that are not errant: their number over the time that they take; all trials.
 
     ``after``: s, when the motion is steady. A bounce is errant if it is larger than twice the median of its trial.
@@ -34,20 +34,20 @@ def bounce_frequency(evidence: Evidence, result: str, after: float, where: Where
 
 
 @check
-def errant_share(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+def errant_share(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """Share of the bounces, %, that are errant, over all trials; ``after``: s, when the motion is steady."""
     return percent(one.errant for trial in _bounces(evidence, result, after, where) for one in trial)
 
 
 @check
-def errant_trials(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+def errant_trials(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """Share of the trials, %, that have errant bounces; ``after``: s, when the motion is steady."""
     return percent(any(one.errant for one in trial) for trial in _bounces(evidence, result, after, where))
 
 
 @check
 def errant_rate(
-    evidence: Evidence, result: str, after: float, runs: bool = False, where: Where | None = None
+    evidence: ResultSet, result: str, after: float, runs: bool = False, where: Where | None = None
 ) -> float | None:
     """Errant bounces a second: how many follow the first of a trial, over the time from it to the last; all trials.
 
@@ -66,7 +66,7 @@ def errant_rate(
 
 
 @check
-def worst_crossing(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+def worst_crossing(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """How late, in sample periods, the crossing is seen that leads to a trial's largest excursion.
 
     Mean over the trials that have errant bounces. An excursion is the farthest from a count edge between two crossings
@@ -83,7 +83,7 @@ def worst_crossing(evidence: Evidence, result: str, after: float, where: Where |
 
 @check
 def bounce_spread(
-    evidence: Evidence, result: str, after: float, statistic: str = "mean", where: Where | None = None
+    evidence: ResultSet, result: str, after: float, statistic: str = "mean", where: Where | None = None
 ) -> float | None:
     """Largest over least bounce of a trial that is above a tenth of its largest; a statistic over the trials.
 
@@ -96,7 +96,7 @@ def bounce_spread(
 
 @check
 def phase_plane_aspect(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     after: float,
@@ -141,7 +141,7 @@ def worst_delay(track: list[Point], quantum: float) -> float | None:
     return next((time - worst for time in samples if time >= worst), None)
 
 
-def _steady(evidence: Evidence, result: str, after: float, where: Where | None) -> list[list[Point]]:
+def _steady(evidence: ResultSet, result: str, after: float, where: Where | None) -> list[list[Point]]:
     """The recorded trials from ``after`` on. Raises `UsageError` where that is later than all of a trial."""
     found = [[point for point in track if point.time >= after] for track in trials(evidence, result, where)]
     if any(len(track) < 2 for track in found):
@@ -149,7 +149,7 @@ def _steady(evidence: Evidence, result: str, after: float, where: Where | None) 
     return found
 
 
-def _bounces(evidence: Evidence, result: str, after: float, where: Where | None) -> list[list[Bounce]]:
+def _bounces(evidence: ResultSet, result: str, after: float, where: Where | None) -> list[list[Bounce]]:
     """Bounces of every recorded trial."""
     return [judged(_turns(track)) for track in _steady(evidence, result, after, where)]
 

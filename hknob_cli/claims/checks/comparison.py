@@ -3,7 +3,7 @@
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, matching, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import CAMPAIGN, Evidence, MissingError, Rows
+from hknob_cli.results.evidence import CAMPAIGN, ResultSet, MissingError, Rows
 
 QUANTITIES = {
     "p2p": "p2p_difference",
@@ -16,7 +16,7 @@ _NEEDS = ("p2p_rad", "frequency_hz")
 
 @check
 def difference(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     quantity: str = "p2p",
@@ -37,7 +37,7 @@ def difference(
 
 @check
 def largest_deviation(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     printed: dict[str, float],
@@ -56,7 +56,7 @@ def largest_deviation(
 
 @check
 def ratio(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     quantity: str = "p2p",
@@ -72,7 +72,7 @@ def ratio(
 
 @check
 def agreement(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     least: float,
@@ -88,7 +88,7 @@ def agreement(
 
 @check
 def accuracy_ratio(
-    evidence: Evidence, result: str, against: str, where: Where | None = None, file: str = "cells"
+    evidence: ResultSet, result: str, against: str, where: Where | None = None, file: str = "cells"
 ) -> float | None:
     """Mean size of the differences in frequency over that of those in peak to peak; below 1: pitch is nearer."""
     pitch, size = (
@@ -100,7 +100,7 @@ def accuracy_ratio(
 
 @check
 def largest_beside(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     to: str,
@@ -127,7 +127,7 @@ def largest_beside(
 
 @check
 def of_two_cells(
-    evidence: Evidence, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
+    evidence: ResultSet, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
 ) -> float | None:
     """A column in one cell over the same in another, of the same or another sweep; means where several fit."""
     first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")
@@ -136,7 +136,7 @@ def of_two_cells(
 
 
 def _differences(
-    evidence: Evidence, result: str, against: str, quantity: str, where: Where | None, file: str
+    evidence: ResultSet, result: str, against: str, quantity: str, where: Where | None, file: str
 ) -> list[float]:
     """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
     from hknob_cli.report.dfa import nearest_cycles
@@ -151,7 +151,7 @@ def _differences(
     ]
 
 
-def _beside(evidence: Evidence, rows: Rows, result: str, against: str) -> Rows:
+def _beside(evidence: ResultSet, rows: Rows, result: str, against: str) -> Rows:
     """The rows with the values of the sweep, or campaign, and the differences; what rests has none."""
     from hknob_cli.stages.compare import Against
 

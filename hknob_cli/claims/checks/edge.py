@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, one_number, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from hknob_cli.theory.working_edge import WorkingEdge
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 _STEPS = 4096
 
 
-def edge_of(evidence: Evidence, result: str, row: dict[str, Any]) -> "WorkingEdge":
+def edge_of(evidence: ResultSet, result: str, row: dict[str, Any]) -> "WorkingEdge":
     """Inertia, damping, stiffness, torque step, ... of the cell of a row (SI units)."""
     from hknob_cli.spec.plan import scene_at
     from hknob_cli.theory.working_edge import working_edge
@@ -24,14 +24,14 @@ def edge_of(evidence: Evidence, result: str, row: dict[str, Any]) -> "WorkingEdg
 
 
 @check
-def relay_gain(evidence: Evidence) -> float:  # noqa: ARG001 - it needs no result
+def relay_gain(evidence: ResultSet) -> float:  # noqa: ARG001 - it needs no result
     """Amplitude of the fundamental of a relay's output over its level, N(A) A / M, by quadrature over a sine."""
     phases = ((i + 0.5) * 2.0 * pi / _STEPS for i in range(_STEPS))
     return sum((1.0 if sin(phase) > 0.0 else -1.0) * sin(phase) for phase in phases) * 2.0 / _STEPS
 
 
 @check
-def harmonic_balance(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def harmonic_balance(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Largest |1 + N(A) G(jw) e^{-jwT/2}| at the cycles of one harmonic, M = K q / 2: 0 if they solve it."""
     residuals = []
     for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
@@ -44,7 +44,7 @@ def harmonic_balance(evidence: Evidence, result: str, where: Where | None = None
 
 
 @check
-def plant_steepness(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def plant_steepness(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Mean exponent of the plant's magnitude as a power of frequency, at the cycles that one harmonic predicts."""
     found = []
     for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["frequency_hz"]):
@@ -60,7 +60,7 @@ def _plant(edge: "WorkingEdge", omega: float) -> complex:
 
 
 @check
-def net_torque(evidence: Evidence, result: str, side: str, where: Where | None = None) -> float | None:
+def net_torque(evidence: ResultSet, result: str, side: str, where: Where | None = None) -> float | None:
     """Torque of wall and push, just ``outside`` or ``inside`` the edge, in torque steps K q; mean of the cells.
 
     That is the plant's input u of sec. 7.2 with the push in it; positive: out of the wall.
@@ -73,7 +73,7 @@ def net_torque(evidence: Evidence, result: str, side: str, where: Where | None =
 
 
 @check
-def law_constant(evidence: Evidence, result: str, law: str) -> float | None:
+def law_constant(evidence: ResultSet, result: str, law: str) -> float | None:
     """C of p2p = C q T, 1/s, from the scene.
 
     ``law``: `describing_function` 2 K / (pi b), `energy_balance` 3 K / (4 b).
@@ -88,7 +88,7 @@ def law_constant(evidence: Evidence, result: str, law: str) -> float | None:
 
 @check
 def fitted_constant(
-    evidence: Evidence, result: str, where: Where | None = None, statistic: str = "median"
+    evidence: ResultSet, result: str, where: Where | None = None, statistic: str = "median"
 ) -> float | None:
     """A statistic of p2p / (q T) over the cells that cycle, 1/s: C as the sweep has it."""
     rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad"])
@@ -98,7 +98,7 @@ def fitted_constant(
 
 @check
 def from_one_case(
-    evidence: Evidence, result: str, case: Where, where: Where | None = None, statistic: str = "mean_size"
+    evidence: ResultSet, result: str, case: Where, where: Where | None = None, statistic: str = "mean_size"
 ) -> float | None:
     """A statistic of (C q T - p2p) / p2p, %, over the cells that cycle, with C from the cell that ``case`` names."""
     constant = fitted_constant(evidence, result, case, "mean")
@@ -112,7 +112,7 @@ def from_one_case(
 
 
 @check
-def swing_at(evidence: Evidence, result: str, frequency_hz: float, where: Where | None = None) -> float | None:
+def swing_at(evidence: ResultSet, result: str, frequency_hz: float, where: Where | None = None) -> float | None:
     """Peak to peak, rad, that a torque of ±K q / 2 can move the scene's inertia at a frequency: K q / (32 J f²).
 
     The torque is a square wave and nothing else acts, so the velocity is triangular; a push off the middle, damping or
@@ -126,7 +126,7 @@ def swing_at(evidence: Evidence, result: str, frequency_hz: float, where: Where 
 
 
 @check
-def pitch_of_swing(evidence: Evidence, result: str, p2p_rad: float, where: Where | None = None) -> float | None:
+def pitch_of_swing(evidence: ResultSet, result: str, p2p_rad: float, where: Where | None = None) -> float | None:
     """Frequency, Hz, at which a torque of ±K q / 2 moves the inertia by that peak to peak: `swing_at` inverted."""
     at_one = swing_at(evidence, result, 1.0, where)
     return None if at_one is None or p2p_rad <= 0.0 else sqrt(at_one / p2p_rad)
@@ -134,7 +134,7 @@ def pitch_of_swing(evidence: Evidence, result: str, p2p_rad: float, where: Where
 
 @check
 def beyond_reach(
-    evidence: Evidence, result: str, frequency_hz: float, p2p_rad: float, where: Where | None = None
+    evidence: ResultSet, result: str, frequency_hz: float, p2p_rad: float, where: Where | None = None
 ) -> float | None:
     """A peak to peak over the one that `swing_at` gives at that frequency."""
     reach = swing_at(evidence, result, frequency_hz, where)
@@ -143,7 +143,7 @@ def beyond_reach(
 
 @check
 def damped_natural_frequency(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     damping_factor: float = 1.0,
     inertia_factor: float = 1.0,
@@ -165,7 +165,7 @@ def damped_natural_frequency(
 
 @check
 def size_at_delay(
-    evidence: Evidence, result: str, factor: float, where: Where | None = None, statistic: str = "mean"
+    evidence: ResultSet, result: str, factor: float, where: Where | None = None, statistic: str = "mean"
 ) -> float | None:
     """Size of the cycle of one harmonic with ``factor`` times the delay of the scene, over that with 1.
 

@@ -8,14 +8,14 @@ from hknob_cli.claims.checks.edge import edge_of
 from hknob_cli.claims.checks.motion import motion
 from hknob_cli.claims.checks.rows import Where, one_number, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence, Rows
+from hknob_cli.results.evidence import ResultSet, Rows
 
 PARTS = ("late_entry_j", "late_exit_j", "staircase_j")
 
 
 @check
 def leak_share(
-    evidence: Evidence, result: str, parts: list[str], where: Where | None = None, statistic: str = "mean"
+    evidence: ResultSet, result: str, parts: list[str], where: Where | None = None, statistic: str = "mean"
 ) -> float | None:
     """Share of the wall's work in a cycle, %, by ``parts``: late_entry_j, late_exit_j, staircase_j; over the orbits."""
     if unknown := sorted(set(parts) - set(PARTS)):
@@ -25,13 +25,13 @@ def leak_share(
 
 
 @check
-def least_leak_share(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def least_leak_share(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Least share of the wall's work in a cycle, %, that any of entry, exit and staircase has in any orbit."""
     return one_number((leak_share(evidence, result, [part], where, "least") for part in PARTS), "least")
 
 
 @check
-def work_over_loss(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def work_over_loss(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Largest size of (work of the wall - losses) / work over a cycle, of all orbits, %."""
     rows = _cycles(evidence, result, where)
     return one_number(
@@ -44,7 +44,7 @@ def work_over_loss(evidence: Evidence, result: str, where: Where | None = None) 
 
 
 @check
-def orbits_at_wall(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def orbits_at_wall(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Share of the trials that cycle, %, whose cycle crosses the wall's edge, 0."""
     rows = _cycles(evidence, result, where)
     total = sum(row["basin_fraction"] for row in rows)
@@ -53,7 +53,7 @@ def orbits_at_wall(evidence: Evidence, result: str, where: Where | None = None) 
 
 
 @check
-def orbits_over_edges(evidence: Evidence, result: str, most: int, where: Where | None = None) -> float | None:
+def orbits_over_edges(evidence: ResultSet, result: str, most: int, where: Where | None = None) -> float | None:
     """Share of the trials that cycle, %, whose cycle crosses at most so many count edges."""
     rows = _cycles(evidence, result, where)
     total = sum(row["basin_fraction"] for row in rows)
@@ -65,20 +65,20 @@ def orbits_over_edges(evidence: Evidence, result: str, most: int, where: Where |
     return float(100.0 * few / total)
 
 
-def _cycles(evidence: Evidence, result: str, where: Where | None) -> Rows:
+def _cycles(evidence: ResultSet, result: str, where: Where | None) -> Rows:
     needs = ["wall_work_j", "damping_loss_j", *PARTS, "basin_fraction"]
     return rows_of(evidence, result, "orbits", {"outcome": "cycle", **(where or {})}, needs=needs)
 
 
 @check
-def contact_gain(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def contact_gain(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Energy that the wall adds in the recorded contact, J."""
     track = motion(evidence, result, where)
     return sum(now.torque * (then.angle - now.angle) for now, then in itertools.pairwise(track))
 
 
 @check
-def contact_gain_ratio(evidence: Evidence, result: str, to: str, same_motion: bool = False) -> float | None:
+def contact_gain_ratio(evidence: ResultSet, result: str, to: str, same_motion: bool = False) -> float | None:
     """Energy the wall adds in a recorded contact, over that of the scene ``to``.
 
     ``same_motion``: that of ``to`` along the motion of ``result``, its torque -K angle held from sample to sample, as
@@ -90,7 +90,7 @@ def contact_gain_ratio(evidence: Evidence, result: str, to: str, same_motion: bo
 
 
 @check
-def extra_on_exit(evidence: Evidence, result: str, after: float = 0.0, where: Where | None = None) -> float | None:
+def extra_on_exit(evidence: ResultSet, result: str, after: float = 0.0, where: Where | None = None) -> float | None:
     """Share of the work that counts add to a recorded motion, %, which they add outside the wall: on exit.
 
     What they add is the work of the recorded torque less that of -K angle, held from sample to sample, along the same
@@ -108,7 +108,7 @@ def extra_on_exit(evidence: Evidence, result: str, after: float = 0.0, where: Wh
     return 100.0 * outside / whole if whole > 0.0 else None
 
 
-def _held_gain(evidence: Evidence, result: str, to: str) -> float:
+def _held_gain(evidence: ResultSet, result: str, to: str) -> float:
     stiffness = evidence[to].scene.wall.stiffness
     torque, added = 0.0, 0.0
     track = motion(evidence, result)

@@ -3,10 +3,10 @@
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.edge import edge_of
 from hknob_cli.claims.checks.rows import Where, matching, percent, rows_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 
-def _complete(evidence: Evidence, result: str, where: Where | None, column: str) -> list[dict[str, float]]:
+def _complete(evidence: ResultSet, result: str, where: Where | None, column: str) -> list[dict[str, float]]:
     """Cells with a column. Raises `MissingError` where a list is not proven to be complete."""
     rows = rows_of(evidence, result, "cells", where, needs=["complete", column])
     if not all(row["complete"] for row in rows):
@@ -15,7 +15,7 @@ def _complete(evidence: Evidence, result: str, where: Where | None, column: str)
 
 
 @check
-def largest_within(evidence: Evidence, result: str, counts: float, where: Where | None = None) -> float | None:
+def largest_within(evidence: ResultSet, result: str, counts: float, where: Where | None = None) -> float | None:
     """Share of the cells, %, whose largest cycle, of all there are, is smaller than so many counts, peak to peak."""
     rows = _complete(evidence, result, where, "p2p_max_rad")
     return percent(
@@ -24,19 +24,19 @@ def largest_within(evidence: Evidence, result: str, counts: float, where: Where 
 
 
 @check
-def alone(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def alone(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Share of the cells, %, with one attractor only."""
     return percent(row["orbit_count"] == 1 for row in _complete(evidence, result, where, "orbit_count"))
 
 
 @check
-def rows_in(evidence: Evidence, result: str, file: str = "cells", where: Where | None = None) -> float:
+def rows_in(evidence: ResultSet, result: str, file: str = "cells", where: Where | None = None) -> float:
     """Number of rows of a table."""
     return len(rows_of(evidence, result, file, where, needs=[]))
 
 
 @check
-def cells_larger(evidence: Evidence, result: str, than: str, times: float = 1.0) -> float:
+def cells_larger(evidence: ResultSet, result: str, than: str, times: float = 1.0) -> float:
     """Number of cells whose largest cycle, of all there are, is more than so many times that of another sweep."""
     axes = evidence[than].axes
     others = rows_of(evidence, than, "cells", needs=[*axes, "p2p_max_rad"])

@@ -4,14 +4,14 @@ import numpy as np
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, one_number, rows_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 Values = np.ndarray
 
 _NEEDS = ("time_s", "angle_rad", "velocity_rad_s")
 
 
-def _recording(evidence: Evidence, result: str, where: Where | None, *more: str) -> dict[str, Values]:
+def _recording(evidence: ResultSet, result: str, where: Where | None, *more: str) -> dict[str, Values]:
     """Columns of the first trial recorded."""
     rows = rows_of(evidence, result, "trajectories", where, needs=[*_NEEDS, *more, "trial"])
     rows = [row for row in rows if row["trial"] == rows[0]["trial"]]
@@ -27,7 +27,7 @@ def _rates(time: Values, velocity: Values) -> tuple[Values, Values]:
 
 @check
 def motion_difference(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     to: str,
     quantity: str = "angle",
@@ -54,7 +54,7 @@ def motion_difference(
 
 
 @check
-def finger_share(evidence: Evidence, result: str, where: Where | None = None) -> float:
+def finger_share(evidence: ResultSet, result: str, where: Where | None = None) -> float:
     """Largest acceleration of the finger, in % of the knob's."""
     one = _recording(evidence, result, where, "finger_velocity_rad_s")
     knob, finger = (
@@ -64,7 +64,7 @@ def finger_share(evidence: Evidence, result: str, where: Where | None = None) ->
 
 
 @check
-def dips(evidence: Evidence, result: str, where: Where | None = None) -> float:
+def dips(evidence: ResultSet, result: str, where: Where | None = None) -> float:
     """Number of times that the angle falls and rises again while the pulse lasts."""
     one = _recording(evidence, result, where)
     pulse = (evidence[result].provenance["spec"].get("record") or {}).get("pulse")
@@ -77,7 +77,7 @@ def dips(evidence: Evidence, result: str, where: Where | None = None) -> float:
 
 @check
 def share_falling(
-    evidence: Evidence, result: str, file: str, column: str, along: str, where: Where | None = None
+    evidence: ResultSet, result: str, file: str, column: str, along: str, where: Where | None = None
 ) -> float:
     """Share of the steps of one column, in ascending order, %, at which another falls."""
     rows = rows_of(evidence, result, file, where, needs=[column, along])
@@ -90,7 +90,7 @@ def share_falling(
 
 @check
 def unexplained(
-    evidence: Evidence, result: str, estimator: str, where: Where | None = None, statistic: str = "largest"
+    evidence: ResultSet, result: str, estimator: str, where: Where | None = None, statistic: str = "largest"
 ) -> float | None:
     """A statistic of the variance of the angle that fits leave unexplained, %."""
     asked = {"estimator": estimator, **(where or {})}

@@ -6,12 +6,12 @@ from math import log, nan
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Line, Where, averaged, lines, matching, one_number, percent, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 
 @check
 def cell_statistic(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     statistic: str = "mean",
@@ -28,7 +28,7 @@ def cell_statistic(
 
 @check
 def share_of_cells(
-    evidence: Evidence, result: str, having: Where, where: Where | None = None, file: str = "cells"
+    evidence: ResultSet, result: str, having: Where, where: Where | None = None, file: str = "cells"
 ) -> float | None:
     """Share of the cells, %, that have column values within the bounds of ``having``."""
     rows = rows_of(evidence, result, file, where, needs=having)
@@ -37,7 +37,7 @@ def share_of_cells(
 
 @check
 def count_of_cells(
-    evidence: Evidence, result: str, having: Where, where: Where | None = None, file: str = "cells"
+    evidence: ResultSet, result: str, having: Where, where: Where | None = None, file: str = "cells"
 ) -> float:
     """Number of cells that have column values within the bounds of ``having``."""
     return len(matching(rows_of(evidence, result, file, where, needs=having), having))
@@ -45,7 +45,7 @@ def count_of_cells(
 
 @check
 def trend(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     along: str,
@@ -69,7 +69,7 @@ def trend(
 
 @check
 def slope(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     along: str,
@@ -88,7 +88,7 @@ def slope(
 
 @check
 def slope_ratio(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     to: str,
@@ -104,7 +104,7 @@ def slope_ratio(
 
 @check
 def spread_along(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     along: str,
@@ -121,7 +121,7 @@ def spread_along(
 
 @check
 def end_to_end(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     along: str,
@@ -137,7 +137,7 @@ def end_to_end(
 
 @check
 def largest_over(
-    evidence: Evidence, result: str, column: str, at: Where, where: Where | None = None, file: str = "cells"
+    evidence: ResultSet, result: str, column: str, at: Where, where: Where | None = None, file: str = "cells"
 ) -> float | None:
     """Largest value of a column over the cells, over its value in the cell ``at``."""
     largest = cell_statistic(evidence, result, column, "largest", where, file=file)
@@ -147,7 +147,7 @@ def largest_over(
 
 @check
 def paired_trend(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     pairs: dict[str, list[float]],
@@ -181,7 +181,7 @@ def _sign(direction: str) -> float:
 
 
 def _lines(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     column: str,
     along: str,

@@ -9,7 +9,7 @@ from hknob_cli.apparatus.pulse import peak_per_torque, scaled_pulse
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 _J, _B, _K, _RATIO = "inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad", "damping_ratio"
 _STD = {
@@ -30,14 +30,14 @@ _APPARATUS = "apparatus_inertia_kg_m2"
 Row = dict[str, Any]
 
 
-def _conditions(evidence: Evidence, result: str, estimator: str, level: str, where: Where | None = None) -> list[Row]:
+def _conditions(evidence: ResultSet, result: str, estimator: str, level: str, where: Where | None = None) -> list[Row]:
     asked = {"level": level, "estimator": estimator, **(where or {})}
     return rows_of(evidence, result, "conditions", asked, needs=[*_STD, *_KEYS, "level"])
 
 
 @check
 def tables_within(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     estimator: str,
     quantities: list[str] | None = None,
@@ -68,7 +68,7 @@ def tables_within(
 
 @check
 def mean_offset(
-    evidence: Evidence, result: str, estimator: str, column: str, where: Where | None = None, statistic: str = "mean"
+    evidence: ResultSet, result: str, estimator: str, column: str, where: Where | None = None, statistic: str = "mean"
 ) -> float | None:
     """A statistic of identified over printed means, less 1, in %, over the conditions of Tables 1-5."""
     found = []
@@ -82,7 +82,7 @@ def mean_offset(
 
 @check
 def variation_ratio(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     estimator: str,
     columns: list[str] | None = None,
@@ -105,7 +105,7 @@ def variation_ratio(
 
 @check
 def identified_change(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     to: str,
     column: str,
@@ -138,7 +138,7 @@ def identified_change(
 
 @check
 def displaced_share(
-    evidence: Evidence, result: str, estimator: str, low: float, high: float, where: Where | None = None
+    evidence: ResultSet, result: str, estimator: str, low: float, high: float, where: Where | None = None
 ) -> float | None:
     """Share of the blocks, %, in which the pulse of their grip turns the identified hand by ``low`` to ``high`` rad.
 
@@ -158,7 +158,7 @@ def displaced_share(
 
 @check
 def apparatus_error(
-    evidence: Evidence, result: str, estimator: str, where: Where | None = None, statistic: str = "mean"
+    evidence: ResultSet, result: str, estimator: str, where: Where | None = None, statistic: str = "mean"
 ) -> float | None:
     """A statistic of the identified inertia of the apparatus alone over the true one, less 1, in %."""
     true = setups()
@@ -171,7 +171,7 @@ def apparatus_error(
 
 @check
 def apparatus_share(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     estimator: str,
     column: str,

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, one_number, percent, rows_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.plan import COUNTS, RATE
 
 _NEEDS = ("time_s", "event", "angle_rad", "velocity_rad_s", "torque_nm")
@@ -22,13 +22,13 @@ class Point(NamedTuple):
     torque: float
 
 
-def motion(evidence: Evidence, result: str, where: Where | None = None) -> list[Point]:
+def motion(evidence: ResultSet, result: str, where: Where | None = None) -> list[Point]:
     """The recorded motion of one trial, the first. Raises `MissingError`."""
     rows = rows_of(evidence, result, "trajectories", where, needs=[*_NEEDS, "trial"])
     return [Point(*(row[name] for name in _NEEDS)) for row in rows if row["trial"] == rows[0]["trial"]]
 
 
-def trials(evidence: Evidence, result: str, where: Where | None) -> list[list[Point]]:
+def trials(evidence: ResultSet, result: str, where: Where | None) -> list[list[Point]]:
     """The recorded motion of every trial. Raises `MissingError`."""
     found: dict[int, list[Point]] = {}
     for row in rows_of(evidence, result, "trajectories", where, needs=[*_NEEDS, "trial"]):
@@ -37,7 +37,7 @@ def trials(evidence: Evidence, result: str, where: Where | None) -> list[list[Po
 
 
 @check
-def contacts(evidence: Evidence, result: str, where: Where | None = None) -> float:
+def contacts(evidence: ResultSet, result: str, where: Where | None = None) -> float:
     """Number of times a recorded knob enters the wall."""
     track = motion(evidence, result, where)
     inside = [point.angle < 0.0 for point in track]
@@ -45,7 +45,7 @@ def contacts(evidence: Evidence, result: str, where: Where | None = None) -> flo
 
 
 @check
-def left_after(evidence: Evidence, result: str, seconds: float, where: Where | None = None) -> float | None:
+def left_after(evidence: ResultSet, result: str, seconds: float, where: Where | None = None) -> float | None:
     """Peak to peak of what is left of a motion so many seconds after first contact, over its depth in the wall, %."""
     track = motion(evidence, result, where)
     first = next((point.time for point in track if point.angle < 0.0), None)
@@ -56,7 +56,7 @@ def left_after(evidence: Evidence, result: str, seconds: float, where: Where | N
 
 
 @check
-def reading_offset(evidence: Evidence, result: str, statistic: str = "mean") -> float | None:
+def reading_offset(evidence: ResultSet, result: str, statistic: str = "mean") -> float | None:
     """Depth that a recorded wall's torque answers, less the depth of the knob, in counts; over the time in the wall.
 
     ``statistic``: `mean` over time, or `least`. For a controller without a sample clock.
@@ -75,7 +75,7 @@ def reading_offset(evidence: Evidence, result: str, statistic: str = "mean") -> 
 
 
 @check
-def staircase_asymmetry(evidence: Evidence, result: str) -> float | None:
+def staircase_asymmetry(evidence: ResultSet, result: str) -> float | None:
     """Largest distance, counts, between the angles of a torque step on the way into and out of a recorded wall."""
     rows = rows_of(evidence, result, "trajectories", needs=[*_NEEDS, COUNTS])
     quantum, stiffness = 2.0 * pi / rows[0][COUNTS], evidence[result].scene.wall.stiffness
@@ -98,14 +98,14 @@ class Switch(NamedTuple):
 
 
 @check
-def switches_at_samples(evidence: Evidence, result: str, after: float, where: Where | None = None) -> float | None:
+def switches_at_samples(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """Share of the torque's changes, %, that happen at a sample; ``after``: s, when the motion is steady."""
     return percent(switch.at_sample for switch in _switches(evidence, result, after, where))
 
 
 @check
 def switch_distance(
-    evidence: Evidence, result: str, after: float, statistic: str = "least", where: Where | None = None
+    evidence: ResultSet, result: str, after: float, statistic: str = "least", where: Where | None = None
 ) -> float | None:
     """How far past the count edge the torque changes, % of peak to peak; ``after``: s, when the motion is steady."""
     return one_number((100.0 * one.distance for one in _switches(evidence, result, after, where)), statistic)
@@ -113,7 +113,7 @@ def switch_distance(
 
 @check
 def switch_delay(
-    evidence: Evidence, result: str, after: float, statistic: str = "mean", where: Where | None = None
+    evidence: ResultSet, result: str, after: float, statistic: str = "mean", where: Where | None = None
 ) -> float | None:
     """Time from the crossing of a count edge to the change of torque, in sample periods, over all recorded trials.
 
@@ -122,7 +122,7 @@ def switch_delay(
     return one_number((one.delay for one in _switches(evidence, result, after, where)), statistic)
 
 
-def _switches(evidence: Evidence, result: str, after: float, where: Where | None) -> list[Switch]:
+def _switches(evidence: ResultSet, result: str, after: float, where: Where | None) -> list[Switch]:
     row = rows_of(evidence, result, "trajectories", where, needs=[RATE, COUNTS])[0]
     quantum, rate = 2.0 * pi / row[COUNTS], row[RATE]
     found: list[Switch] = []

@@ -10,7 +10,7 @@ import numpy as np
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.arithmetic import Names, bound
 from hknob_cli.claims.expression import evaluate
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 Matrix = np.ndarray[Any, np.dtype[np.float64]]
 
@@ -30,7 +30,7 @@ def network(parameters: dict[str, float]) -> tuple[Matrix, Matrix]:
 
 
 @check
-def matrix_difference(_: Evidence, *, printed: list[list[str]], where: Names) -> float:
+def matrix_difference(_: ResultSet, *, printed: list[list[str]], where: Names) -> float:
     """Largest difference between a printed state matrix and Equation 1's, in % of the larger of the two elements."""
     names = bound(where)
     shown = np.array([[evaluate(element, names) for element in row] for row in printed])
@@ -38,7 +38,7 @@ def matrix_difference(_: Evidence, *, printed: list[list[str]], where: Names) ->
 
 
 @check
-def input_difference(_: Evidence, *, printed: list[str], where: Names) -> float:
+def input_difference(_: ResultSet, *, printed: list[str], where: Names) -> float:
     """Largest difference between a printed input vector and Equation 1's, in % of the larger of the two elements."""
     names = bound(where)
     return _difference(np.array([evaluate(element, names) for element in printed]), network(names)[1])
@@ -50,7 +50,7 @@ def _difference(shown: Matrix, true: Matrix) -> float:
 
 
 @check
-def static_stiffness(_: Evidence, *, where: Names) -> float:
+def static_stiffness(_: ResultSet, *, where: Names) -> float:
     """Torque per angle (N·m/rad) of the knob held still, of the network of Equation 1."""
     rates, enters = network(bound(where))
     return float(-1.0 / np.linalg.solve(rates, enters)[0])
@@ -58,7 +58,7 @@ def static_stiffness(_: Evidence, *, where: Names) -> float:
 
 @check
 def fitted_inertia(
-    _: Evidence, *, where: Names, pulse_torque: float, pulse_s: float, samples: int, sample_rate_hz: float
+    _: ResultSet, *, where: Names, pulse_torque: float, pulse_s: float, samples: int, sample_rate_hz: float
 ) -> float:
     """Inertia (kg·m²) that a second-order least-squares fit finds in the network's answer to a torque pulse.
 

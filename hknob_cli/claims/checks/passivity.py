@@ -4,13 +4,13 @@ from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.edge import edge_of
 from hknob_cli.claims.checks.rows import Where, matching, percent, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.plan import COUNTS
 
 
 @check
 def cycles_where_limit(
-    evidence: Evidence, result: str, limit: str, holds: bool, where: Where | None = None
+    evidence: ResultSet, result: str, limit: str, holds: bool, where: Where | None = None
 ) -> float | None:
     """Share of a sweep's cells, %, with any trial that cycles, of those where a limit holds (or does not).
 
@@ -35,7 +35,7 @@ def cycles_where_limit(
 
 @check
 def friction_that_ends(
-    evidence: Evidence, result: str, column: str = "knob.coulomb_torque", where: Where | None = None
+    evidence: ResultSet, result: str, column: str = "knob.coulomb_torque", where: Where | None = None
 ) -> float | None:
     """Least Coulomb friction from which on every trial rests, over all pushes of the grid, in torque steps K q."""
     rows = rows_of(evidence, result, "cells", where, needs=[column, "at_rest_fraction"])
@@ -46,7 +46,7 @@ def friction_that_ends(
 
 
 @check
-def counts_that_end(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def counts_that_end(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Fewest counts per revolution of the grid from which on every trial of every cell rests."""
     rows = rows_of(evidence, result, "cells", where, needs=[COUNTS, "at_rest_fraction"])
     most = max((row[COUNTS] for row in matching(rows, {"at_rest_fraction": {"below": 1.0}})), default=-1)

@@ -4,11 +4,11 @@ import numpy as np
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, rows_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import PERSON
 
 
-def _values(evidence: Evidence, result: str, column: str, where: Where | None) -> "np.ndarray":
+def _values(evidence: ResultSet, result: str, column: str, where: Where | None) -> "np.ndarray":
     rows = rows_of(evidence, result, "cells", where, needs=[column, PERSON])
     found = np.array([row[column] for row in rows if row[column]], dtype=float)
     if len(found) < 2:
@@ -18,7 +18,7 @@ def _values(evidence: Evidence, result: str, column: str, where: Where | None) -
 
 @check
 def people_percentile(
-    evidence: Evidence, result: str, column: str, percentile: float, where: Where | None = None
+    evidence: ResultSet, result: str, column: str, percentile: float, where: Where | None = None
 ) -> float:
     """Value of a column that so many per cent of the people for whom it is above 0 do not exceed; in its unit."""
     return float(np.percentile(_values(evidence, result, column, where), percentile))
@@ -26,7 +26,7 @@ def people_percentile(
 
 @check
 def people_spread(
-    evidence: Evidence, result: str, column: str, low: float = 5.0, high: float = 95.0, where: Where | None = None
+    evidence: ResultSet, result: str, column: str, low: float = 5.0, high: float = 95.0, where: Where | None = None
 ) -> float:
     """Value of a column at a high percentile of the people over that at a low one; of those for whom it is above 0."""
     least, largest = np.percentile(_values(evidence, result, column, where), [low, high])

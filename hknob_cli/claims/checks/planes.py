@@ -8,12 +8,12 @@ from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.edge import edge_of
 from hknob_cli.claims.checks.rows import Where, one_number, rows_of
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 from hknob_cli.spec.plan import COUNTS, RATE
 
 
 @check
-def planarity(evidence: Evidence, result: str, column: str, where: Where | None = None) -> float | None:
+def planarity(evidence: ResultSet, result: str, column: str, where: Where | None = None) -> float | None:
     """Part of the variance of a column's logarithm, %, that a plane over log sample rate and log counts explains."""
     rows = rows_of(evidence, result, "cells", where, needs=[column, RATE, COUNTS])
     found = [(log(row[RATE]), log(row[COUNTS]), log(row[column])) for row in rows if (row[column] or 0.0) > 0.0]
@@ -21,7 +21,7 @@ def planarity(evidence: Evidence, result: str, column: str, where: Where | None 
 
 
 @check
-def product_explains(evidence: Evidence, result: str, where: Where | None = None) -> float | None:
+def product_explains(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
     """Part of the variance of log p2p, %, that C q T explains with the slope of 1 and the best C."""
     rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad", RATE, COUNTS])
     left, values = [], []
@@ -43,7 +43,7 @@ def _explained(points: list[list[float]], values: list[float]) -> float | None:
 
 @check
 def trough(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     where: Where | None = None,
     statistic: str = "median",

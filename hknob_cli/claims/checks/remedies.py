@@ -2,12 +2,12 @@
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import rows_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 
 @check
 def remedies_that(
-    evidence: Evidence, result: str, case: str, smaller: float = 0.0, reference: str = "plain wall"
+    evidence: ResultSet, result: str, case: str, smaller: float = 0.0, reference: str = "plain wall"
 ) -> float:
     """Number of remedies that make the buzz so many times smaller at a case, or end it, for every hand.
 

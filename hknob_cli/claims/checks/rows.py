@@ -5,7 +5,7 @@ from math import isfinite, nan, sqrt
 from typing import Any
 
 from hknob_cli.errors import UsageError
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 Where = dict[str, Any]
 Line = list[tuple[float, float]]
@@ -20,7 +20,7 @@ _BOUNDS: dict[str, Callable[[float, float], bool]] = {
 }
 
 
-def rows_of(evidence: Evidence, result: str, file: str, where: Where | None = None, *, needs: Iterable[str]) -> Rows:
+def rows_of(evidence: ResultSet, result: str, file: str, where: Where | None = None, *, needs: Iterable[str]) -> Rows:
     """Rows of a result's table that ``where`` asks for, and that have all columns of ``needs``.
 
     ``where``: by column, a value (numbers as printed, to 0.5 %), a list of them, or bounds (`at_least`, `at_most`,

@@ -4,13 +4,13 @@ import numpy as np
 
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.rows import Where, one_number, rows_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 AUDIBLE_HZ = (20.0, 12500.0)  # where ISO 226 has values
 
 
 @check
-def touch_optimum(_evidence: Evidence, thresholds: str) -> float:
+def touch_optimum(_evidence: ResultSet, thresholds: str) -> float:
     """Frequency, Hz, at which a published set of thresholds of touch is least; the middle where several are."""
     from hknob_cli.perception import touch
 
@@ -20,7 +20,7 @@ def touch_optimum(_evidence: Evidence, thresholds: str) -> float:
 
 
 @check
-def touch_drop(_evidence: Evidence, thresholds: str, from_hz: float, to_hz: float) -> float:
+def touch_drop(_evidence: ResultSet, thresholds: str, from_hz: float, to_hz: float) -> float:
     """How far the threshold of touch falls from one frequency to another, dB of displacement."""
     from hknob_cli.perception import touch
 
@@ -29,27 +29,27 @@ def touch_drop(_evidence: Evidence, thresholds: str, from_hz: float, to_hz: floa
 
 
 @check
-def hearing_optimum(_evidence: Evidence, phon: float | None = None) -> float:
+def hearing_optimum(_evidence: ResultSet, phon: float | None = None) -> float:
     """Frequency, Hz, at which the least sound pressure is heard, or is as loud as ``phon`` (ISO 226), to 0.2 %."""
     frequency = np.geomspace(*AUDIBLE_HZ, 4000)
     return float(frequency[np.nanargmin(_contour(frequency, phon))])
 
 
 @check
-def hearing_change(_evidence: Evidence, from_hz: float, to_hz: list[float], phon: float | None = None) -> float:
+def hearing_change(_evidence: ResultSet, from_hz: float, to_hz: list[float], phon: float | None = None) -> float:
     """Largest size of the change of ISO 226's threshold, or contour of ``phon``, from a frequency to others, dB."""
     levels = _contour(np.array([from_hz, *to_hz]), phon)
     return float(np.abs(levels[1:] - levels[0]).max())
 
 
 @check
-def hearing_range(_evidence: Evidence, from_hz: float, to_hz: float, phon: float | None = None) -> float:
+def hearing_range(_evidence: ResultSet, from_hz: float, to_hz: float, phon: float | None = None) -> float:
     """Largest less least level of ISO 226's threshold, or contour of ``phon``, between two frequencies, dB."""
     return float(np.ptp(_contour(np.geomspace(from_hz, to_hz, 400), phon)))
 
 
 @check
-def hearing_falloff(_evidence: Evidence, below_hz: float, above_hz: float, phon: float | None = None) -> float:
+def hearing_falloff(_evidence: ResultSet, below_hz: float, above_hz: float, phon: float | None = None) -> float:
     """Rise of ISO 226's threshold, or contour of ``phon``, over the octave below one frequency and above another, dB.
 
     The lesser of the two.
@@ -60,7 +60,7 @@ def hearing_falloff(_evidence: Evidence, below_hz: float, above_hz: float, phon:
 
 @check
 def level_difference(
-    evidence: Evidence, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
+    evidence: ResultSet, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
 ) -> float | None:
     """A level (dB) in one cell less the same in another, of the same or another result; means where several fit."""
     first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")

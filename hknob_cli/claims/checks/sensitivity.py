@@ -5,12 +5,12 @@ from typing import Any
 from hknob_cli.claims.checks import check
 from hknob_cli.claims.checks.grid import exponent
 from hknob_cli.claims.checks.rows import Line, Where, lines, one_number, rows_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 
 @check
 def slope_difference(
-    evidence: Evidence,
+    evidence: ResultSet,
     result: str,
     against: str,
     column: str,

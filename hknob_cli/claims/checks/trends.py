@@ -6,7 +6,7 @@ import numpy as np
 
 from hknob_cli.claims.checks import check
 from hknob_cli.printed.tables import Row, cell, half_widths, table
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 GRIP = "grip_n"
 # Radius (m) of the knob that each table was measured with: 17.8 mm and 29.9 mm across.
@@ -25,7 +25,7 @@ def column(number: int, name: str, grips: list[float] | None = None, *, translat
 
 
 @check
-def share_of_steps(_: Evidence, *, tables: list[int], quantity: str, way: str) -> float:
+def share_of_steps(_: ResultSet, *, tables: list[int], quantity: str, way: str) -> float:
     """Share of the steps from one grip force to the next in which a column rises or falls (``way``); a fraction."""
     sign = {"rises": 1.0, "falls": -1.0}[way]
     steps = [sign * step > 0 for number in tables for step in np.diff(column(number, quantity))]
@@ -33,14 +33,14 @@ def share_of_steps(_: Evidence, *, tables: list[int], quantity: str, way: str) -
 
 
 @check
-def least_r_squared(_: Evidence, *, tables: list[int], quantities: list[str]) -> float:
+def least_r_squared(_: ResultSet, *, tables: list[int], quantities: list[str]) -> float:
     """Least share of the variance of a column over the grips that a straight line over grip force explains."""
     fits = [np.corrcoef(column(n, GRIP), column(n, quantity))[0, 1] ** 2 for n in tables for quantity in quantities]
     return float(min(fits))
 
 
 @check
-def least_slope_ratio(_: Evidence, *, tables: list[int], quantities: list[str]) -> float:
+def least_slope_ratio(_: ResultSet, *, tables: list[int], quantities: list[str]) -> float:
     """Least ratio of a column's slope between the two firmest grips to that between the two lightest; 1: a line."""
     ratios = []
     for number in tables:
@@ -52,7 +52,7 @@ def least_slope_ratio(_: Evidence, *, tables: list[int], quantities: list[str]) 
 
 @check
 def share_of_grips_above(
-    _: Evidence,
+    _: ResultSet,
     *,
     pairs: list[tuple[int, int]],
     quantity: str,
@@ -74,7 +74,7 @@ def share_of_grips_above(
 
 @check
 def largest_difference_percent(
-    _: Evidence, *, pairs: list[tuple[int, int]], quantity: str, grips: list[float] | None = None
+    _: ResultSet, *, pairs: list[tuple[int, int]], quantity: str, grips: list[float] | None = None
 ) -> float:
     """Largest difference of a column between two tables, in % of the first."""
     return 100.0 * max(
@@ -86,7 +86,7 @@ def largest_difference_percent(
 
 @check
 def share_within_deviation(
-    _: Evidence, *, pairs: list[tuple[int, int]], quantity: str, deviation: str, grips: list[float] | None = None
+    _: ResultSet, *, pairs: list[tuple[int, int]], quantity: str, deviation: str, grips: list[float] | None = None
 ) -> float:
     """Share of grip forces at which two tables differ by less than the smaller standard deviation of the two."""
     inside = [
@@ -104,14 +104,14 @@ def share_within_deviation(
 
 
 @check
-def extreme(_: Evidence, *, tables: list[int], quantity: str, which: str, grips: list[float] | None = None) -> float:
+def extreme(_: ResultSet, *, tables: list[int], quantity: str, which: str, grips: list[float] | None = None) -> float:
     """Least or largest value of a column, in its unit."""
     return {"least": min, "largest": max}[which](value for n in tables for value in column(n, quantity, grips))
 
 
 @check
 def share_below(
-    _: Evidence, *, tables: list[int], quantity: str, limit: float, grips: list[float] | None = None
+    _: ResultSet, *, tables: list[int], quantity: str, limit: float, grips: list[float] | None = None
 ) -> float:
     """Share of the values of a column that are below a limit; a fraction."""
     values = [value for number in tables for value in column(number, quantity, grips)]
@@ -119,7 +119,7 @@ def share_below(
 
 
 @check
-def share_of_ratios_of_means(_: Evidence, *, tables: list[int]) -> float:
+def share_of_ratios_of_means(_: ResultSet, *, tables: list[int]) -> float:
     """Share of the printed damping ratios that B/(2 sqrt(J K)) of the printed means gives, within all rounding."""
     met = []
     for number in tables:
@@ -137,7 +137,7 @@ def _ratio(row: Row, half: dict[str, float], side: float) -> float:
 
 
 @check
-def share_of_variations(_: Evidence, *, tables: list[int], quantities: dict[str, tuple[str, str]]) -> float:
+def share_of_variations(_: ResultSet, *, tables: list[int], quantities: dict[str, tuple[str, str]]) -> float:
     """Share of printed coefficients of variation that standard deviation over mean gives, within all rounding.
 
     ``quantities``: columns of mean and standard deviation by the column of the coefficient, which is in %.
@@ -154,7 +154,7 @@ def share_of_variations(_: Evidence, *, tables: list[int], quantities: dict[str,
 
 
 @check
-def oscillation_torque(_: Evidence, *, number: int, grip_n: float, amplitude_rad: float, frequency_hz: float) -> float:
+def oscillation_torque(_: ResultSet, *, number: int, grip_n: float, amplitude_rad: float, frequency_hz: float) -> float:
     """Amplitude (N·m) of the torque that moves a hand of a table, apparatus included, in a sinusoid."""
     omega = 2.0 * pi * frequency_hz
     inertia, damping, stiffness = (cell(number, grip_n, name) for name in (_J, _B, _K))

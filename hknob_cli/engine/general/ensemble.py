@@ -11,8 +11,8 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, pursue
-from hknob_cli.engine.general.glide import coast
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, follow_trial
+from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
 
@@ -28,7 +28,7 @@ def is_cycle(fate):
     )
 
 
-def recant(status):
+def downgrade(status):
     """Fate of an orbit whose proof, taken again at its deepest sample, came to ``status``."""
     if status == ON_EDGE:
         return CYCLE_ON_EDGE
@@ -41,7 +41,7 @@ def begin(z, start, part, body, pad):
     """State ``part`` of a sample period after ``start``, no torque commanded yet."""
     for j in range(body.order):
         z[j] = start[j]
-    coast(z, 0.0, part, body, pad)
+    advance_span(z, 0.0, part, body, pad)
 
 
 def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, bestring):
@@ -99,7 +99,7 @@ def find(fate, period, z, shown, rows, table, states, order):
 def enter(
     fate, period, z, before, ring, head, capacity, rows, table, states, lines, body, wall, space, check, checkring
 ):
-    """Enter the end that `pursue` gave where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
+    """Enter the end that `follow_trial` gave where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
 
     A proof is taken again at the deepest sample of the orbit, where ``z`` and ``ring`` are left. Once ``body.halt`` is
     above 0 the row is -1.
@@ -126,7 +126,7 @@ def enter(
         if fate != CYCLE_PROVEN and status == DIFFERENT:
             fate = UNSETTLED
         if fate == CYCLE_PROVEN and status != PROVEN and status != NOT_CAPTURED:
-            fate = recant(status)
+            fate = downgrade(status)
         elif fate == CYCLE_PROVEN:
             for j in range(n):
                 z[j] = space.orbit[j]
@@ -161,7 +161,7 @@ def enter(
     return row, rows
 
 
-def crowd(
+def run_trials(
     start,
     phases,
     first,
@@ -187,7 +187,7 @@ def crowd(
 ):
     """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
 
-    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in `pursue`.
+    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in `follow_trial`.
     Once ``body.halt`` is above 0, no trial is counted any more.
 
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
@@ -202,7 +202,7 @@ def crowd(
         head = 0 * delay
         before = read(z[0], wall)
         before, head = pass_over(z, before, ring, head, skip, limit, body, wall, space.pad)
-        fate, period, before, head, used = pursue(
+        fate, period, before, head, used = follow_trial(
             z,
             before,
             ring,

@@ -20,7 +20,7 @@ from hknob_cli.engine.general.controller import command, inside, read
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
-from hknob_cli.engine.general.slide_two import rub_two
+from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
@@ -81,7 +81,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
             return False
         if plain:
             u = command(shown, before, wall)
-            x, v = rub_two(space.state[0], space.state[1], u, 1.0, body.s2, body.g2, body.f2, body)
+            x, v = step_with_friction(space.state[0], space.state[1], u, 1.0, body.s2, body.g2, body.f2, body)
             space.state[0], space.state[1] = x, v
             before = shown
         else:
@@ -109,7 +109,7 @@ def contracts_to_rest(z, shown, before, ring, head, body, wall, space):
     return True
 
 
-def pursue(
+def follow_trial(
     z,
     before,
     ring,
@@ -243,7 +243,7 @@ def pursue(
         since += 1
         if body.order == 2 and delay == 0 and body.friction > 0.0:
             u = command(shown, before, wall)
-            z[0], z[1] = rub_two(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
+            z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown
         else:
             before, head = advance(z, before, ring, head, body, wall, space.pad)

@@ -7,12 +7,12 @@ round or is held, until the other torques exceed the friction level.
 from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
 from hknob_cli.engine.general.slide_many import slide_many, stretch
-from hknob_cli.engine.general.slide_two import coefficients, rub_two, until_zero, way
+from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
 
-def glide(z, u, matrix, body, pad):
+def advance_hold(z, u, matrix, body, pad):
     """Move ``z`` over the time of ``matrix`` without friction."""
     n = body.order
     rate_of(z, u, FREE, body, pad)
@@ -41,14 +41,14 @@ def rub_many(z, u, span, body, pad):
         mode = next_mode(mode, z, u, body)
 
 
-def coast(z, u, span, body, pad):
+def advance_span(z, u, span, body, pad):
     """Move ``z`` over any time up to a sample period, friction or not."""
     if body.order > 2:
         rub_many(z, u, span, body, pad)
         return
     s, g, f = coefficients(span, body)
     if body.friction > 0.0:
-        z[0], z[1] = rub_two(z[0], z[1], u, span, s, g, f, body)
+        z[0], z[1] = step_with_friction(z[0], z[1], u, span, s, g, f, body)
     else:
         y = u + body.drive - body.beta * z[0]
         z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y

@@ -16,7 +16,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, edge_gap, slopes
 from hknob_cli.engine.general.interval import advance
-from hknob_cli.engine.general.slide_two import rub_two
+from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.propagator import hold_coefficients
 
 ROUNDINGS = 64.0  # of a position that has stopped changing
@@ -99,4 +99,4 @@ def come_to_rest(z, shown, u, body, wall, orbit):
     """Leave in ``orbit`` where a motion ends that `keeps_reading`; of second order in closed form, however late."""
     if body.order == 2 and not follows(shown, wall):
         s, g, f = hold_coefficients(body.alpha, body.beta, LONG)
-        orbit[0], _ = rub_two(z[0], z[1], u, LONG, s, g, f, body)
+        orbit[0], _ = step_with_friction(z[0], z[1], u, LONG, s, g, f, body)

@@ -3,8 +3,8 @@
 from hknob_cli.engine.general.body import FIRST, SECOND
 from hknob_cli.engine.general.columns import feed
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import glide, rub_columns, rub_many
-from hknob_cli.engine.general.slide_two import rub_two
+from hknob_cli.engine.general.glide import advance_hold, rub_columns, rub_many
+from hknob_cli.engine.general.slide_two import step_with_friction
 
 
 def hold(z, u, ring, head, body, wall, pad):
@@ -20,8 +20,8 @@ def hold(z, u, ring, head, body, wall, pad):
         x, v = z[0], z[1]
         if body.friction > 0.0:
             if wall.split > 0.0:
-                x, v = rub_two(x, v, older, wall.split, body.s1, body.g1, body.f1, body)
-            x, v = rub_two(x, v, u, 1.0 - wall.split, body.s2, body.g2, body.f2, body)
+                x, v = step_with_friction(x, v, older, wall.split, body.s1, body.g1, body.f1, body)
+            x, v = step_with_friction(x, v, u, 1.0 - wall.split, body.s2, body.g2, body.f2, body)
         else:
             if wall.split > 0.0:
                 y = older + body.drive - body.beta * x
@@ -35,8 +35,8 @@ def hold(z, u, ring, head, body, wall, pad):
         rub_many(z, u, 1.0 - wall.split, body, pad)
     else:
         if wall.split > 0.0:
-            glide(z, older, FIRST, body, pad)
-        glide(z, u, SECOND, body, pad)
+            advance_hold(z, older, FIRST, body, pad)
+        advance_hold(z, u, SECOND, body, pad)
     return head
 
 
@@ -59,7 +59,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     x, v = z[0], z[1]
     for _ in range(samples):
         shown = read(x, wall)
-        x, v = rub_two(x, v, command(shown, before, wall), 1.0, body.s2, body.g2, body.f2, body)
+        x, v = step_with_friction(x, v, command(shown, before, wall), 1.0, body.s2, body.g2, body.f2, body)
         before = shown
         if not -limit < x < limit:
             break
@@ -68,7 +68,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
 
 
 def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
-    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `glide.rub_columns`'s ``marks``."""
+    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `advance_hold.rub_columns`'s ``marks``."""
     shown = read(z[0], wall)
     u = command(shown, before, wall)
     delay = len(ring)

@@ -49,7 +49,7 @@ MOST_PIECES = 200_000  # of a period that is measured
 Array = NDArray[np.float64]
 
 
-class Chart:
+class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
     ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; ``commands`` (m): command acting; ``states``
@@ -205,7 +205,7 @@ class GeneralEngine:
             found.append(unfinished(left, seconds, self.patience, compiled=self.compiled))
         return Search(attractors=ranked(found), samples=samples)
 
-    def chart(self, body: Body, wall: Controller, orbit: Attractor) -> Chart | None:
+    def chart(self, body: Body, wall: Controller, orbit: Attractor) -> PeriodSegments | None:
         """One period of an orbit from event to event; None if it has too many pieces."""
         n = body.order
         ready = as_arrays(body) if self.compiled else body
@@ -230,7 +230,7 @@ class GeneralEngine:
             if rows < capacity:
                 spans, modes, commands = (np.array(values[:rows], dtype=np.float64) for values in out)
                 table = np.array(states[: (rows + 1) * n], dtype=np.float64).reshape(rows + 1, n)
-                return Chart(spans, modes, commands, table)
+                return PeriodSegments(spans, modes, commands, table)
             capacity *= 16
         return None
 

@@ -84,7 +84,7 @@ def until_zero(x, v, drive, mode, left, s, g, f, known, body):
     return s, g, f, t, True
 
 
-def rub_two(x, v, u, span, s, g, f, body):
+def step_with_friction(x, v, u, span, s, g, f, body):
     """Second order, with friction: the state after a hold of length ``span``, whose coefficients are (s, g, f)."""
     beta, friction = body.beta, body.friction
     free = u + body.drive

@@ -1,6 +1,6 @@
 """Figures by name: each draws one kind of picture from finished results.
 
-A drawing takes the `Evidence`, the name ``of`` the result (or a list of names), and options of its own as keywords; it
+A drawing takes the `ResultSet`, the name ``of`` the result (or a list of names), and options of its own as keywords; it
 returns a matplotlib Figure, made by `ink.figure`, without a title: the page has titles and captions. It raises
 `MissingError` where a result lacks what it needs.
 """
@@ -9,7 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -88,6 +88,6 @@ def drawing_of(name: str) -> Drawing:
     return DRAWINGS[name]
 
 
-def draw(name: str, evidence: Evidence, of: Any, options: dict[str, Any]) -> "Figure":
+def draw(name: str, evidence: ResultSet, of: Any, options: dict[str, Any]) -> "Figure":
     """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
     return drawing_of(name)(evidence, of, **options)

@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import axes_of, number
 from hknob_cli.page.figures.panel import edges_between
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import COUNTS
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ MOST = 30  # attractors
 
 
 @drawing
-def attractors(evidence: Evidence, of: str) -> "Figure":
+def attractors(evidence: ResultSet, of: str) -> "Figure":
     """A bar from least to largest angle for every attractor of the one cell of a sweep, the most frequent uppermost.
 
     Beside it stand peak to peak, frequency, and the share of the trials that end there. The wall is shaded; dotted

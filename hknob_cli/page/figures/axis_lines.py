@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.cell_series import Cells, Series, cells_of
 from hknob_cli.page.figures.grid import axis_label, tick_labels
 from hknob_cli.report.picture import is_geometric
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +17,7 @@ _FEW = 10  # values of the axis that have a tick each
 
 
 @drawing
-def axis_lines(evidence: Evidence, of: str, *, column: str | None = None) -> "Figure":
+def axis_lines(evidence: ResultSet, of: str, *, column: str | None = None) -> "Figure":
     """Peak to peak (mrad) and frequency (Hz) over the axis that varies, or one ``column``; a line a series.
 
     Series are the methods or laws of an analysis, with the sweep that it is compared with, or of a sweep the largest

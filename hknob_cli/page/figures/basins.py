@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import number
 from hknob_cli.report.basins_picture import MOST_PANELS, draw_map, maps_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def basins(evidence: Evidence, of: str, where: Where | None = None) -> "Figure":
+def basins(evidence: ResultSet, of: str, where: Where | None = None) -> "Figure":
     """A map for each cell of a sweep that has maps of basins, of the first six that ``where`` allows.
 
     Every start has the colour of the attractor it ends in, white where that is not proven; dots are samples of the

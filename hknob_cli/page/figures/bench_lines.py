@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence, MissingError, Result, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Result, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ TORQUE, FRICTION, CELL = "torque constant", "dynamic friction", "grip cell slope
 
 
 @drawing
-def motor_calibration(evidence: Evidence, of: str) -> "Figure":
+def motor_calibration(evidence: ResultSet, of: str) -> "Figure":
     """Motor torque and dynamic friction (mN·m) over current (mA), a panel a range of torque, with the lines fitted.
 
     Torque is the mean of both directions, friction half their difference. Raises `MissingError`.
@@ -34,7 +34,7 @@ def motor_calibration(evidence: Evidence, of: str) -> "Figure":
 
 
 @drawing
-def grip_cell(evidence: Evidence, of: str) -> "Figure":
+def grip_cell(evidence: ResultSet, of: str) -> "Figure":
     """Voltage of the grip cell over the force on the knob, a line a place at which the force acts.
 
     Raises `MissingError`.

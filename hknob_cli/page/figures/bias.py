@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ LINEAR_PERCENT = 1.0  # up to which the scale of the bias is linear, beyond it l
 
 @drawing
 def bias_curves(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     grip_n: float = 0.71,

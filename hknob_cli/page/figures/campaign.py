@@ -9,7 +9,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.campaign_samples import MOST, Held, held_trials, one_trial
 from hknob_cli.page.figures.panel import edges_between, scale_of
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ _MARKED = 250  # samples up to which each has its dot
 
 
 @drawing
-def campaign_thumbnails(evidence: Evidence, of: str, *, cycles: float = 8.0) -> "Figure":
+def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0) -> "Figure":
     """The end of the steady part of each cell's first trial: ``cycles`` of them, angle (mrad) about its mean.
 
     Rates rise to the right, resolutions downward, as in the print; a row has one scale. Trials without a sustained buzz
@@ -63,7 +63,7 @@ def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
 
 @drawing
 def campaign_trial(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     sample_rate_hz: float,

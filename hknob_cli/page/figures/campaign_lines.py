@@ -6,7 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, axis_label, column_label, grid, tick_labels
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ _WIDE = 3  # of them from which on they stand in two rows
 
 @drawing
 def campaign_lines(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: list[str],
     *,
     names: list[str] | None = None,

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import COUNTS, RATE
 
 Row = dict[str, Any]
@@ -47,7 +47,7 @@ class Held:
         return kept
 
 
-def held_trials(evidence: Evidence, of: str) -> list[Held]:
+def held_trials(evidence: ResultSet, of: str) -> list[Held]:
     """The first trial of every cell, by resolution and rate. Raises `MissingError` where no samples were kept."""
     from hknob_cli.spec.hw_run import WallSpec
 
@@ -76,7 +76,7 @@ def held_trials(evidence: Evidence, of: str) -> list[Held]:
     return found
 
 
-def one_trial(evidence: Evidence, of: str, *, sample_rate_hz: float, counts_per_rev: int) -> Held:
+def one_trial(evidence: ResultSet, of: str, *, sample_rate_hz: float, counts_per_rev: int) -> Held:
     """The first trial of a cell. Raises `MissingError` where there is none."""
     for trial in held_trials(evidence, of):
         if abs(trial.row[RATE] - sample_rate_hz) < 1e-6 and trial.row[COUNTS] == counts_per_rev:

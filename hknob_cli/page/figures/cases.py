@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, number
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import MEANS
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts"}
 
 
 @drawing
-def cases(evidence: Evidence, of: str | list[str], *, names: list[str] | None = None) -> "Figure":
+def cases(evidence: ResultSet, of: str | list[str], *, names: list[str] | None = None) -> "Figure":
     """Orbits of every cell of the results, a row a cell: peak to peak (mrad), and frequency (Hz); dots by basin share.
 
     The largest is written above its dot; a bar is the mean over the trials that cycle. Raises `MissingError` where none

@@ -6,7 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.cell_series import Cells, Point, cells_of, place_of
 from hknob_cli.report.population_picture import cumulative
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -17,7 +17,7 @@ _WIDE = 30.0  # largest over least value, from which a scale is logarithmic
 
 
 @drawing
-def cell_dots(evidence: Evidence, of: str, *, column: str | None = None) -> "Figure":
+def cell_dots(evidence: ResultSet, of: str, *, column: str | None = None) -> "Figure":
     """Peak to peak (mrad) and frequency (Hz) of every cell, or one ``column``; a marker a series.
 
     Up to 30 cells have a row each. Of more the figure shows how many of them, in per cent, have at most so large a

@@ -10,7 +10,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import draw_torque_axis, draw_wall, key, scale_of
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ class Held(NamedTuple):
 
 @drawing
 def contact_energy(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: Of,
     *,
     at: At | None = None,

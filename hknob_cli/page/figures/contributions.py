@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import plant_of, pulsed, rows_of
 from hknob_cli.page.figures.panel import key
 from hknob_cli.page.figures.recorded import time_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @drawing
 def identified_terms(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     subject: str = "S1",

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ MOST = 600  # designs drawn, which each take room in the file
 
 
 @drawing
-def design_costs(evidence: Evidence, of: str) -> "Figure":
+def design_costs(evidence: ResultSet, of: str) -> "Figure":
     """Touch (dB above threshold) over cost, a marker a remedy: filled where every limit is met, hollow where not.
 
     The line joins the front: designs stiff enough that nothing as cheap and as stiff is felt less. Designs at rest are

@@ -6,7 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.stages.compare import statistics
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @drawing
 def grid_difference(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: list[str],
     *,
     column: str = "p2p_rad",

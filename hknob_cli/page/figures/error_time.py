@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.work_precision import LARGEST, LEAST, STYLES, Style
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ _TEXTS = {1e-15: "10\u207b\u00b9\u2075", 1e-10: "10\u207b\u00b9\u2070", 1e-5: "1
 
 @drawing
 def error_time(
-    evidence: Evidence, of: str, *, scenes: list[str] | None = None, methods: list[str] | None = None, columns: int = 3
+    evidence: ResultSet, of: str, *, scenes: list[str] | None = None, methods: list[str] | None = None, columns: int = 3
 ) -> "Figure":
     """Largest error of the angle over the reference's swing, against processor time in s, log-log, a panel a scene.
 

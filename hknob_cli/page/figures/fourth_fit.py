@@ -13,7 +13,7 @@ from hknob_cli.page.figures.panel import key
 from hknob_cli.page.figures.recorded import rule_pulse, time_of
 from hknob_cli.page.figures.refit import modelled
 from hknob_cli.printed.hands import apparatus_inertia
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ THIN = 2  # of the samples one in so many is drawn
 
 @drawing
 def fourth_beside_second(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     block: int = 1,

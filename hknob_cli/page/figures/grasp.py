@@ -16,7 +16,7 @@ from hknob_cli.page.figures.grasp_panels import (
     scale_of,
     told,
 )
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ Of = str | Sequence[str]
 
 @drawing
 def grasp_parameters(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: Of = (),
     *,
     tables: Sequence[int] = (1, 2, 3, 4, 5),
@@ -62,7 +62,7 @@ def grasp_parameters(
     return drawn
 
 
-def _means(evidence: Evidence, of: Of, number: int, estimator: str) -> list[dict[str, float]]:
+def _means(evidence: ResultSet, of: Of, number: int, estimator: str) -> list[dict[str, float]]:
     result = evidence[of if isinstance(of, str) else of[0]]
     return identified_rows(result, level="all", experiment=str(number), estimator=estimator)
 
@@ -79,7 +79,7 @@ def _rule_apparatus(panel: "Axes", tables: Sequence[int], *, translational: bool
 
 @drawing
 def normalised_grasp(
-    evidence: Evidence, of: Of = (), *, tables: Sequence[int] = (1,), estimator: str = "output_error"
+    evidence: ResultSet, of: Of = (), *, tables: Sequence[int] = (1,), estimator: str = "output_error"
 ) -> "Figure":
     """Damping and stiffness over grip force, each divided by the middle of its range, mean and standard deviation.
 

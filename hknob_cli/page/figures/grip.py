@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import grid, tick_labels
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +24,7 @@ class Forces(NamedTuple):
 
 
 @drawing
-def grip_forces(evidence: Evidence, of: Any = None) -> "Figure":
+def grip_forces(evidence: ResultSet, of: Any = None) -> "Figure":
     """Mean grip force (N) of each of Table 8's 16 trials over sample rate and resolution, and those of a campaign.
 
     ``of``: the campaign; without one the printed table alone. Raises `MissingError`.

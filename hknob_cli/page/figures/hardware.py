@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.difference import differences
 from hknob_cli.page.figures.grid import cell_text, column_label, grid, notes, number
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of, norm_of, ramp
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ _BESIDE = 5  # columns up to which the maps stand side by side, else below each 
 
 @drawing
 def hardware_grid(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: list[str],
     *,
     column: str = "p2p_rad",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.bias import NAMES
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -14,7 +14,7 @@ ASSUMED = 10.0  # section 4.4.1: K1 = 10 K2, B1 = 10 B2
 
 
 @drawing
-def hidden_inertia(evidence: Evidence, of: str) -> "Figure":
+def hidden_inertia(evidence: ResultSet, of: str) -> "Figure":
     """Inertia (g·cm²) that second-order fits find, over the stiffness of the finger beside its pad's, a line a fit.
 
     Ruled: the knob's own, and that of knob and finger together. Raises `MissingError`.

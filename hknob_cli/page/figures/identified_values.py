@@ -6,7 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.bias import NAMES
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ _ACROSS = 5
 
 
 @drawing
-def identified_values(evidence: Evidence, of: str) -> "Figure":
+def identified_values(evidence: ResultSet, of: str) -> "Figure":
     """Every parameter of every condition, with its error, a panel a parameter; bars are those of conditions.parquet.
 
     Conditions are means over persons where there are several, else those of the one person, or of each bare knob. Of

@@ -8,7 +8,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, tick_labels
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -18,7 +18,7 @@ _LAWS = {"quantum_period": "the law C \u0394\u03b8 T"}
 
 @drawing
 def law_lines(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str | list[str],
     *,
     law: str = "quantum_period",

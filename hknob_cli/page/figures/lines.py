@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ Points = list[tuple[float, float, Row]]
 
 @drawing
 def grid_lines(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     column: str = "p2p_rad",

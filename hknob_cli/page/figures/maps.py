@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid, notes
 from hknob_cli.page.figures.heat import draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.page.figures.mesh import draw_mesh
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @drawing
 def grid_map(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     column: str = "p2p_rad",
@@ -55,7 +55,7 @@ def grid_map(
 
 @drawing
 def grid_pair(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str | list[str],
     *,
     columns: str | list[str] = "p2p_rad",

@@ -10,7 +10,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +22,7 @@ BOUNCES = 10  # that the lines of mean peaks and troughs take in (Hasser, sec. 6
 
 @drawing
 def time_response(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: Of,
     *,
     at: At | None = None,

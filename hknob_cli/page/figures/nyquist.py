@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import ResultSet, MissingError, Result
 from hknob_cli.spec.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ _REACH = 1.35  # of a ray, beyond its crossing
 
 
 @drawing
-def nyquist(evidence: Evidence, of: str, *, rates: list[float] | None = None, zoom: bool | None = None) -> "Figure":
+def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, zoom: bool | None = None) -> "Figure":
     """The plant's curve in rad/(N m), a ray a sample rate (Hz, by default all the result has), circles where they meet.
 
     The key gives each rate and the pitch where its ray meets the curve. Dashed: the inverse of the describing function

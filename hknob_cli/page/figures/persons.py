@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grasp_panels import QUANTITIES, finish, identified_rows, label_of, printed_rows
-from hknob_cli.results.evidence import Evidence, Result
+from hknob_cli.results.evidence import ResultSet, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ Line = list[tuple[float, float, float]]
 
 @drawing
 def one_person(
-    evidence: Evidence, of: str, *, subject: str = "S1", experiment: str | int = 1, estimator: str = "output_error"
+    evidence: ResultSet, of: str, *, subject: str = "S1", experiment: str | int = 1, estimator: str = "output_error"
 ) -> "Figure":
     """Inertia, damping, stiffness and damping ratio of one person over grip force: mean, and deviation over blocks.
 
@@ -46,7 +46,7 @@ def one_person(
 
 @drawing
 def all_persons(
-    evidence: Evidence, of: str, *, experiment: str | int = 1, estimator: str = "output_error", printed: bool = True
+    evidence: ResultSet, of: str, *, experiment: str | int = 1, estimator: str = "output_error", printed: bool = True
 ) -> "Figure":
     """The same of every person of an experiment, a line each, with the printed mean of its table if ``printed``.
 

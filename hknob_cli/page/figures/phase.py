@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import edges_between, key, scale_of
 from hknob_cli.page.figures.recording import At, Of, Recording, one_recording
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ ARROWS = 4  # along the cycle
 
 @drawing
 def phase_plane(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: Of,
     *,
     at: At | None = None,

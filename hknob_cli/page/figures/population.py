@@ -7,7 +7,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label, rows_of, tick_labels
 from hknob_cli.report.population import by_cell, pitches, sizes
 from hknob_cli.report.population_picture import cumulative, thinned
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import PERSON
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def population(evidence: Evidence, of: str, *, at: Row | None = None, height: float = 3.4) -> "Figure":
+def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: float = 3.4) -> "Figure":
     """Cumulative distribution over people of peak to peak and of frequency, a line for each cell.
 
     ``at`` gives values of axes, the nearest of which are taken. Both are of a person's largest cycle: peak to peak of

@@ -9,7 +9,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import key, scale_of
 from hknob_cli.page.figures.recording import At, Of, one_recording
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.spec.plan import Hand
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def pulse_terms(evidence: Evidence, of: Of, *, at: At | None = None, to_s: float | None = None) -> "Figure":
+def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: float | None = None) -> "Figure":
     """Torques (mN·m) of inertia, damping and stiffness, J θ'' + B θ' + K θ, their sum, and the pulse commanded.
 
     J, B and K are the scene's, the motion is recorded; accelerations are means between rows. Up to ``to_s`` (s). Raises

@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import Pulsed, pulsed, recorded
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ THIN = 6  # of the samples of a thumbnail one in so many is drawn: 0.6 ms of a m
 
 @drawing
 def trial_thumbnails(
-    evidence: Evidence, of: str, *, subject: str = "S1", experiment: str = "1", to_s: float = 0.05
+    evidence: ResultSet, of: str, *, subject: str = "S1", experiment: str = "1", to_s: float = 0.05
 ) -> "Figure":
     """Angle (mrad) from rest over time (ms from the onset), every trial of a person, a panel a grip force.
 
@@ -56,7 +56,7 @@ def _from_rest(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
 
 @drawing
 def pulse_vectors(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     subject: str = "S1",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pyarrow.compute as pc
 
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import ResultSet, MissingError, Result
 from hknob_cli.spec.plan import COUNTS, Pulse, Scene, scene_at
 from hknob_cli.spec.sweep import RecordSpec
 
@@ -76,7 +76,7 @@ class Recording:
 
 
 def recordings(
-    evidence: Evidence, of: Of, *, at: At | None = None, from_s: float | None = None, to_s: float | None = None
+    evidence: ResultSet, of: Of, *, at: At | None = None, from_s: float | None = None, to_s: float | None = None
 ) -> list[Recording]:
     """Every first trial recorded of some results, by cell and start, within a window of time.
 
@@ -88,7 +88,7 @@ def recordings(
 
 
 def one_recording(
-    evidence: Evidence, of: Of, *, at: At | None = None, from_s: float | None = None, to_s: float | None = None
+    evidence: ResultSet, of: Of, *, at: At | None = None, from_s: float | None = None, to_s: float | None = None
 ) -> Recording:
     """The only such recording. Raises `MissingError` where there are several."""
     found = recordings(evidence, of, at=at, from_s=from_s, to_s=to_s)

@@ -9,7 +9,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import Pulsed, plant_of, pulsed, rows_of, stage_of
 from hknob_cli.page.figures.recorded import rule_pulse, time_of
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ THIN = 3  # of the samples one in so many is drawn
 
 @drawing
 def models_beside_data(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     subject: str = "S1",

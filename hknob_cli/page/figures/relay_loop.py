@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def block_diagram(_evidence: Evidence, _of: Any = None) -> "Figure":
+def block_diagram(_evidence: ResultSet, _of: Any = None) -> "Figure":
     """A linear part G and a nonlinear part H in a closed loop (Hasser, Fig. 41). Needs no result."""
     from matplotlib.patches import Circle, FancyBboxPatch
 
@@ -56,7 +56,7 @@ def block_diagram(_evidence: Evidence, _of: Any = None) -> "Figure":
 
 @drawing
 def nonlinearity(
-    _evidence: Evidence, _of: Any = None, *, panels: tuple[str, ...] = ("relay", "wall", "biased")
+    _evidence: ResultSet, _of: Any = None, *, panels: tuple[str, ...] = ("relay", "wall", "biased")
 ) -> "Figure":
     """The relay, the wall over one count, and the wall with half a count's torque (Hasser, Figs 42, 43, 44).
 

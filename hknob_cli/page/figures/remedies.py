@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def remedy_dots(evidence: Evidence, of: str, *, case: str, felt: bool = False) -> "Figure":
+def remedy_dots(evidence: ResultSet, of: str, *, case: str, felt: bool = False) -> "Figure":
     """A row a remedy, a marker a hand: size (mrad) and pitch (Hz) of the largest cycle, and stiffness kept.
 
     The remedy that leaves least, of the hand that it helps least, is uppermost. In the third panel filled markers are

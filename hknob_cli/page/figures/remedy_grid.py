@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @drawing
-def remedy_grid(evidence: Evidence, of: str) -> "Figure":
+def remedy_grid(evidence: ResultSet, of: str) -> "Figure":
     """A row a remedy over the cells of the grid and all hands: peak to peak, times smaller than the reference, at rest.
 
     A dot is the median, a line reaches from the least to the largest, of cells where the knob buzzes, and the share at

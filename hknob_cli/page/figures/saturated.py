@@ -6,7 +6,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, ends, grid
 from hknob_cli.page.figures.heat import draw_map, height_of
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -16,7 +16,7 @@ _LESS, _MORE = "#1f4e79", "#f0c75e"
 
 @drawing
 def saturated_map(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     column: str = "p2p_counts",

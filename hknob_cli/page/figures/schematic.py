@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.lumped import arrow, damper, ground, mass, spring
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -15,7 +15,7 @@ SCALE = 0.85  # inches to one unit of a drawing
 
 
 @drawing
-def schematic(_evidence: Evidence, _of: Any = None, *, kind: str) -> "Figure":
+def schematic(_evidence: ResultSet, _of: Any = None, *, kind: str) -> "Figure":
     """A model as springs, dampers and inertias; they turn, but are drawn as if they slid.
 
     ``kind``: second (hand and knob as one), fourth (finger, fingerpad, actuator) or wall (outside it and inside it).

@@ -8,7 +8,7 @@ import numpy as np
 from hknob_cli.errors import UsageError
 from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import Evidence
+from hknob_cli.results.evidence import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ TICKS_HZ = (20, 50, 100, 250, 600, 1000, 3000, 10000)
 
 @drawing
 def equal_loudness(
-    _evidence: Evidence, _of: Any = None, *, phon: Sequence[float] = (20, 40, 60, 80), edition: int | None = None
+    _evidence: ResultSet, _of: Any = None, *, phon: Sequence[float] = (20, 40, 60, 80), edition: int | None = None
 ) -> "Figure":
     """Sound pressure level (dB) of pure tones that are as loud as one at 1 kHz, and the threshold (ISO 226).
 
@@ -48,7 +48,7 @@ def equal_loudness(
 
 @drawing
 def touch_thresholds(
-    _evidence: Evidence,
+    _evidence: ResultSet,
     _of: Any = None,
     *,
     sets: Sequence[str] = ("pen_hold", "cylinder", "thenar", "thenar_1988"),

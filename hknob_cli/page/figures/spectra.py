@@ -9,7 +9,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.recording import At
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ FLOOR_DB = 50.0  # below the strongest harmonic of all: fainter ones are not dra
 
 @drawing
 def cycle_spectra(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str | Sequence[str],
     *,
     names: Sequence[str] | None = None,

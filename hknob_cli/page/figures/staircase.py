@@ -7,7 +7,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label, tick_labels
 from hknob_cli.report.picture import is_geometric
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 from hknob_cli.spec.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ _RATIOS = (*range(2, 17), 18, *range(20, 60, 5), *range(60, 200, 20), 500, 1000)
 
 @drawing
 def staircase(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     over: str | None = None,

@@ -9,7 +9,7 @@ from hknob_cli.page.figures.grid import Row, ends, grid
 from hknob_cli.page.figures.heat import draw_key, draw_map, height_of, ramp
 from hknob_cli.page.figures.mesh import draw_mesh
 from hknob_cli.report.means import WORST
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @drawing
 def surface(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: str,
     *,
     across: str | None = None,

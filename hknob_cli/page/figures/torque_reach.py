@@ -9,7 +9,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import grid
 from hknob_cli.report.means import WORST
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,7 +19,7 @@ _MARGIN = 3.0  # factor of frequency that the line reaches beyond the points
 
 @drawing
 def torque_reach(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: list[str],
     *,
     names: list[str] | None = None,

@@ -7,7 +7,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.bench import VERDICTS
 from hknob_cli.report.work_precision import STYLES
-from hknob_cli.results.evidence import Evidence, MissingError, Rows
+from hknob_cli.results.evidence import ResultSet, MissingError, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +20,7 @@ _ROW = 0.4  # inches
 
 @drawing
 def stability_table(
-    evidence: Evidence, of: str, *, scenes: list[str] | None = None, methods: list[str] | None = None
+    evidence: ResultSet, of: str, *, scenes: list[str] | None = None, methods: list[str] | None = None
 ) -> "Figure":
     """Verdicts of every scene and method: coloured and named by the best, a symbol a setting, the coarsest first.
 

@@ -9,7 +9,7 @@ from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.difference import differences
 from hknob_cli.page.figures.grid import grid, number
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import Evidence, MissingError
+from hknob_cli.results.evidence import ResultSet, MissingError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +22,7 @@ _SPREAD = 0.2  # of dots about their row
 
 @drawing
 def what_explains(
-    evidence: Evidence,
+    evidence: ResultSet,
     of: list[str],
     *,
     over: str,

@@ -8,7 +8,7 @@ from hknob_cli.page import ink
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, rows_of
 from hknob_cli.report.means import ONE, WORST
-from hknob_cli.results.evidence import Evidence, MissingError, Result
+from hknob_cli.results.evidence import ResultSet, MissingError, Result
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,7 +20,7 @@ _DOTS = 100  # cells drawn in a panel, which each take room in the file
 
 
 @drawing
-def what_matters(evidence: Evidence, of: str, *, where: Row | None = None, most: int = 6) -> "Figure":
+def what_matters(evidence: ResultSet, of: str, *, where: Row | None = None, most: int = 6) -> "Figure":
     """Peak to peak, frequency, and the share at rest (or in domain) over each axis that varies, at most ``most``.
 
     A cell is judged by its largest cycle; one in which all trials rest is the least.

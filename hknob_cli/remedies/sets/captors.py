@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.motion import Mover, State, take
+from hknob_cli.remedies.motion import BatchStepper, State, take
 from hknob_cli.remedies.proof import Hold, prove
 from hknob_cli.remedies.search import alike
 from hknob_cli.remedies.sets.counting import Counting
@@ -95,7 +95,7 @@ class Captors:
 
 
 def make_points(
-    mover: Mover, begin: State, period: np.ndarray, ends: np.ndarray, beta: Array, counting: Counting
+    mover: BatchStepper, begin: State, period: np.ndarray, ends: np.ndarray, beta: Array, counting: Counting
 ) -> list[tuple[int, Point]]:
     """Points of orbits of ``period`` samples, one a lane, whose periods ``begin`` so, that are proven: lane and point.
 
@@ -126,7 +126,7 @@ def make_points(
     return found
 
 
-def _samples(mover: Mover, state: State, period: np.ndarray, counting: Counting) -> list[tuple[list[State], bool]]:
+def _samples(mover: BatchStepper, state: State, period: np.ndarray, counting: Counting) -> list[tuple[list[State], bool]]:
     """Of each orbit, states at some samples at which its count falls, and True; its beginning and False without any."""
     begin, lanes = state, np.arange(len(state.x))
     falls: list[list[State]] = [[] for _ in lanes]

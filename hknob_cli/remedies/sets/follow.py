@@ -7,8 +7,8 @@ import numpy as np
 
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.motion import Mover, State, take
-from hknob_cli.remedies.repeat import GREW, Effort, time_constants
+from hknob_cli.remedies.motion import BatchStepper, State, take
+from hknob_cli.remedies.repeat import GREW, SearchBudget, time_constants
 from hknob_cli.remedies.search import EFFORTS, Settled, count_end, settle
 from hknob_cli.remedies.sets.captors import Captors, Point, make_points
 from hknob_cli.remedies.sets.counting import Counting
@@ -21,7 +21,7 @@ SEEKERS = 64  # of the sets of a cell whose ends are looked for at first; then f
 SIDE_BY_SIDE = 16_384  # sets
 NONE = Reason.NONE
 NEARLY = (Reason.ON_EDGE, Reason.AT_SWITCH, Reason.REST_ON_EDGE)  # of an orbit that may be proven from nearer by
-AT_ONCE = (Effort(settle=0.0, patience=4.0, fewest=1024, near=1e-4), EFFORTS[1])
+AT_ONCE = (SearchBudget(settle=0.0, patience=4.0, fewest=1024, near=1e-4), EFFORTS[1])
 
 
 class Ends(NamedTuple):
@@ -80,7 +80,7 @@ class _Cell:
 class Follower:
     """Follows sets of the cells of ``mover``, one lane each; ``over``: whether the time is over."""
 
-    def __init__(self, mover: Mover, limits: Limits, over: Callable[[], bool] = lambda: False) -> None:
+    def __init__(self, mover: BatchStepper, limits: Limits, over: Callable[[], bool] = lambda: False) -> None:
         """Make ready."""
         lanes, remedy = mover.lanes, mover.remedy
         self.mover, self.limits, self.over = mover, limits, over
@@ -225,7 +225,7 @@ class Follower:
             for lane, point in _points_of(mover, some, ends, self.counting):
                 self.captors.enter(cells[lane], point)
 
-    def _proven_at_last(self, mover: Mover, found: dict[int, Settled]) -> dict[int, Settled]:
+    def _proven_at_last(self, mover: BatchStepper, found: dict[int, Settled]) -> dict[int, Settled]:
         """The same ends, but proven where the orbit is, although its trial was too far away to be captured."""
         lanes = [lane for lane, one in found.items() if one.reason in NEARLY]
         if not lanes:
@@ -239,7 +239,7 @@ class Follower:
         }
 
 
-def _points_of(mover: Mover, orbits: list[Settled], ends: np.ndarray, counting: Counting) -> list[tuple[int, Point]]:
+def _points_of(mover: BatchStepper, orbits: list[Settled], ends: np.ndarray, counting: Counting) -> list[tuple[int, Point]]:
     """Points of orbits, whose lanes are of ``mover``, that are called ``ends``: number of the orbit, and point."""
     rows = np.stack([one.begin[0] for one in orbits], axis=1)
     seen = [one.begin[1] for one in orbits if one.begin[1] is not None]

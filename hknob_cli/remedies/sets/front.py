@@ -7,7 +7,7 @@ import numpy as np
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.remedies.lanes import Array
-from hknob_cli.remedies.motion import Mover, State, Step, take
+from hknob_cli.remedies.motion import BatchStepper, State, Step, take
 from hknob_cli.remedies.sets.counting import Counting
 from hknob_cli.remedies.sets.shape import Shape
 
@@ -69,7 +69,7 @@ def _both(one: Any, other: Any) -> Any:
 class Cutter:
     """Cuts sets, and moves them on; ``mover`` has one lane a cell."""
 
-    def __init__(self, mover: Mover, counting: Counting) -> None:
+    def __init__(self, mover: BatchStepper, counting: Counting) -> None:
         """Of these cells."""
         self.mover, self.counting = mover, counting
         self.beta = mover.lanes.beta
@@ -134,7 +134,7 @@ class Cutter:
         front.state = front.state._replace(x=front.state.x + dx, v=front.state.v + dv)
         front.radius = front.shape.radius(every)
 
-    def step(self, front: Front, mover: Mover) -> tuple[Front, np.ndarray]:
+    def step(self, front: Front, mover: BatchStepper) -> tuple[Front, np.ndarray]:
         """One sample on, cut where looks of one set show several counts; and of which set before each is.
 
         ``mover`` has a lane for each set.
@@ -204,7 +204,7 @@ def step_error(before: State, step: Step, beta: Array, gamma: Array) -> Array:
     return np.asarray(len(step.drives) * one)
 
 
-def decay_of(mover: Mover) -> Array:
+def decay_of(mover: BatchStepper) -> Array:
     """Bound on how much of a distance the free plant of each cell leaves after a sample; at most 1."""
     from hknob_cli.remedies.lanes import flow_over
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.remedies.lanes import Lanes, flow_over, moved
-from hknob_cli.remedies.motion import Mover
+from hknob_cli.remedies.lanes import PlantBatch, flow_over, moved
+from hknob_cli.remedies.motion import BatchStepper
 from hknob_cli.remedies.remedy import Remedy
 from hknob_cli.remedies.sets.arcs import Arcs, make_flight
 from hknob_cli.remedies.sets.follow import Ends, Follower, Limits
@@ -18,7 +18,7 @@ ARCS = Limits(samples=20_000_000, unproven=16_384, seekers=4096)
 BOXES = Limits(samples=100_000_000, unproven=256, seekers=64)
 
 
-def followable(remedy: Remedy, lanes: Lanes) -> np.ndarray:
+def followable(remedy: Remedy, lanes: PlantBatch) -> np.ndarray:
     """Lanes of which sets of starts can be followed: counts alone are read, all is affine, the knob damped and held."""
     if not remedy.provable or remedy.senses_speed:
         return np.empty(0, dtype=np.int64)
@@ -26,10 +26,10 @@ def followable(remedy: Remedy, lanes: Lanes) -> np.ndarray:
 
 
 def follow_starts(
-    remedy: Remedy, lanes: Lanes, knobs: Sequence[SampledKnob], starts: Starts, over: Callable[[], bool] = lambda: False
+    remedy: Remedy, lanes: PlantBatch, knobs: Sequence[SampledKnob], starts: Starts, over: Callable[[], bool] = lambda: False
 ) -> list[Ends]:
     """What all starts of each cell settle to; ``lanes`` has one lane a cell."""
-    mover, cell = Mover(remedy, lanes), np.arange(len(knobs))
+    mover, cell = BatchStepper(remedy, lanes), np.arange(len(knobs))
     root = np.sqrt(lanes.beta)
     with np.errstate(over="ignore", invalid="ignore"):
         if starts.span:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.remedies.motion import Mover, State
+from hknob_cli.remedies.motion import BatchStepper, State
 from hknob_cli.remedies.sets import starts as the_starts
 from hknob_cli.remedies.sets.captors import SURE, Captors, Point
 from hknob_cli.remedies.sets.counting import Counting
@@ -13,7 +13,7 @@ from tests.remedies.sets.cells import CHANGES, COUNTING, PHASES, make_cell
 NAMES = [name for name in COUNTING if not name.startswith("passivity")]  # whose energy has no orbit in these cells
 
 
-def known_of(name: str, change: int = 0) -> tuple[Mover, list[Point], Ends]:
+def known_of(name: str, change: int = 0) -> tuple[BatchStepper, list[Point], Ends]:
     """The points of a cell's orbits, after every clock phase was followed."""
     remedy, batch, _ = make_cell(name, counts=512, change=CHANGES[change])
     kept: list[Follower] = []
@@ -26,7 +26,7 @@ def known_of(name: str, change: int = 0) -> tuple[Mover, list[Point], Ends]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Follower, "_begin", keep)
         ends = the_starts.follow_starts(remedy, batch.lanes, batch.knobs, PHASES)
-    return Mover(remedy, batch.lanes), kept[0].captors.points[0], ends[0]
+    return BatchStepper(remedy, batch.lanes), kept[0].captors.points[0], ends[0]
 
 
 def moved_from(point: Point, off: np.ndarray) -> State:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.remedies.lanes import flow_over, moved
-from hknob_cli.remedies.motion import Mover, State
+from hknob_cli.remedies.motion import BatchStepper, State
 from hknob_cli.remedies.sets import starts as the_starts
 from hknob_cli.remedies.sets.follow import Ends, Follower
 from hknob_cli.remedies.sets.front import Cutter, Front
@@ -18,7 +18,7 @@ SAMPLES = {"phases": 100, "box": 30}
 SLACK = 1e-9  # of a trial's own rounding, counts
 
 
-def first_front(name: str, starts: Starts, change: dict[str, Any]) -> tuple[Mover, Cutter, Front, Any]:
+def first_front(name: str, starts: Starts, change: dict[str, Any]) -> tuple[BatchStepper, Cutter, Front, Any]:
     """All starts of a cell at the first sample, cut by its counts."""
     remedy, batch, _ = make_cell(name, starts, counts=256 if starts.span else 1024, change=change)
     kept: list[Any] = []
@@ -103,7 +103,7 @@ def test_a_controller_that_does_not_read_outside_acts_alike_there() -> None:
     for name in COUNTING:
         remedy, batch, _ = make_cell(name)
         lanes = np.zeros(40, dtype=int)
-        mover = Mover(remedy, batch.lanes.take(lanes))
+        mover = BatchStepper(remedy, batch.lanes.take(lanes))
         state = mover.start(chance.uniform(-9.0, 9.0, 40), chance.normal(size=40))
         for _ in range(30):
             state = mover.step(state).state
@@ -116,7 +116,7 @@ def test_a_controller_that_does_not_read_outside_acts_alike_there() -> None:
 def test_sets_hold_still_where_no_edge_is_met() -> None:
     """A small set far from edges is not cut, and its radius never grows."""
     remedy, batch, _ = make_cell("bounded lag", BOX)
-    mover = Mover(remedy, batch.lanes)
+    mover = BatchStepper(remedy, batch.lanes)
     cutter = Cutter(mover, Follower(mover, the_starts.BOXES).counting)
     plants = the_starts.Plants(batch.lanes.alpha, batch.lanes.beta)
     small = the_starts.box_polygons(plants, np.array([1e-3]), np.array([1e-4]))
@@ -139,7 +139,7 @@ def test_sets_are_cut_once_a_sample(monkeypatch: pytest.MonkeyPatch) -> None:
     remedy, batch, _ = make_cell("damping, differenced", BOX, counts=256)
     step, seen = Cutter.step, []
 
-    def check(self: Cutter, front: Front, mover: Mover) -> Any:
+    def check(self: Cutter, front: Front, mover: BatchStepper) -> Any:
         if front.taken.max() == 0:
             seen.append((front.state.memory[0] == front.count + batch.lanes.offset[0]).all())
         return step(self, front, mover)

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.remedies.motion import Mover
+from hknob_cli.remedies.motion import BatchStepper
 from hknob_cli.remedies.remedy import Action
 from hknob_cli.remedies.sets.front import step_error
 from tests.remedies.reference import mp
@@ -33,7 +33,7 @@ def test_the_error_of_a_centre_is_bounded(name: str, change: dict[str, Any], mon
 
     monkeypatch.setattr(remedy, "act", record)
     lanes = batch.lanes
-    mover = Mover(remedy, lanes)
+    mover = BatchStepper(remedy, lanes)
     state = mover.start(batch.x, batch.v)
     alpha, beta, kappa, gamma = (mp.mpf(float(one[0])) for one in (lanes.alpha, lanes.beta, lanes.kappa, lanes.gamma))
     holds = [mp.expm(mp.matrix([[0, 1, 0], [-beta, -alpha, 1], [0, 0, 0]]) * mp.mpf(part)) for part in remedy.parts]

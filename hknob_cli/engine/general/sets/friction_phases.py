@@ -14,7 +14,7 @@ from hknob_cli.engine.general.sets.friction_box import follow_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame
 from hknob_cli.engine.general.sets.piece import piece_size, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
-from hknob_cli.engine.general.slide_two import coefficients, rub_two
+from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
 FIRST = 16  # intervals to begin with
 HALVINGS = 28
@@ -26,7 +26,7 @@ TOO_MANY = 4096  # pieces of one interval
 def fly(angle, velocity, phase, body):
     """State after ``phase`` of a period of free flight, no torque commanded."""
     s, g, f = coefficients(phase, body)
-    return rub_two(angle, velocity, 0.0, phase, s, g, f, body)
+    return step_with_friction(angle, velocity, 0.0, phase, s, g, f, body)
 
 
 def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):

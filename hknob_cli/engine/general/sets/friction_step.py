@@ -17,7 +17,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen
-from hknob_cli.engine.general.slide_two import coefficients, rub_two
+from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 from hknob_cli.engine.turning import first_zero
 
 SLID, HELD, ENCLOSED, CUT = range(4)  # what a hold does with a set
@@ -218,7 +218,7 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         dx, dv = corners[2 * k], corners[2 * k + 1]
         corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
     stuck = space[4] == 0.0 and space[5] == 0.0 and space[6] == 0.0 and space[7] == 0.0
-    to_x, to_v = rub_two(mid_x, mid_v, u, span, s, g, f, body)
+    to_x, to_v = step_with_friction(mid_x, mid_v, u, span, s, g, f, body)
     if more_x > 0.0 or more_v > 0.0:
         count = widen(corners, count, more_x, more_v, space)
     return (HELD if stuck and to_v == 0.0 else ENCLOSED), to_x, to_v, count

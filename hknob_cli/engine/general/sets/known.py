@@ -8,7 +8,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
 from hknob_cli.engine.general.ensemble import enter, is_cycle
-from hknob_cli.engine.general.follow import FIELDS, KNOWN, pursue
+from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.standstill import settles, steady
 from hknob_cli.engine.rest import AT_REST
@@ -147,7 +147,7 @@ def seek(z, before, ring, head, budget, limit, known, body, wall):
         known.z[j] = z[j]
     for j in range(delay):
         known.ring[j] = ring[(head + j) % delay]
-    fate, period, before, head, used = pursue(
+    fate, period, before, head, used = follow_trial(
         known.z,
         before,
         known.ring,

@@ -10,7 +10,7 @@ from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.body import distance, norm
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.glide import coast
+from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
 from hknob_cli.engine.general.sets.curve import measure_arc, place_on
@@ -53,7 +53,7 @@ def test_arcs_hold_every_phase_and_end_as_it_does(kind: str) -> None:
     for phase in [chance.random() for _ in range(8)]:
         own = {row for low, high, row in arcs if low <= phase <= high}
         z, ring = knob.start(ANGLE, 0.0), zeros(knob.delay_line)
-        coast(z, 0.0, phase, body, zeros(2 * n))
+        advance_span(z, 0.0, phase, body, zeros(2 * n))
         row, _ = seek(z, read(z[0], wall), ring, 0, 100_000, 1e9, known, body, wall)
         assert row in own
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius_of
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
-from hknob_cli.engine.general.slide_two import coefficients, rub_two
+from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.spec.plan import Bias, Hand, Knob, Scene, Wall
 from tests.engine.sets.loops import zeros
@@ -129,7 +129,7 @@ def test_no_state_is_lost(body: Body, corners: list[float], x: float, v: float, 
     s, g, f = coefficients(1.0, body)
     slack = 1e-11 * (1.0 + abs(x) + abs(v) + u + size) * (1.0 + 1.0 / sqrt(body.beta))
     for dx, dv in states_of(corners, 24, seed):
-        at_x, at_v = rub_two(x + dx, v + dv, u, 1.0, s, g, f, body)
+        at_x, at_v = step_with_friction(x + dx, v + dv, u, 1.0, s, g, f, body)
         assert any(inside_of(at_x - to_x, at_v - to_v, own, slack) for _, to_x, to_v, own in done)
 
 
@@ -175,7 +175,7 @@ def test_no_state_is_lost_without_a_cut(
     size = radius_of(corners, count, 1.0)
     slack = 1e-11 * (1.0 + abs(x) + abs(v) + u + size) * (1.0 + 1.0 / sqrt(body.beta))
     for dx, dv in states_of(corners, 24, seed):
-        at_x, at_v = rub_two(x + dx, v + dv, u, 1.0 / n, s, g, f, body)
+        at_x, at_v = step_with_friction(x + dx, v + dv, u, 1.0 / n, s, g, f, body)
         assert inside_of(at_x - to_x, at_v - to_v, work[: 2 * after], slack)
         if fate == HELD:
             assert at_v == 0.0
@@ -188,7 +188,7 @@ def test_what_slides_moves_by_one_matrix() -> None:
     work = [-0.1, -0.1, 0.1, -0.1, 0.1, 0.1, -0.1, 0.1, *zeros(ROOM)]
     fate, x, v, count = move_set(0.0, 3.0, 0.0, 0.5, s, g, f, work, 4, 0.0, body, zeros(ROOM), zeros(3))
     assert (fate, count) == (SLID, 4)
-    assert (x, v) == rub_two(0.0, 3.0, 0.0, 0.5, s, g, f, body)
+    assert (x, v) == step_with_friction(0.0, 3.0, 0.0, 0.5, s, g, f, body)
     expected = [0.1 * (a * (1.0 - 0.05 * g) + b * s) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     assert work[:8:2] == pytest.approx(expected)
 
@@ -216,7 +216,7 @@ def test_the_enclosure_of_a_small_set_is_narrow() -> None:
         x, v = -8.0, -0.03
         fate, _, _, count = move_set(x, v, 0.0, 0.25, s, g, f, work, 4, float("inf"), body, zeros(ROOM), zeros(3))
         assert fate == ENCLOSED
-        ends = [rub_two(x + a * size, v + b * size, 0.0, 0.25, s, g, f, body) for a in (-1, 1) for b in (-1, 1)]
+        ends = [step_with_friction(x + a * size, v + b * size, 0.0, 0.25, s, g, f, body) for a in (-1, 1) for b in (-1, 1)]
         true = max(end[0] for end in ends) - min(end[0] for end in ends)
         excess.append(max(work[: 2 * count : 2]) - min(work[: 2 * count : 2]) - true)
     assert 0.0 <= excess[1] < 2e-6 * excess[0]
