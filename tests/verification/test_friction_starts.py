@@ -49,7 +49,7 @@ SCENES = {
     "light": (scene(knob={"coulomb_torque": 1.0e-5}), 464.0, 256),
     "measured friction": (scene(knob={"coulomb_torque": 5.6e-4}), 455.0, 256),
     "rest and cycles": (scene(knob={"coulomb_torque": 4.0e-4}), 1000.0, 512),
-    "rest alone": (scene(knob={"coulomb_torque": 9.0e-4}), 464.0, 1024),
+    "one cycle": (scene(knob={"coulomb_torque": 9.0e-4}), 464.0, 256),
     "delay": (scene(knob={"coulomb_torque": 2.0e-4}, actuator={"delay_samples": 1.0}), 464.0, 256),
     "limit and step": (
         scene(knob={"coulomb_torque": 2.0e-4}, actuator={"torque_limit": 0.02, "torque_step": 1e-4}),

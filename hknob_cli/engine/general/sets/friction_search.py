@@ -18,8 +18,9 @@ from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift,
 from hknob_cli.engine.general.sets.room import Known, make_known, make_piece_room
 from hknob_cli.engine.general.sets.search import GeneralSetEngine, ends_of, make_scope, why_not
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets.search import LONGEST, SLICE
+from hknob_cli.engine.sets.search import SLICE
 
+LONGEST = 20_000_000  # samples that a cell may take: a minute or two
 SLICE_INTERPRETED = 2000  # samples between two chances to be interrupted
 
 
@@ -29,6 +30,10 @@ class FrictionSetEngine(GeneralSetEngine):
     def able(self, body: Body, wall: Controller) -> bool:
         """Whether this engine follows sets of states of a cell."""
         return can_rub(body, wall)
+
+    def longest(self, _body: Body) -> int:
+        """Samples that a cell may take when no time is set."""
+        return LONGEST
 
     def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
         """What follows the pieces that wait, `friction_box.follow_friction`."""
@@ -76,7 +81,7 @@ class FrictionSetEngine(GeneralSetEngine):
         rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
         waiting, pieces, undecided, narrowest, taken = FIRST, 0, 0.0, 1.0, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
-            while waiting and not alarm.over and taken <= LONGEST:
+            while waiting and not alarm.over and taken <= self.longest(body):
                 if self.stopped():
                     raise StoppedError
                 waiting, ended, lost, shortest, used = follow(
@@ -87,7 +92,7 @@ class FrictionSetEngine(GeneralSetEngine):
         left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
         found, why = ends_of(known, 2, delay_line), why_not(known)
         if left > 0.0:
-            given_up = self._given_up(left, seconds, over=taken > LONGEST)
+            given_up = self._given_up(left, seconds, over=taken > self.longest(body))
             found.append(given_up)
             why = given_up.reason
         if undecided > 0.0:

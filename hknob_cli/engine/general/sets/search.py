@@ -32,7 +32,7 @@ from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known, make_piece_room
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
-from hknob_cli.engine.sets.search import GENERATIONS, LONGEST, SAMPLED, SEEN, SLICE, WIDEST, Box
+from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDEST, Box
 
 
 class Scope(NamedTuple):
@@ -63,6 +63,9 @@ def make_scope(body: Body, wall: Controller, x: float, v: float, rate: float, ma
     return Scope(budget, skip, max(64, skip // 2), 1e6 * scale, scale < FINEST)
 
 
+LONGEST = {2: 1_000_000_000, 3: 100_000_000}  # samples that a cell may take: some minutes; 3: of more states, too
+
+
 class GeneralSetEngine:
     """Follows sets of states of the general loop, plain or compiled; its work space is used again. One per thread."""
 
@@ -91,6 +94,10 @@ class GeneralSetEngine:
     def able(self, body: Body, wall: Controller) -> bool:
         """Whether this engine follows sets of states of a cell."""
         return can_follow(body, wall)
+
+    def longest(self, body: Body) -> int:
+        """Samples that a cell may take when no time is set."""
+        return LONGEST[min(body.order, 3)]
 
     def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
         """What follows the pieces that wait, `box.follow_generation`."""
@@ -135,7 +142,7 @@ class GeneralSetEngine:
         rest = scope.budget, scope.patience, scope.limit, SLICE
         waiting, taken = 1, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
-            while waiting > 0 and not alarm.over and taken <= LONGEST and not _endless(totals):
+            while waiting > 0 and not alarm.over and taken <= self.longest(body) and not _endless(totals):
                 if self.stopped():
                     raise StoppedError
                 waiting, used = follow(waiting, delay_line, slack, *rest, totals, room, drift, known, body, wall)
@@ -151,7 +158,7 @@ class GeneralSetEngine:
         lost = 1.0 - left / covered - sum(one.trials for one in found)
         why = why_not(known)
         if left > 0.0:
-            over = taken > LONGEST or _endless(totals)
+            over = taken > self.longest(body) or _endless(totals)
             given_up = self._given_up(left / covered, seconds, over=over)
             found.append(given_up)
             why = given_up.reason
@@ -215,7 +222,7 @@ class GeneralSetEngine:
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
             width = across / WIDEST if n == 2 else 0.0  # pieces of more states are not merged
             for generation in range(GENERATIONS):
-                while waiting and not alarm.over and taken <= LONGEST:
+                while waiting and not alarm.over and taken <= self.longest(body):
                     if self.stopped():
                         raise StoppedError
                     waiting, ended, lost, used = follow(
@@ -228,7 +235,7 @@ class GeneralSetEngine:
                 width *= 0.5
                 taken += self._function(box, "seek_some")(room, waiting, delay_line, SEEN, *rest, known, body, wall)
             left = self._left(room, waiting, n, delay_line)
-            over = taken > LONGEST or not alarm.over
+            over = taken > self.longest(body) or not alarm.over
         found = ends_of(known, n, delay_line)
         if followed < SAMPLED:
             found.append(self._given_up(float(SAMPLED - followed), seconds, over=False))
