@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.spec.load import load, validate
-from hknob_cli.spec.plan import SweepPlan
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import load, validate
+from hknob_cli.specs.plan import SweepPlan
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import SweepTables
 

@@ -6,8 +6,8 @@ import pyarrow as pa
 
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.store import write
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.sysid import SysidStage, kept_recordings
 from hknob_cli.stages.sysid_calibration import calibrate
 from hknob_cli.stages.sysid_study import study_bias, study_hidden

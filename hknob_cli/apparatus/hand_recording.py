@@ -3,9 +3,9 @@
 import numpy as np
 
 from hknob_cli.apparatus.hand import Hand
-from hknob_cli.apparatus.motion import follow, mechanism
 from hknob_cli.apparatus.pulse import Pulse
 from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.simulated_motion import follow, mechanism
 from hknob_cli.recordings.trial import Array, Key, Trial
 
 _REACH = 6.0  # standard deviations of the grip cell's noise: the ramp starts that far below the threshold

@@ -12,18 +12,18 @@ from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
 
 if TYPE_CHECKING:
-    from hknob_cli.spec.plan import Plan
+    from hknob_cli.specs.plan import Plan
 
 
 def _size(plan: "Plan") -> str:
     """How much there is to do."""
-    from hknob_cli.spec.campaign import HwRunPlan
-    from hknob_cli.spec.cells import cells_of
-    from hknob_cli.spec.design_plan import DesignPlan
-    from hknob_cli.spec.identification import SysidPlan
-    from hknob_cli.spec.page_plan import ReportPlan
-    from hknob_cli.spec.plan import BenchPlan
-    from hknob_cli.spec.remedies_plan import RemediesPlan
+    from hknob_cli.specs.campaign import HwRunPlan
+    from hknob_cli.specs.cells import cells_of
+    from hknob_cli.specs.design_plan import DesignPlan
+    from hknob_cli.specs.identification import SysidPlan
+    from hknob_cli.specs.page_plan import ReportPlan
+    from hknob_cli.specs.plan import BenchPlan
+    from hknob_cli.specs.remedies_plan import RemediesPlan
 
     if isinstance(plan, BenchPlan):
         return _counted(len(plan.scenes), "scene")
@@ -47,8 +47,8 @@ def _counted(count: int, what: str, many: str = "") -> str:
 def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
     from hknob_cli.cli.job import work_of
-    from hknob_cli.spec.kinds import PIPELINE
-    from hknob_cli.spec.load import is_ledger, kind_of, load, load_pipeline
+    from hknob_cli.specs.kinds import PIPELINE
+    from hknob_cli.specs.load import is_ledger, kind_of, load, load_pipeline
 
     kind = kind_of(path)
     if kind == PIPELINE:
@@ -60,7 +60,7 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
             _warn(path, job)
         return f"pipeline '{pipeline.name}', {_counted(len(pipeline.stages), 'stage')}"
     if kind is None and is_ledger(path):
-        from hknob_cli.claims.ledger import load_ledger
+        from hknob_cli.page.claims.ledger import load_ledger
 
         return f"ledger, {_counted(len(load_ledger(path).claims), 'claim')}"
     plan = load(path, sets)
@@ -72,7 +72,7 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
 
 
 def _warn(path: Path, job: Job) -> None:
-    from hknob_cli.spec.usual import unusual
+    from hknob_cli.specs.usual import unusual
 
     for text in unusual(job.plan) if not job.quiet else ():
         say(f"{path}: {text}")

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.spec.origin import Origin
-from hknob_cli.spec.plan import Hand
+from hknob_cli.specs.origin import Origin
+from hknob_cli.specs.plan import Hand
 
 
 def _measured(plan: Any) -> Iterator[tuple[Hand, Origin]]:
@@ -25,7 +25,7 @@ def hand_files(plan: Any) -> tuple[Path, ...]:
 def hand_inputs(plan: Any) -> dict[str, str]:
     """Digests of the files, the numbers of the hand, which a spec with a file does not say, and what was said of them.
 
-    Numbers are JSON with inertia, damping and stiffness in SI units, as `Evidence.scene` reads them.
+    Numbers are JSON with inertia, damping and stiffness in SI units, as `ResultSet.scene` reads them.
     """
     said = {"hand_notes": " ".join(hand_notes(plan))} if hand_notes(plan) else {}
     return {**_digests(plan), **said}

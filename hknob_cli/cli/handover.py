@@ -14,7 +14,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import BinaryIO, Protocol
 
-from hknob_cli.spec.kinds import STAGES
+from hknob_cli.specs.kinds import STAGES
 
 # What the work of a subcommand needs, to be loaded ahead.
 AHEAD = {

@@ -20,8 +20,8 @@ from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, s
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
-from hknob_cli.spec.campaign import REPLAY, SERIAL
-from hknob_cli.spec.named_file import digest_of, inside
+from hknob_cli.specs.campaign import REPLAY, SERIAL
+from hknob_cli.specs.named_file import digest_of, inside
 
 HARDWARE = "hardware"
 

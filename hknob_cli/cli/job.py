@@ -4,7 +4,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from hknob_cli.spec.kinds import STAGES
+from hknob_cli.specs.kinds import STAGES
 
 # Where the work of each kind is; loaded ahead, while the command line is parsed.
 WORK = {kind: f"hknob_cli.cli.{kind.replace('-', '_')}_work" for kind in STAGES}

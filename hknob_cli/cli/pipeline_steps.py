@@ -13,12 +13,12 @@ from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.results.place import refuse_link
-from hknob_cli.spec.load import load
-from hknob_cli.spec.messages import unknown
-from hknob_cli.spec.named_file import open_named
-from hknob_cli.spec.page_plan import ReportPlan
-from hknob_cli.spec.pipeline_plan import PipelinePlan, StagePlan
-from hknob_cli.spec.plan import Plan
+from hknob_cli.specs.load import load
+from hknob_cli.specs.messages import unknown
+from hknob_cli.specs.named_file import open_named
+from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
+from hknob_cli.specs.plan import Plan
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one

@@ -7,7 +7,7 @@ from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
-from hknob_cli.spec.cells import cells_of
+from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.predict import predict
 

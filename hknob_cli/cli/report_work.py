@@ -6,19 +6,19 @@ from html import escape, unescape
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.claims.ledger import load_ledger
-from hknob_cli.claims.verdict import VERDICTS, judge
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
 from hknob_cli.cli.stage_run import Tables, Work
 from hknob_cli.errors import UsageError
+from hknob_cli.page.claims.ledger import load_ledger
+from hknob_cli.page.claims.verdict import VERDICTS, judge
 from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
 from hknob_cli.results.digest import digest
-from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.marked import mark
+from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')

@@ -67,7 +67,7 @@ def run(
         from hknob_cli.cli.pipeline_steps import chosen, jobs_of, steps_of
         from hknob_cli.pipeline.build import Fate, build
         from hknob_cli.results import store
-        from hknob_cli.spec.load import load_pipeline
+        from hknob_cli.specs.load import load_pipeline
 
         def said(stage: str, text: str) -> None:
             if (text or verbose) and not quiet:
@@ -112,7 +112,7 @@ def run(
 
 def _root(path: Path, overrides: tuple[str, ...]) -> Path:
     """Where results go if nothing is said."""
-    from hknob_cli.spec.load import load_pipeline
+    from hknob_cli.specs.load import load_pipeline
 
     return Path("results") / load_pipeline(path, overrides).name
 

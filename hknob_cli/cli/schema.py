@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from hknob_cli.cli.console import reporting
-from hknob_cli.spec.kinds import CLAIMS, SCHEMAS
+from hknob_cli.specs.kinds import CLAIMS, SCHEMAS
 
 
 def schema(
@@ -22,10 +22,10 @@ def schema(
 ) -> None:
     """Print the JSON Schema of a kind of spec."""
     with reporting():
-        from hknob_cli.spec.schema import json_schema, titled
+        from hknob_cli.specs.schema import json_schema, titled
 
         if kind == CLAIMS:
-            from hknob_cli.claims.ledger import Ledger
+            from hknob_cli.page.claims.ledger import Ledger
 
             found = titled(Ledger.model_json_schema(), "hknob ledger of claims")
         else:

@@ -17,7 +17,7 @@ from hknob_cli.results.folder import refuse_mixed
 from hknob_cli.results.marked import mark
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.versions import grid_versions
-from hknob_cli.spec.usual import unusual
+from hknob_cli.specs.usual import unusual
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
@@ -281,7 +281,7 @@ def overlap_of(job: Job) -> dict[str, Any]:
     """How many cells of a job the sweep has that it is compared with, for its summary. Raises `UsageError`."""
     if not job.plan.against:
         return {}
-    from hknob_cli.spec.cells import cells_of
+    from hknob_cli.specs.cells import cells_of
     from hknob_cli.stages.compare import overlap
 
     return {"overlap": overlap(job.plan.against, job.plan.axes, cells_of(job.plan))}

@@ -70,7 +70,7 @@ def submit_stage(
         if refuse:
             raise UsageError(refuse)
         from hknob_cli.cli.job import Job
-        from hknob_cli.spec.load import load
+        from hknob_cli.specs.load import load
 
         plan = load(spec, tuple(sets or ()), kind=kind)
         where = out or Path("results") / plan.name

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.live import Live
 
-    from hknob_cli.spec.campaign import CoursePlan
+    from hknob_cli.specs.campaign import CoursePlan
 
 REFRESH_S = 0.1
 WIDTH = 41  # of the gauge, odd so that the target is in its middle

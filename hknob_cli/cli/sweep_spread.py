@@ -10,7 +10,7 @@ from hknob_cli.report.matrix import short
 from hknob_cli.results.parting import Parting
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
-from hknob_cli.spec.cells import cells_of
+from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
 from hknob_cli.spread.ranges import Range, Ranges

@@ -13,7 +13,7 @@ from hknob_cli.report.completeness import completeness_text, describe_completene
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
-from hknob_cli.spec.plan import COUNTS, PERSON
+from hknob_cli.specs.plan import COUNTS, PERSON
 from hknob_cli.stages.sweep import SweepStage
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
@@ -70,7 +70,7 @@ class SweepWork(Work):
     def finished(self, job: Job) -> str:
         """Cells of a long sweep."""
         from hknob_cli.results.parting import Parting
-        from hknob_cli.spec.cells import cells_of
+        from hknob_cli.specs.cells import cells_of
         from hknob_cli.stages.assembly import finished
 
         stamp, total = stamp_of(job, self), len(cells_of(job.plan))

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from hknob_cli.spec.perception import Perceive
+from hknob_cli.specs.perception import Perceive
 
 
 def threshold_inputs(how: Perceive | None) -> dict[str, str]:

@@ -31,7 +31,7 @@ GENERAL = (
     "general.slide_two",
     "general.slide_many",
     "general.columns",
-    "general.glide",
+    "general.advance",
     "general.interval",
     "general.powers",
     "general.period_map",
@@ -81,7 +81,7 @@ GROUPS = {
     "cells": (CELLS, "cells.run_cells"),
     "arc_cells": (ARC_CELLS, "cells.run_arc_cells"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
-    "general": (GENERAL, "ensemble.crowd"),
+    "general": (GENERAL, "ensemble.run_trials"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
     "sets": (SETS, "ball.follow_ball"),
     "general sets": (GENERAL_SETS, "ball.follow_ball"),
@@ -151,7 +151,7 @@ def waiting(group: str = "plain") -> str:
 def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
     """Every function of a group by name, compiled on first call; compiled code is cached where a cache can be written.
 
-    A function of a module in a package goes by its module's name, too: ``general.crowd``.
+    A function of a module in a package goes by its module's name, too: ``general.run_trials``.
     """
     import numba
     import numpy as np

@@ -17,7 +17,7 @@ from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.trial_file import Recorded, sample_table, zero_of
 from hknob_cli.hardware.trial_run import Outcome, RepeatTrialError, Task, run_trial
 from hknob_cli.recordings.trial import Key
-from hknob_cli.spec.campaign import HwRunPlan
+from hknob_cli.specs.campaign import HwRunPlan
 
 Opened = Callable[[ExitStack], Device]
 Who = Callable[[Trial], Simulated]

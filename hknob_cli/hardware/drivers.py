@@ -10,7 +10,7 @@ from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
 from hknob_cli.hardware.port import Device
 from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.spec.campaign import REPLAY, VIRTUAL, HwRunPlan
+from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
 
 USUAL_GRIP_N = 0.71  # Chapter 8's target
 Who = Callable[[Trial], Simulated]

@@ -7,12 +7,12 @@ is added to it directly, which leaves its equation as it is: the push is constan
 
 from typing import Any
 
+from hknob_cli.engine.general.advance import advance_hold, advance_span
 from hknob_cli.engine.general.body import SECOND
-from hknob_cli.engine.general.glide import advance_span, advance_hold
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.spec.plan import Actuator, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Actuator, Hand, Knob, Scene, Wall
 
 PATIENCE = 8000  # moves with friction and lag, 0.3 ms each, after which the same code compiled is worth its loading
 
@@ -42,7 +42,7 @@ class KnobMotion:
         self._state: Any = knob.start(simulated.angle_rad, 0.0)
         self._pad: Any = [0.0] * (2 * knob.body.order)
         self._push = 0.0
-        self._coast: Any = advance_span
+        self._advance_span: Any = advance_span
         self._moves = 0
 
     @property
@@ -76,14 +76,16 @@ class KnobMotion:
                 body, state = self._body, self._state
         elif periods == 1.0:
             if body.friction > 0.0:
-                state[0], state[1] = step_with_friction(state[0], state[1], command, 1.0, body.s2, body.g2, body.f2, body)
+                state[0], state[1] = step_with_friction(
+                    state[0], state[1], command, 1.0, body.s2, body.g2, body.f2, body
+                )
             else:
                 x, v = state[0], state[1]
                 y = command - body.beta * x
                 state[0], state[1] = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
             return
         while periods > 0.0:
-            self._coast(state, command, min(periods, 1.0), body, self._pad)
+            self._advance_span(state, command, min(periods, 1.0), body, self._pad)
             periods -= 1.0
 
     def _compile(self) -> None:
@@ -93,6 +95,6 @@ class KnobMotion:
         from hknob_cli.engine.general.search import as_arrays
         from hknob_cli.engine.jit import compiled
 
-        self._coast, self._body = compiled("general")["general.coast"], as_arrays(self._body)
+        self._advance_span, self._body = compiled("general")["general.advance_span"], as_arrays(self._body)
         self._state, self._pad = np.array(self._state), np.array(self._pad)
         KnobMotion._is_compiled = True

@@ -5,8 +5,8 @@ from itertools import product
 from typing import NamedTuple
 
 from hknob_cli.hardware.port import Settings
-from hknob_cli.spec.campaign import HwRunPlan
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.plan import COUNTS, RATE
 
 BLOCK_S = 0.01  # of samples that travel together
 MOST_BLOCK = 48

@@ -9,8 +9,8 @@ import numpy as np
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
+from hknob_cli.hardware.recorded_trials import RecordedTrial, is_of_wall, read_takes
 from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.hardware.takes import RecordedTrial, is_of_wall, read_takes
 
 _SAME_RATE = 1e-3  # by how much a recorded sample rate may be off
 

@@ -1,7 +1,7 @@
 """The host's own watch over a trial: what is sent must be within the limits, in order, and as was agreed.
 
-Of a device at a wire, where `LimitMonitor` is told ``wired``, the wall's flag and the torque must also be those that follow
-from the commands and from the settings that it took.
+Of a device at a wire, where `LimitMonitor` is told ``wired``, the wall's flag and the torque must also be those that
+follow from the commands and from the settings that it took.
 """
 
 import math

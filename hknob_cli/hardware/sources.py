@@ -10,9 +10,9 @@ import pyarrow as pa
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.provenance import KEY
-from hknob_cli.spec.campaign import SERIAL
-from hknob_cli.spec.parquet import schema_of
-from hknob_cli.spec.regular import is_endless
+from hknob_cli.specs.campaign import SERIAL
+from hknob_cli.specs.parquet import schema_of
+from hknob_cli.specs.regular import is_endless
 
 EARLIER = "earlier"
 RECORDING = "recording"

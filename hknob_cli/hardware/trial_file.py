@@ -21,7 +21,7 @@ from hknob_cli.results.hw_run_columns import MORE_SAMPLES
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
-from hknob_cli.spec.parquet import table_of
+from hknob_cli.specs.parquet import table_of
 
 ABOUT = b"hknob.trial"
 _COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)

@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.clock_drift import drift_fault
-from hknob_cli.hardware.course import TrialPhases, Ended
 from hknob_cli.hardware.operator import Operator, View, Wish
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Block, Device, Drift, Settings, Torque
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.sample_clock import SampleClock
 from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.trial_phases import Ended, TrialPhases
 from hknob_cli.hardware.undisturbed import undisturbed
-from hknob_cli.spec.campaign import CoursePlan
+from hknob_cli.specs.campaign import CoursePlan
 
 # A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
 # Shorter, it would take a pause of this computer's own for silence.

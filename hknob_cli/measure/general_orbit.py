@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.search import PeriodSegments, GeneralEngine
+from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.propagator import hold_coefficients

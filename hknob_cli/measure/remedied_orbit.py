@@ -5,12 +5,12 @@ from math import fsum, nan
 
 import numpy as np
 
+from hknob_cli.controllers.search import Settled
 from hknob_cli.engine.orbit.cycle import measure_holds
 from hknob_cli.engine.orbit.holds import PART, fill_part
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_parts, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
-from hknob_cli.remedies.search import Settled
 from hknob_cli.scene.sampled_knob import SampledKnob
 
 

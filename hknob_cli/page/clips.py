@@ -8,8 +8,8 @@ from collections.abc import Sequence
 
 from hknob_cli.page.book import Clip
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import ResultSet
-from hknob_cli.spec.page_plan import Listen
+from hknob_cli.results.result_set import ResultSet
+from hknob_cli.specs.page_plan import Listen
 
 RATE_HZ = 16000
 DURATION_S = 1.2
@@ -21,8 +21,8 @@ def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
 
     The loudest takes half of full scale, and sets the factor from speed to sample of all.
     """
-    from hknob_cli.measure.recorded_harmonics import recorded_harmonics
     from hknob_cli.perception import sound
+    from hknob_cli.recordings.harmonics import recorded_harmonics
 
     motions = []
     for one in wanted:

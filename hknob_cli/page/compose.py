@@ -9,16 +9,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.errors import MISSHAPEN, UsageError
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source, Table
+from hknob_cli.page.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.page.tables import table_of
-from hknob_cli.results.evidence import ResultSet, MissingError, Result
-from hknob_cli.spec.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
+from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]
@@ -95,7 +95,7 @@ def _drawn(figure: FigurePlan, evidence: ResultSet, mark: str) -> Drawn:
         caption = _filled(figure.caption, evidence)
         with np.errstate(over="raise"):  # of numbers no picture has room for
             drawing = draw(figure.draw, evidence, of, figure.options)
-            svg = ink.svg(drawing, name=figure.id, title=figure.alt, mark=mark)
+            svg = theme.svg(drawing, name=figure.id, title=figure.alt, mark=mark)
         heard = clips(evidence, figure.listen)
     except MissingError as error:
         missing = str(error)

@@ -10,9 +10,9 @@ from hknob_cli.page.planned_figure import planned
 from hknob_cli.report.large import varying
 from hknob_cli.report.means import differs
 from hknob_cli.report.perceived import perceived_levels
-from hknob_cli.results.evidence import CAMPAIGN, Result
-from hknob_cli.spec.page_plan import FigurePlan
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.results.result_set import CAMPAIGN, Result
+from hknob_cli.specs.page_plan import FigurePlan
+from hknob_cli.specs.plan import PERSON
 
 MOST_CASES = 8  # of a trial of remedies that have a picture each
 

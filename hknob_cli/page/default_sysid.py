@@ -3,8 +3,8 @@
 from typing import Any
 
 from hknob_cli.page.planned_figure import planned
-from hknob_cli.results.evidence import Result
-from hknob_cli.spec.page_plan import FigurePlan
+from hknob_cli.results.result_set import Result
+from hknob_cli.specs.page_plan import FigurePlan
 
 _WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
 _CURVES = ("least_squares", "output_error", "output_error_friction")  # estimators that a curve is drawn of by default

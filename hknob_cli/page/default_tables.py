@@ -1,7 +1,7 @@
 """The tables that a page shows of each kind of result where its spec lists no chapters."""
 
-from hknob_cli.results.evidence import CAMPAIGN, Result
-from hknob_cli.spec.page_plan import TablePlan
+from hknob_cli.results.result_set import CAMPAIGN, Result
+from hknob_cli.specs.page_plan import TablePlan
 
 _MEAN = "Peak to peak and frequency are means over the trials that cycle."
 _TITLES = {

@@ -10,8 +10,8 @@ from hknob_cli.page.default_figures import figures_of
 from hknob_cli.page.default_tables import tables_of
 from hknob_cli.report.means import SAME, WORST
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.evidence import CAMPAIGN, ResultSet, MissingError, Result
-from hknob_cli.spec.page_plan import ChapterPlan
+from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
+from hknob_cli.specs.page_plan import ChapterPlan
 
 T = TypeVar("T")
 

@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from hknob_cli.results.evidence import Result
-from hknob_cli.spec.page_plan import FigurePlan, Sentence
+from hknob_cli.results.result_set import Result
+from hknob_cli.specs.page_plan import FigurePlan, Sentence
 
 
 def planned(result: Result, draw: str, what: str, caption: str, **options: Any) -> FigurePlan:

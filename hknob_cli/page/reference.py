@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from inspect import Parameter, cleandoc, signature
 from typing import Any
 
-from hknob_cli.claims.checks import known
+from hknob_cli.page.claims.checks import known
 from hknob_cli.page.figures import MODULES, drawing_of
 
 _HEAD = """\

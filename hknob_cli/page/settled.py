@@ -3,7 +3,7 @@
 import numpy as np
 
 from hknob_cli.page.figures.recording import At, Recording, one_recording
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 CLOSE = 1e-3  # of the swing: how far two periods in a row may be apart, 60 dB below the cycle
 

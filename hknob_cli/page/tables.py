@@ -10,10 +10,10 @@ from hknob_cli.page.columns import Shown, shown_as
 from hknob_cli.page.numeral import numeral
 from hknob_cli.report.means import WORST, differs
 from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.evidence import ResultSet, MissingError, Result
 from hknob_cli.results.parted import Parted
-from hknob_cli.spec.page_plan import TablePlan
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
+from hknob_cli.specs.page_plan import TablePlan
+from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
 Row = dict[str, Any]
 WHOLE = 100  # rows up to which a table is shown whole

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from hknob_cli.perception.published import published
-from hknob_cli.spec.design_plan import DesignPlan
+from hknob_cli.specs.design_plan import DesignPlan
 
 REDRAWS = 1000  # of the people, with replacement
 

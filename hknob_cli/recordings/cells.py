@@ -9,7 +9,7 @@ import pyarrow.compute as compute
 
 from hknob_cli.recordings.faults import MOST
 from hknob_cli.recordings.trial import Array
-from hknob_cli.spec.messages import shown
+from hknob_cli.specs.messages import shown
 
 _MISSING = ["", "na", "nan", "null", "n/a", "none"]
 

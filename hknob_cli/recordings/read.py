@@ -14,8 +14,8 @@ from hknob_cli.recordings.columns import EVERY, MAY_MISS, MEASURED_TORQUE, REQUI
 from hknob_cli.recordings.faults import Faults, RecordingError, RowFault
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
-from hknob_cli.spec.identification import ColumnPlan
-from hknob_cli.spec.messages import closest, shown
+from hknob_cli.specs.identification import ColumnPlan
+from hknob_cli.specs.messages import closest, shown
 
 NOTHING: Mapping[str, Any] = {}
 _SAMPLES = tuple(column.name for column in (*SAMPLES, MEASURED_TORQUE))

@@ -3,7 +3,7 @@
 from typing import Any
 
 from hknob_cli.report.matrix import labels
-from hknob_cli.spec.plan import Starts
+from hknob_cli.specs.plan import Starts
 
 
 def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:

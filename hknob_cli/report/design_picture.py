@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.report.design import limits, name_of
 from hknob_cli.report.picture import save
-from hknob_cli.spec.design_plan import DesignPlan
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
 from hknob_cli.report.means import differs
 from hknob_cli.report.table import grid
 from hknob_cli.results.campaign_cells import cell_rows
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.plan import COUNTS, RATE
 
 Row = dict[str, Any]
 AXES = [COUNTS, RATE]

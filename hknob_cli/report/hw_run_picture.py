@@ -8,7 +8,7 @@ import pyarrow as pa
 from hknob_cli.report.hw_run import cells_of, quiet_text
 from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.picture import axis_name, colour_map, save
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

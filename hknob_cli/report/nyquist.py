@@ -14,7 +14,7 @@ from hknob_cli.report.bars import draw_bars
 from hknob_cli.report.dfa import nearest_cycles
 from hknob_cli.report.picture import save
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan
+from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan
 from hknob_cli.theory.nyquist import crossing, plant_curve
 
 if TYPE_CHECKING:

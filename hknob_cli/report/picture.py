@@ -128,7 +128,7 @@ def _draw_maps(figure: "Figure", rows: list[dict[str, Any]], wide: list[str]) ->
             for i, d in enumerate(downs):
                 for j, a in enumerate(acrosses):
                     mean = mean_beside(grid[d, a], column)
-                    _write(axes, j, i, float(values[i, j]), grid[d, a], ink=inks[i][j], mean=mean and scale * mean)
+                    _write(axes, j, i, float(values[i, j]), grid[d, a], theme=inks[i][j], mean=mean and scale * mean)
     for left in places[:, 0]:
         left.set_yticks(range(len(downs)), [f"{float(f'{value:.4g}'):g}" for value in downs])
         left.set_ylabel(axis_name(down))
@@ -165,7 +165,7 @@ def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, fl
 
 
 def _write(
-    axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, ink: str, mean: float | None = None
+    axes: "Axes", x: int, y: int, value: float, row: dict[str, Any], *, theme: str, mean: float | None = None
 ) -> None:
     """The value of a cell, the mean beside it, a dot per coexisting orbit, and how trials end that do not cycle."""
     words = [
@@ -175,10 +175,10 @@ def _write(
     ]
     text = "" if isnan(value) or (value == 0 and words) else f"{value:.3g}"
     text += f" ({_few(mean, 11 - len(text))})" if text and mean else ""
-    axes.text(x, y, "\n".join(filter(None, [text, " ".join(words)])), ha="center", va="center", fontsize=8, color=ink)
+    axes.text(x, y, "\n".join(filter(None, [text, " ".join(words)])), ha="center", va="center", fontsize=8, color=theme)
     count = int(row["orbit_count"])
     if count > 1:
-        axes.text(x, y - 0.33, "•" * min(count, 8), ha="center", va="center", fontsize=7, color=ink)
+        axes.text(x, y - 0.33, "•" * min(count, 8), ha="center", va="center", fontsize=7, color=theme)
 
 
 def _few(value: float, room: int) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.table import table
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.specs.plan import PERSON
 
 Row = dict[str, Any]
 QUANTILES = {"p5": 0.05, "median": 0.5, "p95": 0.95}

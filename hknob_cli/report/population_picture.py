@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.picture import axis_name, colour_map, save
 from hknob_cli.report.population import Row, by_cell, describe_people, pitches, sizes
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

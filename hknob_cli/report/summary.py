@@ -12,7 +12,7 @@ from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.table import table
 from hknob_cli.report.undecided import undecided_in, undecided_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.specs.plan import PERSON
 
 
 def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import pyarrow as pa
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.timing import audit, histogram, jitter_of
 from hknob_cli.report.picture import save
-from hknob_cli.spec.plan import RATE
+from hknob_cli.specs.plan import RATE
 
 Row = dict[str, Any]
 

@@ -17,7 +17,7 @@ from hknob_cli.report.means import ONE, WORST
 from hknob_cli.report.table import table
 from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

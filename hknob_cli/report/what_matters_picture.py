@@ -17,7 +17,7 @@ from hknob_cli.report.means import ONE
 from hknob_cli.report.picture import axis_name, is_geometric, save
 from hknob_cli.report.ticks import log_ticks
 from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in, what_matters
-from hknob_cli.spec.points_plan import Points
+from hknob_cli.specs.points_plan import Points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,7 +11,7 @@ import pyarrow as pa
 
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.plan import COUNTS, RATE
 
 Row = dict[str, Any]
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE
+from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
 
 class Column(NamedTuple):

@@ -3,7 +3,7 @@
 import pyarrow as pa
 
 from hknob_cli.results.columns import Column
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.plan import COUNTS, RATE
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
-from hknob_cli.spec.plan import PERSON, Scene
+from hknob_cli.specs.plan import PERSON, Scene
 
 KEY = b"hknob.provenance"
 DESIGN = "design"  # the key of a grid that is no axis
@@ -85,7 +85,7 @@ def record_of(metadata: dict[bytes, bytes] | None) -> dict[str, Any] | None:
 
 def scene_of(metadata: dict[bytes, bytes] | None) -> Scene | None:
     """The scene that a file was computed for, in SI numbers; None if it has none that can be read."""
-    from hknob_cli.spec.scene import SceneSpec
+    from hknob_cli.specs.scene import SceneSpec
 
     record = record_of(metadata)
     try:

@@ -23,7 +23,7 @@ from hknob_cli.results.parted import (
 from hknob_cli.results.place import create, make_folder
 from hknob_cli.results.png import SIGNATURE, picture_origin
 from hknob_cli.results.provenance import KEY, origin
-from hknob_cli.spec.parquet import NotTextError, schema_of
+from hknob_cli.specs.parquet import NotTextError, schema_of
 
 LOCK = ".hknob.lock"
 _PARTIAL = ".partial"

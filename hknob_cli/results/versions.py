@@ -11,8 +11,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 from hknob_cli import __version__
-from hknob_cli.spec.points_plan import Points
-from hknob_cli.spec.unit_points import RANDOM
+from hknob_cli.specs.points_plan import Points
+from hknob_cli.specs.unit_points import RANDOM
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = (

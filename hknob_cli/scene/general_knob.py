@@ -14,7 +14,7 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.errors import ComputationError
-from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
+from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
 
 Array = NDArray[np.float64]
 

@@ -2,7 +2,7 @@
 
 import random
 
-from hknob_cli.spec.plan import Starts
+from hknob_cli.specs.plan import Starts
 
 
 def random_starts(starts: Starts) -> list[tuple[float, float]]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.scene.sampled_knob import SampledKnob, overflows, reduce_scene
-from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Hand, Scene, gripped, scene_at
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Hand, Scene, gripped, scene_at
 
 Columns = Mapping[str, NDArray[Any]]
 

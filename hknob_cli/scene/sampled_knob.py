@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.errors import ComputationError
-from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Scene
+from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
 
 GIVEN = Loop._fields.index("s1")  # numbers of a loop that the rest follows from
 

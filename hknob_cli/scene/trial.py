@@ -13,7 +13,7 @@ from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.spec.plan import Scene
+from hknob_cli.specs.plan import Scene
 
 Array = NDArray[np.float64]
 

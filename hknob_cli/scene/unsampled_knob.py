@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from hknob_cli.engine.unsampled.wall_pieces import Unsampled
 from hknob_cli.errors import ComputationError
-from hknob_cli.spec.plan import Bias, Hand, Scene
+from hknob_cli.specs.plan import Bias, Hand, Scene
 
 
 class UnsampledKnob(NamedTuple):

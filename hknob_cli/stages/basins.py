@@ -12,8 +12,8 @@ from hknob_cli.engine.sets.search import SetEngine
 from hknob_cli.results.arrays import join_columns
 from hknob_cli.results.columns import BASINS, axis_column
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.cells import WHOLE, cells_of
-from hknob_cli.spec.plan import COUNTS, RATE, SweepPlan, scene_at
+from hknob_cli.specs.cells import WHOLE, cells_of
+from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellFinder
 
 MOST_SAMPLES = 5000  # of an orbit that are shown

@@ -14,13 +14,13 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
+from hknob_cli.baselines import mujoco_hinge
+from hknob_cli.baselines.catalogue import Setting, settings
+from hknob_cli.baselines.controller import Controller
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.bench_columns import RUNS
-from hknob_cli.rivals import mujoco_hinge
-from hknob_cli.rivals.catalogue import Setting, settings
-from hknob_cli.rivals.controller import Controller
-from hknob_cli.spec.plan import BenchPlan, BenchScene
+from hknob_cli.specs.plan import BenchPlan, BenchScene
 from hknob_cli.stages.bench_run import Reference, Run, exact_settings, reference, timed_run
 from hknob_cli.stages.verdict import judge, measure
 

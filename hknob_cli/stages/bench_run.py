@@ -9,18 +9,18 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hknob_cli.baselines import digits60
+from hknob_cli.baselines.catalogue import Setting, run_rival
+from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.fixed_step import METHODS as FIXED
+from hknob_cli.baselines.mujoco_hinge import INTEGRATORS as MUJOCO
+from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events
-from hknob_cli.rivals import digits60
-from hknob_cli.rivals.catalogue import Setting, run_rival
-from hknob_cli.rivals.controller import Controller
-from hknob_cli.rivals.fixed_step import METHODS as FIXED
-from hknob_cli.rivals.mujoco_hinge import INTEGRATORS as MUJOCO
-from hknob_cli.rivals.run import PHASE, Deadline, LostError, Motion, TooSlowError, follow
 from hknob_cli.scene.trial import simulate
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
-from hknob_cli.spec.plan import BenchScene
+from hknob_cli.specs.plan import BenchScene
 
 QUICK_S = 0.03  # runs are repeated while they take no longer together
 MOST_REPEATS = 7

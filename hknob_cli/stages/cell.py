@@ -12,7 +12,7 @@ from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
-from hknob_cli.spec.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
 from hknob_cli.stages.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly

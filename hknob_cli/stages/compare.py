@@ -17,8 +17,8 @@ from hknob_cli.results.columns import Column
 from hknob_cli.results.digest import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
-from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.plan import Axes, Cell, Scene
+from hknob_cli.specs.cells import Cells
+from hknob_cli.specs.plan import Axes, Cell, Scene
 
 COLUMNS = (
     Column("sweep_p2p_rad", pa.float64(), "rad", "the sweep's peak to peak, mean of the trials that cycle"),

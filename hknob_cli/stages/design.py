@@ -9,7 +9,7 @@ import pyarrow as pa
 from hknob_cli.perception.doubt import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.design_columns import design_columns
-from hknob_cli.spec.design_plan import DesignPlan
+from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.stages.design_evaluate import Evaluator, Rows
 from hknob_cli.stages.design_people import Judged, judge
 from hknob_cli.stages.design_space import Design, designs, present, relaxed, surface

@@ -6,8 +6,8 @@ from typing import Any
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.perception.doubt import other_sets
-from hknob_cli.spec.design_plan import Candidate, DesignPlan
-from hknob_cli.spec.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
+from hknob_cli.specs.design_plan import Candidate, DesignPlan
+from hknob_cli.specs.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
 from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.cell import CellResult
 from hknob_cli.stages.design_space import Design, cell_of

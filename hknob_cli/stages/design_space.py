@@ -5,8 +5,8 @@ from itertools import product
 from math import fsum
 from typing import Any, NamedTuple
 
-from hknob_cli.spec.design_plan import Candidate, Choice, DesignPlan, Value
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, Cell
+from hknob_cli.specs.design_plan import Candidate, Choice, DesignPlan, Value
+from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Cell
 
 
 class Design(NamedTuple):

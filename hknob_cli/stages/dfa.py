@@ -10,8 +10,8 @@ import pyarrow as pa
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.plan import COUNTS, RATE, DfaPlan, scene_at
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan, scene_at
 from hknob_cli.stages import compare, listed
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles

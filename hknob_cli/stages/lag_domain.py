@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from itertools import product
 
-from hknob_cli.spec.plan import GRIP, PERSON, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.specs.plan import GRIP, PERSON, Hand, Scene, SweepPlan, scene_at
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 LAG = "bounded_lag"

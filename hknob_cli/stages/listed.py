@@ -11,7 +11,7 @@ from hknob_cli.results.columns import Column
 from hknob_cli.results.digest import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import scene_of
-from hknob_cli.spec.plan import Cell, Scene
+from hknob_cli.specs.plan import Cell, Scene
 from hknob_cli.stages.compare import key_of, sweep_file
 
 COLUMNS = (

@@ -9,7 +9,7 @@ import numpy as np
 from hknob_cli.measure.harmonics import Harmonics
 from hknob_cli.perception import hearing, torque_step, touch
 from hknob_cli.perception.level import decibels
-from hknob_cli.spec.perception import Perceive
+from hknob_cli.specs.perception import Perceive
 
 HIGHEST_HZ = 12500.0  # of harmonics: ISO 226 has none above
 

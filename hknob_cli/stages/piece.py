@@ -12,8 +12,8 @@ import pyarrow.parquet as pq
 
 from hknob_cli.results.layout import as_file
 from hknob_cli.results.parting import Parting
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
 

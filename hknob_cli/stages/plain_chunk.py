@@ -17,8 +17,8 @@ from hknob_cli.results.arrays import spell
 from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START, Column
 from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
-from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.plan import GRIP, PERSON, SweepPlan, scene_at
+from hknob_cli.specs.cells import Cells
+from hknob_cli.specs.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import group_of
 from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
 from hknob_cli.stages.found import AttractorColumns

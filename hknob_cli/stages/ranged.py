@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hknob_cli.spec.plan import BESIDE, SweepPlan
+from hknob_cli.specs.plan import BESIDE, SweepPlan
 
 Row = dict[str, Any]
 

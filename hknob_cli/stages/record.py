@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import pyarrow as pa
 
+from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import CONSTANT, Body
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, scene_at
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, scene_at
 
 # Of recordings that are drawn and not kept.
 _FEW = 16  # trials, at most
@@ -188,9 +188,9 @@ def record_trial(
 
 def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
     """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
-    from hknob_cli.remedies.catalogue import make_remedy
-    from hknob_cli.remedies.cells import make_batch
-    from hknob_cli.remedies.trajectory import follow
+    from hknob_cli.controllers.catalogue import make_remedy
+    from hknob_cli.controllers.cells import make_batch
+    from hknob_cli.controllers.trajectory import follow
 
     scene, record = scene_at(plan.scene, cell), plan.record
     assert record

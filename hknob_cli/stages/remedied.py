@@ -7,19 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.search import Settled, search
+from hknob_cli.controllers.sets.starts import follow_starts, followable
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
-from hknob_cli.remedies.catalogue import make_remedy
-from hknob_cli.remedies.cells import make_batch
-from hknob_cli.remedies.remedy import Remedy
-from hknob_cli.remedies.search import Settled, search
-from hknob_cli.remedies.sets.starts import follow_starts, followable
 from hknob_cli.scene.sampled_knob import SampledKnob
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.plan import RATE, Cell, SweepPlan, scene_at
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult
 from hknob_cli.stages.every_start import why_open
 

@@ -10,9 +10,9 @@ import pyarrow as pa
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import RANGED, Column, axis_column
 from hknob_cli.results.remedy_columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED
-from hknob_cli.spec.cells import Cells
-from hknob_cli.spec.plan import PERSON
-from hknob_cli.spec.remedies_plan import RemediesPlan, Remedy
+from hknob_cli.specs.cells import Cells
+from hknob_cli.specs.plan import PERSON
+from hknob_cli.specs.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.lag_domain import has_domain
 from hknob_cli.stages.remedy_levels import level_columns, louder

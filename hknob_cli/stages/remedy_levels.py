@@ -4,7 +4,7 @@ from typing import Any
 
 from hknob_cli.results.columns import Column
 from hknob_cli.results.remedy_columns import felt_columns
-from hknob_cli.spec.remedies_plan import RemediesPlan
+from hknob_cli.specs.remedies_plan import RemediesPlan
 
 Row = dict[str, Any]
 

@@ -3,8 +3,8 @@
 from math import nan
 from typing import Any
 
-from hknob_cli.spec.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
-from hknob_cli.spec.remedies_plan import KNOCKS, RemediesPlan, Remedy
+from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
+from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.ranged import extent, one_start

@@ -7,8 +7,8 @@ cell may have another value.
 from collections.abc import Sequence
 from math import inf
 
-from hknob_cli.spec.plan import PERSON
-from hknob_cli.spec.remedies_plan import Remedy
+from hknob_cli.specs.plan import PERSON
+from hknob_cli.specs.remedies_plan import Remedy
 from hknob_cli.stages.remedy_trial import Row, Rows
 
 

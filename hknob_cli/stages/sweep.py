@@ -10,8 +10,8 @@ from typing import Any, TypeVar
 
 from hknob_cli.engine.attractors import PATIENCE, NeedsCompilerError, Patience
 from hknob_cli.results.parted import PART_CELLS
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.plan import Cell, SweepPlan
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
 from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table

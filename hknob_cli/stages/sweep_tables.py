@@ -25,8 +25,8 @@ from hknob_cli.results.columns import (
     axis_column,
 )
 from hknob_cli.scene.sampled_cells import hands_of
-from hknob_cli.spec.cells import WHOLE
-from hknob_cli.spec.plan import COUNTS, PERSON, SweepPlan, scene_at
+from hknob_cli.specs.cells import WHOLE
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import CellResult, may_bounce
 from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
 from hknob_cli.stages.found import Array, AttractorColumns, in_columns

@@ -24,7 +24,7 @@ from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import table as recordings_table
 from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
-from hknob_cli.spec.identification import SysidPlan
+from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
 from hknob_cli.stages.sysid_rig import virtual_rig
 

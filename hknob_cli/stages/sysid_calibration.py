@@ -10,7 +10,7 @@ from hknob_cli.identify import calibration
 from hknob_cli.recordings.calibration import GRIP_CELL, MOTOR, read_columns
 from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
-from hknob_cli.spec.identification import SysidPlan
+from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid_rig import virtual_rig
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from hknob_cli.apparatus.rig import Rig
-from hknob_cli.spec.identification import SysidPlan
+from hknob_cli.specs.identification import SysidPlan
 
 
 def virtual_rig(plan: SysidPlan) -> Rig:

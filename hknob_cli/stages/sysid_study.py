@@ -11,7 +11,7 @@ from hknob_cli.printed.hands import apparatus_inertia
 from hknob_cli.results import study_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.sysid_columns import PARAMETERS
-from hknob_cli.spec.identification import BiasPlan, HiddenPlan
+from hknob_cli.specs.identification import BiasPlan, HiddenPlan
 
 Progress = Callable[[int, int], None]
 

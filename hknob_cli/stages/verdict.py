@@ -16,8 +16,8 @@ whole trial, as at rest, the latter.
 from math import inf
 from typing import NamedTuple
 
-from hknob_cli.rivals.controller import Controller
-from hknob_cli.spec.plan import BenchScene
+from hknob_cli.baselines.controller import Controller
+from hknob_cli.specs.plan import BenchScene
 
 REST = 1e-3
 

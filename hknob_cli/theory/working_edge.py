@@ -8,7 +8,7 @@ are those of the sweep's engine (`engine.loop`).
 from math import ceil, pi
 from typing import NamedTuple
 
-from hknob_cli.spec.plan import COUNTS, RATE, Actuator, Bias, Cell, Encoder, Hand, Scene
+from hknob_cli.specs.plan import COUNTS, RATE, Actuator, Bias, Cell, Encoder, Hand, Scene
 
 
 class WorkingEdge(NamedTuple):

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 

@@ -26,10 +26,10 @@ from hknob_cli.engine.ensemble import first_sample
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.cells import Cells, cells_of
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.plan import COUNTS, RATE, SweepPlan, scene_at
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.cells import Cells, cells_of
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.cell import CellFinder
 from hknob_cli.stages.plain_chunk import GROUP, plain_chunk, takes_plain
 from hknob_cli.stages.sweep_tables import cells_table, orbits_table

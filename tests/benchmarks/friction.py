@@ -15,9 +15,9 @@ import time
 from pathlib import Path
 
 from hknob_cli.engine.jit import compiled
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import SweepPlan
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.stages.cell import CellFinder
 
 SPEC = Path(__file__).parents[2] / "experiments" / "hand_on_knob.yaml"

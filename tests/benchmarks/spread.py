@@ -33,7 +33,7 @@ from typing import Any
 import numpy as np
 from cells import PHASES, kernel, prepared
 
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.spread.cores import usable_cores
 
 ROOT = Path(__file__).parents[2]

@@ -20,7 +20,7 @@ from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import table
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.sysid import SysidStage
 
 ROOT = Path(__file__).parents[2]

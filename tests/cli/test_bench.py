@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.bench import BenchStage
 from tests.conftest import EXPERIMENTS
 
@@ -100,7 +100,7 @@ def test_a_missing_reference_is_named(hknob, spec_file, tmp_path: Path) -> None:
 
 
 def test_without_mujoco_its_methods_are_left_out(monkeypatch, spec_file) -> None:
-    monkeypatch.setattr("hknob_cli.rivals.mujoco_hinge.available", lambda: False)
+    monkeypatch.setattr("hknob_cli.baselines.mujoco_hinge.available", lambda: False)
     plan = load(spec_file(TINY.replace("[exact, rk23, euler]", "[exact, mujoco_rk4]")))
     said: list[str] = []
     stage = BenchStage(plan, notify=said.append)

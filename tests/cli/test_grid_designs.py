@@ -7,8 +7,8 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load
 from tests.conftest import SPEC
 
 GRID = "  sample_rate_hz: [1000]\n  counts_per_rev: [1024]\n"

@@ -7,7 +7,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.printed.hands import grasps
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import SPEC
 from tests.identified import PEOPLE, condition, conditions, write_conditions

@@ -11,8 +11,8 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.identify.second_order import Plant, Start, respond
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
 from tests.conftest import EXPERIMENTS, ROOT
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from hknob_cli.rivals.catalogue import Setting
-from hknob_cli.spec.plan import Bias, Finger, Fingerpad, Hand, Knob
-from tests.rivals.trials import INERTIA, by, by_digits60, trial
+from hknob_cli.baselines.catalogue import Setting
+from hknob_cli.specs.plan import Bias, Finger, Fingerpad, Hand, Knob
+from tests.baselines.trials import INERTIA, by, by_digits60, trial
 
 FOURTH = Hand(finger=Finger(3e-7, 1e-4, 0.04), fingerpad=Fingerpad(3e-4, 0.5))
 

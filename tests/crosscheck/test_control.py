@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.scene.trial import Trial, simulate
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import HEAVY, KNOB, RINGING, STIFF, TWO_PARTS
 
 HANDS = {"two parts": TWO_PARTS, "ringing": RINGING, "stiff": STIFF, "heavy": HEAVY}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.scene.trial import simulate
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 from tests.crosscheck.general_ivp import integrate
 from tests.crosscheck.grip_pulse import (
     DAMPING,

@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 from hknob_cli.measure.unsampled import events
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 WITHIN_RAD = 1e-9
 

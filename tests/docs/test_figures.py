@@ -198,7 +198,7 @@ def test_growth_of_energy() -> None:
 
 
 def scene_of() -> dict[str, float]:
-    from hknob_cli.spec.source import read
+    from hknob_cli.specs.source import read
 
     scene = read(EXPERIMENTS / "bouncing_ball_growth.yaml").value["scene"]
     hand = scene.get("hand", {}).get("inertia", 0.0)

@@ -11,7 +11,7 @@ from hknob_cli.engine.bounces import bounce_peaks
 from hknob_cli.engine.loop import drive_of
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 BALL: dict[str, Any] = {
     "knob": {"inertia": 1.9e-6},

@@ -57,8 +57,8 @@ def test_what_is_compiled_and_how_long_it_took_is_told_and_nothing_where_it_is_k
 
 def test_functions_are_counted_with_all_that_they_call() -> None:
     functions = jit.compiled("general")
-    every = compiling.left_to_compile(functions["general.crowd"])
-    assert compiling.left_to_compile(functions["general.pursue"]) < every or every <= 1
+    every = compiling.left_to_compile(functions["general.run_trials"])
+    assert compiling.left_to_compile(functions["general.follow_trial"]) < every or every <= 1
     assert every <= len(functions)
 
 

@@ -10,8 +10,8 @@ import pytest
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.errors import ComputationError
 from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import Source
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep import SweepStage
 
 ANY = {"cycle", "rest", "diverged", "undecided"}

@@ -156,7 +156,7 @@ def main() -> None:
     fault, lasting = FAULTS[kind]
     shrink(int(sys.argv[4]))
     from hknob_cli.cli.job import Job
-    from hknob_cli.spec.load import load
+    from hknob_cli.specs.load import load
 
     gc.disable()  # as the command line does
     plan = load(spec)

@@ -3,8 +3,8 @@
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.spec.load import load, validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import load, validate
+from hknob_cli.specs.source import parse
 from tests.conftest import EXPERIMENTS, SPEC, loaded
 
 GRID = "  sample_rate_hz: [1000]\n  counts_per_rev: [1024]\n"

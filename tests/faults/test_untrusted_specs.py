@@ -12,10 +12,10 @@ from hknob_cli.recordings.calibration import read_columns
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.digest import digest
 from hknob_cli.results.parted import read_result, result_schema
-from hknob_cli.spec import size_limit
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.quantity import to_si
-from hknob_cli.spec.source import parse, read
+from hknob_cli.specs import size_limit
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.quantity import to_si
+from hknob_cli.specs.source import parse, read
 from tests.conftest import SPEC
 
 

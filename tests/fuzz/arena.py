@@ -84,7 +84,7 @@ class Arena:
 
     def _furnish(self) -> None:
         from hknob_cli.cli.job import Job
-        from hknob_cli.spec.load import load
+        from hknob_cli.specs.load import load
 
         for path in (ROOT / "experiments").glob("*.yaml"):
             shutil.copy(path, self.specs)

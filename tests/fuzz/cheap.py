@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import HknobError
-from hknob_cli.spec.cells import cells_of
+from hknob_cli.specs.cells import cells_of
 
 SAMPLES = 150_000  # of a sweep's plain loop
 TRIALS = 24  # with a controller, or of an identification
@@ -14,7 +14,7 @@ SIMULATED = 100_000  # samples of a campaign
 
 def is_cheap(path: Path, sets: tuple[str, ...]) -> bool:
     """Whether the spec in a file is good, and its stage over soon, as far as its plan tells."""
-    from hknob_cli.spec.load import kind_of, load
+    from hknob_cli.specs.load import kind_of, load
 
     try:
         kind = str(kind_of(path))

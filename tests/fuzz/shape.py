@@ -6,7 +6,7 @@ from math import nextafter
 from random import Random
 from typing import Any
 
-from hknob_cli.spec.schema import json_schema
+from hknob_cli.specs.schema import json_schema
 from tests.fuzz import nasty
 from tests.fuzz.yaml_text import Raw
 
@@ -18,7 +18,7 @@ DEEPEST = 4
 def shape_of(kind: str) -> Schema:
     """The schema of a kind of spec; of a ledger, which has none, that of claims."""
     if kind == "claims":
-        from hknob_cli.claims.ledger import Ledger
+        from hknob_cli.page.claims.ledger import Ledger
 
         return Ledger.model_json_schema()
     return json.loads(json.dumps(json_schema(kind)))

@@ -60,7 +60,7 @@ def _make_quick() -> None:
     The versions of libraries, the trees of files that many inputs name (the program keeps the last two; what it makes
     of a tree is made anew), and garbage from before.
     """
-    from hknob_cli.spec import source
+    from hknob_cli.specs import source
 
     importlib.metadata.version = cache(importlib.metadata.version)
     source._composed = lru_cache(TREES)(source._composed.__wrapped__)

@@ -9,9 +9,9 @@ from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.simulated import Simulated
 from hknob_cli.hardware.virtual import VirtualDevice
-from hknob_cli.spec.campaign import HwRunPlan
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from tests.hardware.trials import HAND
 
 SPEC = """\

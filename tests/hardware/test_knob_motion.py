@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.engine.general.glide import advance_span
+from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.hardware import knob_motion
 from hknob_cli.hardware.knob_motion import KnobMotion
 from tests.hardware.trials import FRICTION, HAND

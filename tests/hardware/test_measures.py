@@ -12,8 +12,8 @@ from hknob_cli.hardware.port import Block
 from hknob_cli.measure.buzz import find_buzz
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.measure.principal_frequency import principal_frequency
-from hknob_cli.measure.recorded import TrialMeasures, measure_trial
 from hknob_cli.measure.swing import find_swing
+from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from tests.hardware.test_virtual_orbits import stage
 from tests.hardware.trials import ALIGNED, CELLS, FRICTION, HAND, settings, virtual_trial
 

@@ -10,8 +10,8 @@ from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
-from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import scene_at
+from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import scene_at
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import EXPERIMENTS
 from tests.hardware.trials import ALIGNED, CELLS, FRICTION, HAND, settings, virtual_trial

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from hknob_cli.measure.forms import generator, integrate, loss_form
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 FINGER = {
     "finger": {"inertia": 3e-7, "damping": 2.9e-3, "stiffness": 0.4},

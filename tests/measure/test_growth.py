@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.measure.growth import Peaks, bounce_peaks, energy_growth, parabola
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 J, K, G = 2.2e-6, 0.27, 0.001
 RATES_HZ = tuple(100.0 * 10.0 ** (i / 3) for i in range(7))

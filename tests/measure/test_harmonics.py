@@ -15,7 +15,7 @@ from hknob_cli.measure.harmonics import MOST_HARMONICS, Harmonics, harmonic_coun
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 from tests.verification.general_scenes import LIGHT, STIFF, TWO_PARTS, scene
 
 HIGHEST_HZ = 5e5
@@ -133,11 +133,11 @@ CONTROLLERS = {
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
+    from hknob_cli.controllers.catalogue import make_remedy
+    from hknob_cli.controllers.cells import make_batch
+    from hknob_cli.controllers.search import search
     from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
-    from hknob_cli.remedies.catalogue import make_remedy
-    from hknob_cli.remedies.cells import make_batch
-    from hknob_cli.remedies.search import search
-    from hknob_cli.spec.plan import Starts
+    from hknob_cli.specs.plan import Starts
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
     assert spec.controller

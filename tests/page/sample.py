@@ -4,9 +4,9 @@ import base64
 import math
 from typing import Any
 
-from hknob_cli.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.book import Chapter, Clip, Drawn, Head, Page, Source, Table
+from hknob_cli.page.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED
 from hknob_cli.page.tables import UPRIGHT
 from hknob_cli.perception import sound
 
@@ -76,43 +76,46 @@ def claims(count: int = 100) -> tuple[dict[str, Any], ...]:
 
 
 def _lines(name: str, title: str, *, panels: int = 1, height: float = 3.2) -> str:
-    figure = ink.figure(height=height)
+    figure = theme.figure(height=height)
     for axes in figure.subplots(1, panels, squeeze=False)[0]:
         for i in range(5):
             xs = [0.05 * n for n in range(1, 120)]
             axes.plot(
-                xs, [math.sin(x * (1 + i / 4)) / (1 + x / 4) + i / 3 for x in xs], label=f"{256 << i}", **ink.series(i)
+                xs,
+                [math.sin(x * (1 + i / 4)) / (1 + x / 4) + i / 3 for x in xs],
+                label=f"{256 << i}",
+                **theme.series(i),
             )
         axes.set_xlabel("time, ms")
         axes.set_ylabel("angle, mrad")
         axes.legend(title="counts", ncols=2)
-    return ink.svg(figure, name=name, title=title, mark=MARK)
+    return theme.svg(figure, name=name, title=title, mark=MARK)
 
 
 def _map(name: str, title: str) -> str:
-    figure = ink.figure(height=3.4)
+    figure = theme.figure(height=3.4)
     axes = figure.subplots()
     values = [[math.hypot(i - 2, j - 3) for i in range(7)] for j in range(7)]
-    shown = axes.imshow(values, cmap=ink.MAP, aspect="auto", origin="lower")
+    shown = axes.imshow(values, cmap=theme.MAP, aspect="auto", origin="lower")
     axes.grid(visible=False)
     for j, row in enumerate(values):
         for i, value in enumerate(row):
-            axes.text(i, j, f"{value:.1f}", ha="center", color=ink.ON_LIGHT if value > 2.5 else ink.ON_DARK)
+            axes.text(i, j, f"{value:.1f}", ha="center", color=theme.ON_LIGHT if value > 2.5 else theme.ON_DARK)
     axes.set_xlabel("sample rate, Hz")
     axes.set_ylabel("counts per revolution")
     figure.colorbar(shown, label="peak to peak, mrad")
-    return ink.svg(figure, name=name, title=title, mark=MARK)
+    return theme.svg(figure, name=name, title=title, mark=MARK)
 
 
 def _points(name: str, title: str) -> str:
-    figure = ink.figure(height=3.0, width=4.2)
+    figure = theme.figure(height=3.0, width=4.2)
     axes = figure.subplots()
     for i in range(4):
-        axes.plot([1, 2, 3, 4], [(i + 1) / n for n in (1, 2, 3, 4)], label=f"method {i + 1}", **ink.points(i))
+        axes.plot([1, 2, 3, 4], [(i + 1) / n for n in (1, 2, 3, 4)], label=f"method {i + 1}", **theme.points(i))
     axes.set_xlabel("resolution, 1000 counts")
     axes.set_ylabel("error, %")
     axes.legend()
-    return ink.svg(figure, name=name, title=title, mark=MARK)
+    return theme.svg(figure, name=name, title=title, mark=MARK)
 
 
 def _drawn(name: str, title: str, svg: str, *results: str) -> Drawn:

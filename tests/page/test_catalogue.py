@@ -4,7 +4,7 @@ from importlib import import_module
 from typing import get_args
 
 import hknob_cli.page.figures as figures
-from hknob_cli.spec.report import Draw
+from hknob_cli.specs.report import Draw
 
 
 def test_specs_and_drawings_agree() -> None:

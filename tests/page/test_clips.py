@@ -10,19 +10,19 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.measure.recorded_harmonics import recorded_harmonics
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.clips import DURATION_S, MOST_BYTES, RATE_HZ, clips
 from hknob_cli.page.figures import draw
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.recordings.harmonics import recorded_harmonics
 from hknob_cli.results.provenance import describe
+from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
-from hknob_cli.spec.load import load
-from hknob_cli.spec.page_plan import Listen
-from hknob_cli.spec.report import validate_report
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import load
+from hknob_cli.specs.page_plan import Listen
+from hknob_cli.specs.report import validate_report
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import EXPERIMENTS
@@ -95,7 +95,7 @@ def test_clips_are_small_and_the_same_every_time(evidence: ResultSet) -> None:
 def test_cycles_and_their_harmonics_are_drawn(evidence: ResultSet) -> None:
     options = {"names": ["a coarse one", "a fine one"]}
     one, two = (
-        ink.svg(draw("cycle_spectra", evidence, ["coarse", "fine"], options), name="x", title="") for _ in range(2)
+        theme.svg(draw("cycle_spectra", evidence, ["coarse", "fine"], options), name="x", title="") for _ in range(2)
     )
     assert one == two
     for text in ("a coarse one", "a fine one", "time, ms", "frequency of the harmonic, Hz", "peak speed, mrad/s"):

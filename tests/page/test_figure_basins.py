@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.figures import draw
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import SPEC
 
 RANGES = SPEC.replace("{angle: 0.02, phases: 8}", "{angle: [-20 mrad, 20 mrad], velocity: [-2, 2]}")
@@ -23,7 +23,7 @@ def evidence(hknob, spec_file, tmp_path: Path) -> ResultSet:
 
 
 def test_a_map_a_cell_with_sizes_and_shares(evidence: ResultSet) -> None:
-    svg = ink.svg(draw("basins", evidence, "mapped", {}), name="f", title="a figure")
+    svg = theme.svg(draw("basins", evidence, "mapped", {}), name="f", title="a figure")
     words = re.sub(r"<[^>]+>", " ", svg)
     assert "1000 Hz" in words
     assert "512 counts" in words
@@ -31,7 +31,7 @@ def test_a_map_a_cell_with_sizes_and_shares(evidence: ResultSet) -> None:
     for row in evidence["mapped"].rows("orbits"):
         assert f"{1e3 * row['p2p_rad']:.3g} mrad" in words
     assert svg.count("<image") == 2  # a picture of the starts each; the page's policy lets pictures in
-    one = ink.svg(draw("basins", evidence, "mapped", {"where": {"counts_per_rev": 512}}), name="f", title="a figure")
+    one = theme.svg(draw("basins", evidence, "mapped", {"where": {"counts_per_rev": 512}}), name="f", title="a figure")
     assert "512 counts" in one
     assert "1024 counts" not in one
     with pytest.raises(MissingError, match="no such cell"):

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.campaign_samples import one_trial
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import EXPERIMENTS, HKNOB
 
 GRID = "grid={sample_rate_hz: [1000, 4000], counts_per_rev: [256, 2048]}"
@@ -78,7 +78,7 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
 def test_what_a_figure_says(
     evidence: ResultSet, name: str, of: object, options: dict[str, Any], says: tuple[str, ...]
 ) -> None:
-    text, again = (ink.svg(draw(name, evidence, of, dict(options)), name="f", title="t") for _ in range(2))
+    text, again = (theme.svg(draw(name, evidence, of, dict(options)), name="f", title="t") for _ in range(2))
     assert text == again
     for words in says:
         assert words in text, words

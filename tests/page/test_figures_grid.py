@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import MODULES, draw
 from hknob_cli.page.figures.grid import grid, number, rows_of
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import EXPERIMENTS, HKNOB
 
 AXES = "grid={sample_rate_hz: [1000, 2000, 4000], counts_per_rev: [256, 512]}"
@@ -170,7 +170,7 @@ def text_of(svg: str) -> str:
 
 
 def drawn(evidence: ResultSet, name: str, of: object, options: dict) -> str:
-    return ink.svg(draw(name, evidence, of, options), name="f", title="a figure")
+    return theme.svg(draw(name, evidence, of, options), name="f", title="a figure")
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.identify.second_order import respond
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.identification import plant_of, pulsed, rows_of, stage_of
 from hknob_cli.page.figures.refit import modelled
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 from tests import sysid_results as made
 
 SPECS = (made.HANDS, made.FOURTH, made.MOTOR, made.GRIP_CELL, made.STUDY)
@@ -47,7 +47,7 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
 
 
 def drawn(evidence: ResultSet, name: str, of: Any, options: dict[str, Any]) -> str:
-    return ink.svg(draw(name, evidence, of, options), name="figure", title=name)
+    return theme.svg(draw(name, evidence, of, options), name="figure", title=name)
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), FIGURES)

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import draw
 from hknob_cli.page.figures.contact import _added
 from hknob_cli.page.figures.recording import one_recording, recordings
-from hknob_cli.results.evidence import ResultSet, MissingError
 from hknob_cli.results.provenance import describe
+from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.record import record_sweep
 from tests.conftest import EXPERIMENTS
 
@@ -80,7 +80,7 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
 
 
 def drawn(evidence: ResultSet, name: str, of: Any, options: dict[str, Any]) -> str:
-    return ink.svg(draw(name, evidence, of, options), name="figure", title=name)
+    return theme.svg(draw(name, evidence, of, options), name="figure", title=name)
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), FIGURES)

@@ -6,17 +6,17 @@ from typing import Any
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import draw
-from hknob_cli.results.evidence import ResultSet, MissingError
-from tests.claims.conftest import Made, cell, made
+from hknob_cli.results.result_set import MissingError, ResultSet
+from tests.page.claims.conftest import Made, cell, made
 
 __all__ = ["made"]
 NONE = ResultSet({})
 
 
 def said(name: str, evidence: ResultSet, of: Any, options: dict[str, Any]) -> str:
-    return ink.svg(draw(name, evidence, of, options), name="x", title="")
+    return theme.svg(draw(name, evidence, of, options), name="x", title="")
 
 
 def tried(remedy: str, p2p: float | None, frequency: float | None, knock: float | None = 1.0) -> dict[str, Any]:

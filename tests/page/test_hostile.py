@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from tests.page.test_layout import Tree
 
 PIECES = (
@@ -45,7 +45,7 @@ INSIDE = {"svg", "g", "path", "text", "tspan", "defs", "clippath", "rect", "use"
 
 def drawn(*names: str) -> str:
     """A figure that has every name in every kind of place."""
-    figure = ink.figure(height=9.0, width=30.0)
+    figure = theme.figure(height=9.0, width=30.0)
     left, right = figure.subplots(1, 2)
     places = list(range(len(names)))
     for i, name in enumerate(names):
@@ -61,7 +61,7 @@ def drawn(*names: str) -> str:
         axes.set_ylabel(names[-1])
         axes.set_title(names[0])
     figure.suptitle(names[-1])
-    return ink.svg(figure, name="fig-x", title=names[0])
+    return theme.svg(figure, name="fig-x", title=names[0])
 
 
 @settings(max_examples=4, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -10,11 +10,11 @@ from hknob_cli.page.default_tables import tables_of
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.tables import CUT, WHOLE, table_of
 from hknob_cli.results.columns import CELLS
-from hknob_cli.results.evidence import ResultSet
 from hknob_cli.results.layout import as_file
 from hknob_cli.results.parted import put_part
 from hknob_cli.results.parting import Parting
 from hknob_cli.results.provenance import describe
+from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write
 from tests.page.sample import page
 from tests.page.test_layout import Tree

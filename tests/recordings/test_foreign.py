@@ -12,7 +12,7 @@ from hknob_cli.recordings.faults import RecordingError
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.write import table, write_csv
-from hknob_cli.spec.identification import ColumnPlan
+from hknob_cli.specs.identification import ColumnPlan
 
 DEGREE = math.pi / 180.0
 FOREIGN = "t [ms],theta,i_q,note\n0,10,1.5,a\n5,20,-0.5,b\n10,40,0,c\n"

@@ -38,8 +38,8 @@ def test_remedies_with_cases_explain_their_columns(tmp_path: Path) -> None:
 
 def test_a_design_of_one_rate_has_no_word_of_a_surface_above(tmp_path: Path) -> None:
     from hknob_cli.report.design import describe_design, design_text
-    from hknob_cli.spec.load import validate
-    from hknob_cli.spec.source import parse
+    from hknob_cli.specs.load import validate
+    from hknob_cli.specs.source import parse
 
     for shape, shown in (("one axis", False), ("two axes", True)):
         name = f"design, {shape}"

@@ -11,7 +11,7 @@ from hknob_cli.report.dfa import largest_cycles, nearest_cycles
 from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.population import pitches, sizes
 from hknob_cli.report.summary import describe_sweep, table_text
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import EXPERIMENTS
 

@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.report.picture import save
 from hknob_cli.results.png import picture_origin
 
@@ -25,7 +25,7 @@ def test_what_is_too_crowded_is_drawn_without_a_warning(tmp_path: Path) -> None:
     """A warning is an error in these tests."""
     save(crowded(), tmp_path / "a.png", stage="bench", name="x")
     assert picture_origin(tmp_path / "a.png") == ("bench", "x")
-    assert ink.svg(crowded(), name="a", title="a").startswith("<svg ")
+    assert theme.svg(crowded(), name="a", title="a").startswith("<svg ")
 
 
 def test_half_a_picture_is_not_left(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,9 +9,9 @@ from hknob_cli.engine.loop import Loop
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.sampled_cells import hands_of, sample_cells
 from hknob_cli.scene.sampled_knob import GIVEN, sample_knob
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import COUNTS, PERSON, RATE, SweepPlan, scene_at
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import COUNTS, PERSON, RATE, SweepPlan, scene_at
 from tests.conftest import EXPERIMENTS, SPEC, loaded
 
 GRIPS = SPEC.replace("{inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}", "{table: 1, grip_n: 0.71}")

@@ -8,7 +8,7 @@ from hknob_cli.engine.unsampled.state_machine import place
 from hknob_cli.engine.unsampled.wall_pieces import piece_drive
 from hknob_cli.errors import ComputationError
 from hknob_cli.scene.unsampled_knob import UnsampledKnob, reduce_unsampled
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 BASE = {
     "knob": {"inertia": 1.9e-6, "coulomb_torque": 2e-4},

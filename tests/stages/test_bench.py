@@ -2,12 +2,12 @@
 
 import pytest
 
+from hknob_cli.baselines.digits60 import Digits60
+from hknob_cli.baselines.run import Deadline, TooSlowError
 from hknob_cli.errors import ComputationError
 from hknob_cli.report.bench import bench_text, describe_bench
-from hknob_cli.rivals.digits60 import Digits60
-from hknob_cli.rivals.run import Deadline, TooSlowError
-from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import BenchPlan
+from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import BenchPlan
 from hknob_cli.stages import bench_run
 from hknob_cli.stages.bench import BenchStage
 from tests.conftest import EXPERIMENTS

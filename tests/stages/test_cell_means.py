@@ -10,8 +10,8 @@ from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load
 from hknob_cli.stages.cell import CellFinder, CellResult
 from hknob_cli.stages.found import in_columns
 from hknob_cli.stages.plain_chunk import GROUP, plain_chunk

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.spec.design_plan import DesignPlan, Limit
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.design_plan import DesignPlan, Limit
+from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.stages.design import DesignStage
 from hknob_cli.stages.design_evaluate import Evaluator, Rows, _pushes
 from hknob_cli.stages.design_people import above, exceeded_by, judge, level

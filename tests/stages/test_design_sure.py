@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.perception.doubt import Doubt, doubts, other_sets
-from hknob_cli.spec.design_plan import Limit
+from hknob_cli.specs.design_plan import Limit
 from hknob_cli.stages.design import DesignStage
 from hknob_cli.stages.design_people import Judged, judge
 from hknob_cli.stages.design_space import Design

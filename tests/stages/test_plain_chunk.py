@@ -15,10 +15,10 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import WORDS, Reason
 from hknob_cli.engine.sets import room
 from hknob_cli.errors import ComputationError, SpecError
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load, validate
-from hknob_cli.spec.plan import SweepPlan, scene_at
-from hknob_cli.spec.source import Source
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load, validate
+from hknob_cli.specs.plan import SweepPlan, scene_at
+from hknob_cli.specs.source import Source
 from hknob_cli.stages.cell import CellFinder, group_of
 from hknob_cli.stages.plain_chunk import EVERY_PHASE_GROUP, GROUP, plain_chunk, takes_plain
 from hknob_cli.stages.sweep import SweepStage

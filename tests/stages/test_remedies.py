@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.attractor_sizes import End, sizes_of
 from hknob_cli.stages.remedies import RemediesStage
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from hknob_cli.spec.cells import cells_of
+from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import sweep
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.stages.sweep_tables import cells_table

@@ -4,9 +4,9 @@ from math import inf, pi, sin
 
 import pytest
 
-from hknob_cli.spec.plan import BenchScene
+from hknob_cli.specs.plan import BenchScene
 from hknob_cli.stages.verdict import judge, measure
-from tests.rivals.trials import trial
+from tests.baselines.trials import trial
 
 CASE: BenchScene = trial(samples=29)
 Q = 2.0 * pi / 1000

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 import pytest
 
-from hknob_cli.spec.load import validate
-from hknob_cli.spec.source import parse
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep import SweepStage
 from hknob_cli.theory.bounded_lag import best_keep, slowness, times_smaller
 

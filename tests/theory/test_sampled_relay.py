@@ -10,9 +10,9 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.cells import cells_of
-from hknob_cli.spec.load import load
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import load
+from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.theory.sampled_relay import SampledCycle, sampled_cycles
 from tests.conftest import EXPERIMENTS
 
@@ -88,7 +88,7 @@ def _attractor(knob: SampledKnob, n: int, x: float, v: float) -> Any:
 @pytest.mark.parametrize("delay", [0.5, 1.0, 2.25])
 def test_delays(delay: float) -> None:
     """With a delay, too, a two-level cycle that trials reach is among those enumerated."""
-    from hknob_cli.spec.plan import Actuator
+    from hknob_cli.specs.plan import Actuator
 
     engine = Engine(compiled())
     seen = 0

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.loop import drive_of, upper_edge
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Knob, Scene, Wall
 from hknob_cli.theory.working_edge import WorkingEdge, working_edge
 
 

@@ -7,7 +7,7 @@ from typing import Any
 from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 # The 7 x 7 grid of the dissertation's simulations (the README, "Specs"), and its start.
 RATES_HZ = tuple(100.0 * 10.0 ** (i / 3) for i in range(7))

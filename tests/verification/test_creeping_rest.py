@@ -14,7 +14,7 @@ from hknob_cli.engine.attractors import Patience
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from . import general_reference as reference
 

@@ -5,13 +5,13 @@ from itertools import islice
 import numpy as np
 import pytest
 
+from hknob_cli.controllers.search import Settled
+from hknob_cli.controllers.sets.follow import Ends
+from hknob_cli.controllers.sets.starts import follow_starts
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.remedies.search import Settled
-from hknob_cli.remedies.sets.follow import Ends
-from hknob_cli.remedies.sets.starts import follow_starts
-from hknob_cli.spec.plan import Starts
-from tests.remedies.reference import CONTROLLERS, Rig, law_of
-from tests.remedies.sets.cells import BOX, COUNTING, PHASES, make_cell
+from hknob_cli.specs.plan import Starts
+from tests.controllers.reference import CONTROLLERS, Rig, law_of
+from tests.controllers.sets.cells import BOX, COUNTING, PHASES, make_cell
 
 SAME = 1e-6  # counts: of a trial that has settled for so long, and an orbit
 # Controller, rate, counts per revolution, samples until a trial has settled.

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.spec.load import load
-from hknob_cli.spec.source import read
+from hknob_cli.specs.load import load
+from hknob_cli.specs.source import read
 from hknob_cli.stages.record import record_sweep
 from tests.conftest import EXPERIMENTS, swept
 

@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.apparatus.experiment import truths
 from hknob_cli.apparatus.people import EXPERIMENTS
 from hknob_cli.printed.tables import half_widths, table
-from hknob_cli.spec.load import load
+from hknob_cli.specs.load import load
 from hknob_cli.stages.sysid import SysidStage
 from tests.conftest import EXPERIMENTS as SPECS
 

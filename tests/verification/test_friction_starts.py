@@ -13,7 +13,7 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.search import Box
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from .friction_starts import FrictionStarts
 from .general_scenes import scene

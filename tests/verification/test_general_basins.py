@@ -16,7 +16,7 @@ from hknob_cli.engine.general.search import GeneralEngine, as_arrays
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from .general_scenes import EVERYTHING, LIGHT, RUBBING, TWO_PARTS, scene
 

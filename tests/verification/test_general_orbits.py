@@ -22,7 +22,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from .general_orbits import leak, measure, solve
 from .general_reference import mp

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.scene.trial import Trial, simulate
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from . import general_reference as reference
 from .general_scenes import CASES, Case

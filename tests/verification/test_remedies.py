@@ -6,15 +6,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.search import search
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.remedies.catalogue import make_remedy
-from hknob_cli.remedies.cells import make_batch
-from hknob_cli.remedies.search import search
-from hknob_cli.spec.plan import Starts
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.plan import Starts
+from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import loaded
-from tests.remedies.reference import CONTROLLERS, Rig, law_of
+from tests.controllers.reference import CONTROLLERS, Rig, law_of
 
 GRID = """\
 kind: sweep
@@ -139,7 +139,7 @@ def eigenvalues(scene: dict[str, Any], rate: float, counts: int) -> Any:
 @pytest.mark.parametrize("name", ["stiffening", "half sample"])
 def test_nothing_is_proven_without_damping(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """An undamped knob keeps the energy of its start: no nearby motion approaches, whatever rounding says."""
-    monkeypatch.setattr("hknob_cli.remedies.repeat.MOST", 4096)  # samples, in place of a time without end
+    monkeypatch.setattr("hknob_cli.controllers.repeat.MOST", 4096)  # samples, in place of a time without end
     scene = {
         "knob": {"inertia": 2.2e-6},
         "hand": {"damping": 0.0, "stiffness": 0.04},

@@ -18,7 +18,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.scene.trial import Trial, simulate
-from hknob_cli.spec.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Actuator, Bias, Encoder, Finger, Fingerpad, Hand, Knob, Scene, Wall
 
 EPS = 2.0**-53
 ROUNDINGS = 64

@@ -12,7 +12,7 @@ import pytest
 
 from hknob_cli.measure.unsampled import events
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from .unsampled_reference import Ball, mp
 

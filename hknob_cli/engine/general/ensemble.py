@@ -10,9 +10,9 @@ from hknob_cli.engine.follow import (
     REST_PROVEN,
     UNSETTLED,
 )
+from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, follow_trial
-from hknob_cli.engine.general.glide import advance_span
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
 
@@ -99,7 +99,7 @@ def find(fate, period, z, shown, rows, table, states, order):
 def enter(
     fate, period, z, before, ring, head, capacity, rows, table, states, lines, body, wall, space, check, checkring
 ):
-    """Enter the end that `follow_trial` gave where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
+    """Enter the end of `follow_trial` where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
 
     A proof is taken again at the deepest sample of the orbit, where ``z`` and ``ring`` are left. Once ``body.halt`` is
     above 0 the row is -1.
@@ -187,8 +187,8 @@ def run_trials(
 ):
     """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
 
-    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in `follow_trial`.
-    Once ``body.halt`` is above 0, no trial is counted any more.
+    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in
+    `follow_trial`. Once ``body.halt`` is above 0, no trial is counted any more.
 
     Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
     under way there, oldest first.

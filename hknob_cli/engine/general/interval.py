@@ -1,9 +1,9 @@
 """One sample interval of the general loop: sense, command, and move under what is commanded."""
 
+from hknob_cli.engine.general.advance import advance_hold, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND
 from hknob_cli.engine.general.columns import feed
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import advance_hold, rub_columns, rub_many
 from hknob_cli.engine.general.slide_two import step_with_friction
 
 
@@ -68,7 +68,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
 
 
 def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
-    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `advance_hold.rub_columns`'s ``marks``."""
+    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``."""
     shown = read(z[0], wall)
     u = command(shown, before, wall)
     delay = len(ring)

@@ -101,7 +101,7 @@ class GeneralEngine:
         self.stopped = stopped
         self.patience = patience
         self.compiled = functions is not None
-        self._crowd: Callable[..., Any] = functions["general.crowd"] if functions else ensemble.crowd
+        self._run_trials: Callable[..., Any] = functions["general.run_trials"] if functions else ensemble.run_trials
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
 
     def zeros(self, count: int) -> Any:
@@ -161,7 +161,7 @@ class GeneralEngine:
                 begin = perf_counter()
                 runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
                 for state, among, low, high in runs or [(start, phases, first, stop)]:
-                    rows, full, taken = self._crowd(
+                    rows, full, taken = self._run_trials(
                         self._filled(state),
                         among,
                         low,

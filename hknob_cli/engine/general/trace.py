@@ -1,8 +1,8 @@
 """A motion of the general loop written down: sample by sample, or piece by piece between events."""
 
+from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.glide import next_mode, slide
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import way
 

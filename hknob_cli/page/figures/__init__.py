@@ -9,7 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

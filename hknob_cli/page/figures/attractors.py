@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import axes_of, number
 from hknob_cli.page.figures.panel import edges_between
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import COUNTS
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import COUNTS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,7 +31,7 @@ def attractors(evidence: ResultSet, of: str) -> "Figure":
     if not rows or len({tuple(row[axis] for axis in axes) for row in rows}) > 1:
         raise MissingError(f"'{of}' is not a sweep of one cell")
     shown = sorted(rows, key=lambda row: -row["basin_fraction"])[:MOST]
-    figure = ink.figure(0.34 * len(shown) + 1.2)
+    figure = theme.figure(0.34 * len(shown) + 1.2)
     panel = figure.subplots()
     ends = [abs(row[name]) for row in shown for name in ("min_rad", "max_rad") if row.get(name) is not None]
     unit = Scale(10.0 * max(ends, default=1e-3))
@@ -63,9 +63,9 @@ def _bar(panel: "Axes", row: dict[str, float | None], place: int, unit: Scale) -
     if low is None or high is None:
         return
     ends = [unit.factor * low, unit.factor * high]
-    panel.plot(ends, [place, place], color=ink.COLOURS[0], linewidth=5.0, solid_capstyle="butt")
+    panel.plot(ends, [place, place], color=theme.COLOURS[0], linewidth=5.0, solid_capstyle="butt")
     if not row["p2p_rad"]:
-        panel.plot(ends[:1], [place], color=ink.COLOURS[0], marker="D", markersize=5.0)
+        panel.plot(ends[:1], [place], color=theme.COLOURS[0], marker="D", markersize=5.0)
 
 
 def _said(row: dict[str, float | str | None]) -> str:

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.cell_series import Cells, Series, cells_of
 from hknob_cli.page.figures.grid import axis_label, tick_labels
 from hknob_cli.report.picture import is_geometric
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,7 +29,7 @@ def axis_lines(evidence: ResultSet, of: str, *, column: str | None = None) -> "F
     if len(cells.wide) != 1:
         raise MissingError(f"'{of}' varies over {', '.join(cells.wide) or 'nothing'}, not over one axis")
     over = cells.wide[0]
-    figure = ink.figure(2.1 * len(cells.panels) + 0.8)
+    figure = theme.figure(2.1 * len(cells.panels) + 0.8)
     panels = figure.subplots(len(cells.panels), 1, sharex=True, squeeze=False)[:, 0]
     for i, one in enumerate(cells.series):
         _draw(list(panels), one, over, i)
@@ -46,7 +46,7 @@ def _draw(panels: "list[Axes]", series: Series, over: str, index: int) -> None:
         known = best.get(point.row[over])
         if known is None or (point.values[0] or 0.0) > (known[0] or 0.0):
             best[point.row[over]] = point.values
-    style = ink.series(index) | {"marker": ink.MARKERS[index % len(ink.MARKERS)], "markersize": 4.5}
+    style = theme.series(index) | {"marker": theme.MARKERS[index % len(theme.MARKERS)], "markersize": 4.5}
     for i, panel in enumerate(panels):
         shown = [(x, y) for x, values in sorted(best.items()) if (y := values[i]) is not None]
         if i:  # at rest there is no pitch

@@ -3,13 +3,13 @@
 from math import ceil
 from typing import TYPE_CHECKING
 
-from hknob_cli.claims.checks.rows import Where, matching
-from hknob_cli.page import ink
+from hknob_cli.page import theme
+from hknob_cli.page.claims.checks.rows import Where, matching
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import number
 from hknob_cli.report.basins_picture import MOST_PANELS, draw_map, maps_of
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -31,7 +31,7 @@ def basins(evidence: ResultSet, of: str, where: Where | None = None) -> "Figure"
         raise MissingError(f"no such cell in the maps of '{of}'")
     shown = kept[:MOST_PANELS]
     across = min(2, len(shown))
-    figure = ink.figure(3.3 * ceil(len(shown) / across))
+    figure = theme.figure(3.3 * ceil(len(shown) / across))
     panels = figure.subplots(ceil(len(shown) / across), across, squeeze=False)
     for empty in list(panels.flat)[len(shown) :]:
         empty.set_axis_off()

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet, MissingError, Result, Rows
+from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,7 +21,7 @@ def motor_calibration(evidence: ResultSet, of: str) -> "Figure":
     """
     result = evidence[of]
     slopes, lines = _slopes(result, TORQUE), _points(result)
-    drawn = ink.figure(3.2)
+    drawn = theme.figure(3.2)
     panels = drawn.subplots(1, len(slopes), squeeze=False)[0]
     for panel, (condition, slope) in zip(panels, slopes.items(), strict=True):
         for i, (quantity, name) in enumerate(((TORQUE, "torque"), (FRICTION, "dynamic friction"))):
@@ -41,7 +41,7 @@ def grip_cell(evidence: ResultSet, of: str) -> "Figure":
     """
     result = evidence[of]
     lines = _points(result)
-    drawn = ink.figure(3.2)
+    drawn = theme.figure(3.2)
     panel = drawn.subplots()
     for i, (condition, slope) in enumerate(_slopes(result, CELL).items()):
         _draw(panel, lines.get((CELL, condition), []), i, f"{condition}: {1e3 * slope:.0f} mV/N")
@@ -54,10 +54,13 @@ def grip_cell(evidence: ResultSet, of: str) -> "Figure":
 def _draw(panel: "Axes", rows: Rows, index: int, name: str, along: float = 1.0, up: float = 1.0) -> None:
     """Readings as markers, and their fitted line."""
     rows = sorted(rows, key=lambda row: float(row["x"]))
-    style: dict[str, Any] = ink.series(index) | {"marker": ink.MARKERS[index % len(ink.MARKERS)], "markersize": 3.5}
+    style: dict[str, Any] = theme.series(index) | {
+        "marker": theme.MARKERS[index % len(theme.MARKERS)],
+        "markersize": 3.5,
+    }
     x = [along * row["x"] for row in rows]
     panel.plot(x, [up * row["y"] for row in rows], **(style | {"linestyle": "none"}))
-    panel.plot(x, [up * row["fitted"] for row in rows], label=name, **ink.series(index))
+    panel.plot(x, [up * row["fitted"] for row in rows], label=name, **theme.series(index))
 
 
 def _slopes(result: Result, quantity: str) -> dict[str, float]:

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def bias_curves(
     Bars are standard deviations. Raises `MissingError` where the study has no such grip, cause or parameter.
     """
     rows = [row for row in evidence[of].rows("bias") if abs(row["grip_n"] - grip_n) < 1e-6]
-    drawn = ink.figure(0.8 + 1.45 * len(parameters))
+    drawn = theme.figure(0.8 + 1.45 * len(parameters))
     panels = drawn.subplots(len(parameters), len(causes), squeeze=False, sharex="col", sharey="row")
     for line, parameter in zip(panels, parameters, strict=True):
         for panel, cause in zip(line, causes, strict=True):
@@ -66,7 +66,7 @@ def _draw(panel: "Axes", rows: Rows, cause: str, parameter: str, estimators: Seq
         raise MissingError(f"the study has no bias of the {parameter} by {cause} at this grip")
     for i, estimator in enumerate(estimators):
         own = [row for row in found if row["estimator"] == estimator]
-        style: dict[str, Any] = ink.series(i) | {"marker": ink.MARKERS[i], "markersize": 3.5}
+        style: dict[str, Any] = theme.series(i) | {"marker": theme.MARKERS[i], "markersize": 3.5}
         panel.errorbar(
             [CAUSES[cause][1] * row["level"] for row in own],
             [row["bias_percent"] for row in own],

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.campaign_samples import MOST, Held, held_trials, one_trial
 from hknob_cli.page.figures.panel import edges_between, scale_of
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,7 +33,7 @@ def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0) ->
     rates, counts = sorted({one.row[RATE] for one in trials}), sorted({one.row[COUNTS] for one in trials})
     if max(len(rates), len(counts)) > MOST:
         raise MissingError(f"'{of}' has {len(counts)} resolutions at {len(rates)} rates, too many for thumbnails")
-    drawn = ink.figure(0.85 * len(counts) + 0.9)
+    drawn = theme.figure(0.85 * len(counts) + 0.9)
     panels = drawn.subplots(len(counts), len(rates), sharey="row", squeeze=False)
     for trial in trials:
         panel = panels[counts.index(trial.row[COUNTS])][rates.index(trial.row[RATE])]
@@ -54,7 +54,9 @@ def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
     if not shown.any():
         return
     time, angle = 1e3 * trial.time[shown], 1e3 * trial.angle[shown]
-    panel.plot(time - time[0], angle - angle.mean(), linewidth=0.9, color=ink.COLOURS[0] if buzzes else ink.COLOURS[6])
+    panel.plot(
+        time - time[0], angle - angle.mean(), linewidth=0.9, color=theme.COLOURS[0] if buzzes else theme.COLOURS[6]
+    )
     least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / trial.row["native_counts"]
     low, high = panel.get_ylim()
     panel.set_ylim(min(low, -least), max(high, least))
@@ -87,13 +89,13 @@ def campaign_trial(
     if shown.sum() < 2:
         raise MissingError(f"'{of}' has no samples there, at {trial.place}")
     heights = [2.2, 1.1, *([0.9] if grip else [])]
-    drawn = ink.figure(0.9 + sum(heights))
+    drawn = theme.figure(0.9 + sum(heights))
     panels = drawn.subplots(len(heights), 1, height_ratios=heights)
     begin = float(trial.time[shown][0])
     unit = scale_of(trial.angle[shown])
     time, angle = 1e3 * (trial.time[shown] - begin), unit.factor * trial.angle[shown]
     marks = {"marker": "o", "markersize": 2.6} if shown.sum() <= _MARKED else {}
-    panels[0].plot(time, angle, color=ink.COLOURS[0], **marks)
+    panels[0].plot(time, angle, color=theme.COLOURS[0], **marks)
     low, high = panels[0].get_ylim()
     panels[0].axhspan(min(low, 0.0), 0.0, color="black", alpha=0.06, linewidth=0)
     panels[0].axhline(0.0, color="black", linewidth=0.8, linestyle=(0, (4, 2)))
@@ -101,7 +103,7 @@ def campaign_trial(
         panels[0].axhline(edge, color="black", linewidth=0.5, alpha=0.35, linestyle=(0, (1, 2)))
     panels[0].set_ylim(low, high)
     panels[0].set_ylabel(f"angle, {unit.prefix}rad")
-    panels[1].plot(time, 1e3 * trial.torque[shown], drawstyle="steps-post", color=ink.COLOURS[1])
+    panels[1].plot(time, 1e3 * trial.torque[shown], drawstyle="steps-post", color=theme.COLOURS[1])
     panels[1].set_ylabel("torque, mN\u00b7m")
     if trial.wall_stiffness > 0.0:
         per = -1.0 / trial.wall_stiffness
@@ -121,7 +123,7 @@ def campaign_trial(
 def _draw_grip(panel: "Axes", trial: Held, shown: np.ndarray) -> None:
     """Grip force of the whole trial; the part that is shown above is shaded."""
     step = max(1, trial.time.size // 400)
-    panel.plot(trial.time[::step], trial.grip[::step], color=ink.COLOURS[2])
+    panel.plot(trial.time[::step], trial.grip[::step], color=theme.COLOURS[2])
     panel.axvspan(*trial.time[shown][[0, -1]], color="black", alpha=0.12, linewidth=0)
     panel.set_ylim(0.0, 1.2 * float(trial.grip.max()))
     panel.set_xlim(0.0, float(trial.time[-1]))

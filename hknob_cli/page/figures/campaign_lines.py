@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, axis_label, column_label, grid, tick_labels
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ def campaign_lines(
     if len(counts) > _MOST or len(grids[-1].acrosses) < 2:
         raise MissingError(f"'{of[-1]}' has {len(counts)} resolutions at {len(grids[-1].acrosses)} rates")
     rows = 2 if len(counts) > _WIDE else 1
-    drawn = ink.figure(0.9 + 1.75 * rows)
+    drawn = theme.figure(0.9 + 1.75 * rows)
     panels = drawn.subplots(rows, -(-len(counts) // rows), sharex=True, sharey=True, squeeze=False).ravel()
     label, factor = column_label(evidence[of[-1]], column)
     for panel, text in zip(panels, tick_labels(counts), strict=False):
@@ -76,5 +76,5 @@ def _draw(
         panel.plot(at_rest, [0.05] * len(at_rest), transform=panel.get_xaxis_transform(), color="black", marker="x",
                    linestyle="none", markersize=6.0)  # fmt: skip
         return
-    style = ink.series(i)
+    style = theme.series(i)
     panel.plot(xs, ys, label=name, **{**style, "linewidth": 0.8 if thin else 1.3})

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
 
 Row = dict[str, Any]
 MOST = 6  # rows, and columns, of thumbnails
@@ -49,7 +49,7 @@ class Held:
 
 def held_trials(evidence: ResultSet, of: str) -> list[Held]:
     """The first trial of every cell, by resolution and rate. Raises `MissingError` where no samples were kept."""
-    from hknob_cli.spec.hw_run import WallSpec
+    from hknob_cli.specs.hw_run import WallSpec
 
     stiffness = WallSpec.model_validate(evidence[of].provenance["spec"].get("wall") or {}).stiffness
     first: dict[tuple[int, float], Row] = {}

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, number
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import MEANS
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,7 +35,7 @@ def cases(evidence: ResultSet, of: str | list[str], *, names: list[str] | None =
             rows.append((f"{name}\n{place}", cell, own))
     if not any(cell["p2p_rad"] for _, cell, _ in rows):
         raise MissingError(f"{', '.join(results)}: no limit cycle")
-    figure = ink.figure(0.5 * len(rows) + 0.9)
+    figure = theme.figure(0.5 * len(rows) + 0.9)
     panels = figure.subplots(1, 2, sharey=True)
     for axes_, largest, scale, label in (
         (panels[0], "p2p_max_rad", 1e3, "peak to peak, mrad"),
@@ -46,7 +46,7 @@ def cases(evidence: ResultSet, of: str | list[str], *, names: list[str] | None =
             for row in orbits:
                 if row[column]:
                     size = 3.0 + 6.0 * row["basin_fraction"] ** 0.5
-                    dot = {"color": ink.COLOURS[0], "markeredgewidth": 0, "markersize": size}
+                    dot = {"color": theme.COLOURS[0], "markeredgewidth": 0, "markersize": size}
                     axes_.plot([scale * row[column]], [y], marker="o", **dot)
             if cell[column]:
                 axes_.plot([scale * cell[column]], [y], marker="|", markersize=18, color="black", linestyle="none")

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.cell_series import Cells, Point, cells_of, place_of
 from hknob_cli.report.population_picture import cumulative
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -43,7 +43,7 @@ def _place(point: Point, cells: Cells) -> tuple[Any, ...]:
 
 def _rows(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figure":
     """A row a cell, the first uppermost."""
-    figure = ink.figure(max(1.4, 0.24 * len(places) + 1.1))
+    figure = theme.figure(max(1.4, 0.24 * len(places) + 1.1))
     panels = figure.subplots(1, len(cells.panels), sharey=True, squeeze=False)[0]
     at = {place: len(places) - 1 - i for i, place in enumerate(places)}
     lift = 0.5 / len(cells.series)
@@ -54,7 +54,7 @@ def _rows(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figu
             shown = [(point.values[number], at[_place(point, cells)] + shift) for point in one.points]
             shown = [(x, y) for x, y in shown if x is not None and (x or number == 0 or signed)]
             xs = [x if x or rest is None else rest for x, _ in shown]
-            panel.plot(xs, [y for _, y in shown], label=one.name or None, **ink.points(i), markersize=5.0)
+            panel.plot(xs, [y for _, y in shown], label=one.name or None, **theme.points(i), markersize=5.0)
         if signed and all(value >= 0.0 for one in cells.series for point in one.points if (value := point.values[0])):
             panel.set_xlim(left=0.0)
         panel.set_xlabel(cells.panels[number] + ("\n(left of the line: at rest)" if rest is not None else ""))
@@ -92,14 +92,14 @@ def _scale(panel: "Axes", cells: Cells, number: int) -> float | None:
 
 def _shares(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figure":
     """How many of the cells have at most so large a value."""
-    figure = ink.figure(3.4)
+    figure = theme.figure(3.4)
     panels = figure.subplots(1, len(cells.panels), sharey=True, squeeze=False)[0]
     for number, panel in enumerate(panels):
         for i, one in enumerate(cells.series):
             known = [point.values[number] for point in one.points if point.values[number] is not None]
             values = sorted(value for value in known if value is not None and (value or number == 0 or signed))
             xs, ys = cumulative(values, 1.0) if values else ([], [])
-            panel.step(xs, ys, where="post", label=one.name or None, **ink.series(i))
+            panel.step(xs, ys, where="post", label=one.name or None, **theme.series(i))
         panel.set_xlabel(cells.panels[number])
         panel.set_ylim(0.0, 101.0)
         if not any(line.get_xdata().size for line in panel.lines):

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 from hknob_cli.page.figures.grid import axes_of, column_label
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import WORST, differs
-from hknob_cli.results.evidence import MissingError, Result, Rows
+from hknob_cli.results.result_set import MissingError, Result, Rows
 
 Row = dict[str, Any]
 _FILES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import draw_torque_axis, draw_wall, key, scale_of
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +49,7 @@ def contact_energy(
         raise MissingError(f"{len(shown)} recordings, but {len(names)} labels")
     added = [_added(each) for each in shown]
     heights = [2.0] * len(shown) + [1.4]
-    drawn = ink.figure(0.7 + sum(heights))
+    drawn = theme.figure(0.7 + sum(heights))
     panels = drawn.subplots(len(heights), 1, sharex=True, height_ratios=heights)
     time, unit = scale_of(*(each.time for each in shown)), scale_of(*(each.angle for each in shown))
     low = min(float(min(each.angle.min(), (-each.acts / each.scene.wall.stiffness).min())) for each in shown)
@@ -61,7 +61,7 @@ def contact_energy(
     key(panels[0])
     energy = scale_of(*added)
     for i, (one, name, gained) in enumerate(zip(shown, names, added, strict=True)):
-        panels[-1].plot(time.factor * one.time, energy.factor * gained, label=name, **ink.series(i))
+        panels[-1].plot(time.factor * one.time, energy.factor * gained, label=name, **theme.series(i))
         said = f"{energy.factor * gained[-1]:.1f} {energy.prefix}J"
         place = (time.factor * one.time[-1], energy.factor * gained[-1])
         panels[-1].annotate(said, place, xytext=(-3, 3), textcoords="offset points", ha="right", fontsize=8)
@@ -91,12 +91,12 @@ def _draw_contact(panel: "Axes", one: Recording, name: str, time: Scale, unit: S
     late = {"late entry": (angle < 0.0) & (answered == 0.0), "late exit": (angle > 0.0) & (answered < 0.0)}
     for part, where in late.items():
         index, hatch = LATE[part]
-        shade: dict[str, Any] = {"facecolor": ink.COLOURS[index], "alpha": 0.45, "hatch": hatch, "linewidth": 0.0}
+        shade: dict[str, Any] = {"facecolor": theme.COLOURS[index], "alpha": 0.45, "hatch": hatch, "linewidth": 0.0}
         panel.fill_between(times, angle, answered, where=where.tolist(), label=part, **shade)
-    panel.plot(times, angle, label="knob", **ink.series(0))
-    panel.plot(times, answered, label="torque of the wall (right)", color=ink.COLOURS[1], linewidth=1.1)
+    panel.plot(times, angle, label="knob", **theme.series(0))
+    panel.plot(times, answered, label="torque of the wall (right)", color=theme.COLOURS[1], linewidth=1.1)
     read = one.samples
-    dots: dict[str, Any] = {"color": ink.COLOURS[0], "marker": "o", "linestyle": "none", "markersize": 3.0}
+    dots: dict[str, Any] = {"color": theme.COLOURS[0], "marker": "o", "linestyle": "none", "markersize": 3.0}
     panel.plot(time.factor * one.time[read], unit.factor * one.angle[read], **dots)
     draw_torque_axis(panel, one, unit)
     draw_wall(panel, one, unit)

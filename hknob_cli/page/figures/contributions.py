@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import plant_of, pulsed, rows_of
 from hknob_cli.page.figures.panel import key
 from hknob_cli.page.figures.recorded import time_of
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,13 +41,13 @@ def identified_terms(
         "stiffness": plant.stiffness * motion.angle_rad,
     }
     time = time_of(one)
-    drawn = ink.figure(3.4)
+    drawn = theme.figure(3.4)
     panel = drawn.subplots()
     wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
     panel.plot(time, 1e3 * motion.torque_nm, label="commanded", drawstyle="steps-post", **wide)
     panel.plot(time, 1e3 * sum(terms.values()), label="sum", color="black", linewidth=1.0, linestyle=":")
     for i, (name, values) in enumerate(terms.items()):
-        panel.plot(time, 1e3 * values, label=name, **ink.series(i))
+        panel.plot(time, 1e3 * values, label=name, **theme.series(i))
     panel.set_xlabel("time from the onset, ms")
     panel.set_ylabel("torque, mN\u00b7m")
     panel.set_xlim(float(time[0]), float(time[-1]))

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -26,7 +26,7 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     if not rows:
         raise MissingError(f"'{of}' has no designs")
     shown = _thinned(rows)
-    figure = ink.figure(4.0)
+    figure = theme.figure(4.0)
     panel = figure.subplots()
     known = [row["touch_db"] for row in rows if row["touch_db"] is not None]
     low, high = min(known, default=0.0), max(known, default=0.0)
@@ -40,9 +40,9 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
         for feasible in (False, True):
             mine = [row for row in shown if row["remedy"] == name and row["feasible"] == feasible]
-            style = ink.points(i) | ({} if feasible else {"markerfacecolor": "none"})
+            style = theme.points(i) | ({} if feasible else {"markerfacecolor": "none"})
             panel.plot([row["cost"] for row in mine], [height(row) for row in mine], markersize=5.0, **style)
-        panel.plot([], [], label=name, **ink.points(i))
+        panel.plot([], [], label=name, **theme.points(i))
     front = sorted((row for row in rows if row["front"]), key=lambda row: float(row["cost"]))
     panel.step([row["cost"] for row in front], [height(row) for row in front], where="post", color="black",
                linewidth=0.8, alpha=0.6, zorder=0)  # fmt: skip

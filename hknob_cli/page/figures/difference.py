@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.stages.compare import statistics
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def grid_difference(
     found = statistics(value for line in percent for value in line if value == value)
     if found is None:
         raise MissingError(f"'{of[0]}' and '{of[1]}' have no cell in common where both have a limit cycle")
-    figure = ink.figure(height_of(first, extra=1.2))
+    figure = theme.figure(height_of(first, extra=1.2))
     axes = figure.subplots()
     norm = Normalize(-full_scale, full_scale, clip=True)
     draw_map(axes, first, percent, texts, norm=norm, colours=diverging())

@@ -7,10 +7,10 @@ line with small markers another treatment of friction. Runs without an error on 
 from math import ceil
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.work_precision import LARGEST, LEAST, STYLES, Style
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,7 +38,7 @@ def error_time(
     verdicts = result.provenance["spec"].get("verdicts") or {}
     columns = min(columns, len(names)) if len(names) != 4 else 2
     down = ceil(len(names) / columns)
-    figure = ink.figure((2.1 if columns < 3 else 1.65) * down + 1.15)
+    figure = theme.figure((2.1 if columns < 3 else 1.65) * down + 1.15)
     panels = list(figure.subplots(down, columns, squeeze=False, sharex=True, sharey=True).flat)
     for axes, name in zip(panels, names, strict=False):
         own = [row for row in rows if row["scene"] == name]

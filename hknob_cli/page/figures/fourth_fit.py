@@ -6,14 +6,14 @@ import numpy as np
 
 from hknob_cli.identify.finger_network import FINGER_INERTIA, respond_fourth, split
 from hknob_cli.identify.second_order import Plant
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import Pulsed, plant_of, pulsed, rows_of, stage_of
 from hknob_cli.page.figures.panel import key
 from hknob_cli.page.figures.recorded import rule_pulse, time_of
 from hknob_cli.page.figures.refit import modelled
 from hknob_cli.printed.hands import apparatus_inertia
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,13 +60,13 @@ def _with_finger(plant: Plant, one: Pulsed) -> np.ndarray:
 
 def _angles(one: Pulsed, models: dict[str, np.ndarray]) -> "Figure":
     time = time_of(one)
-    drawn = ink.figure(4.2)
+    drawn = theme.figure(4.2)
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=[2.0, 1.0])
     wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
     above.plot(time[::THIN], 1e3 * one.motion.angle_rad[::THIN], label="recorded, mean of the trials", **wide)
     for i, (name, angle) in enumerate(models.items()):
-        above.plot(time[::THIN], 1e3 * angle[::THIN], label=name, **ink.series(i))
-        below.plot(time[::THIN], 1e6 * (one.motion.angle_rad - angle)[::THIN], **ink.series(i))
+        above.plot(time[::THIN], 1e3 * angle[::THIN], label=name, **theme.series(i))
+        below.plot(time[::THIN], 1e6 * (one.motion.angle_rad - angle)[::THIN], **theme.series(i))
     for panel in (above, below):
         rule_pulse(panel, one)
     above.set_ylabel("angle, mrad")
@@ -81,12 +81,12 @@ def _accelerations(one: Pulsed, models: dict[str, np.ndarray]) -> "Figure":
     if one.motion.acceleration_rad_s2 is None:
         raise MissingError("the motion was not differentiated")
     time, dt = time_of(one), one.motion.dt_s
-    drawn = ink.figure(2.9)
+    drawn = theme.figure(2.9)
     panel = drawn.subplots()
     wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
     panel.plot(time, 1e-3 * one.motion.acceleration_rad_s2, label="recorded, smoothed and differentiated twice", **wide)
     for i, (name, angle) in enumerate(models.items()):
-        panel.plot(time, 1e-3 * np.gradient(np.gradient(angle, dt), dt), label=name, **ink.series(i))
+        panel.plot(time, 1e-3 * np.gradient(np.gradient(angle, dt), dt), label=name, **theme.series(i))
     rule_pulse(panel, one)
     panel.set_xlabel("time from the onset, ms")
     panel.set_ylabel("acceleration, 10\u00b3 rad/s\u00b2")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grasp_panels import (
     QUANTITIES,
@@ -16,7 +16,7 @@ from hknob_cli.page.figures.grasp_panels import (
     scale_of,
     told,
 )
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def grasp_parameters(
     ``estimator`` are crosses beside the printed ones, with standard deviations if ``bars``. Raises `MissingError` for
     any other table, and where there are no such fits.
     """
-    drawn = ink.figure(5.6)
+    drawn = theme.figure(5.6)
     panels = list(drawn.subplots(2, 2, sharex=True).ravel())
     identified = {number: _means(evidence, of, number, estimator) for number in tables} if of else {}
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
@@ -87,7 +87,7 @@ def normalised_grasp(
     printed as numbers. ``of`` an identification: its means are crosses, over the middles of the printed ones. Raises
     `MissingError` for any table but 1-5.
     """
-    drawn = ink.figure(3.0)
+    drawn = theme.figure(3.0)
     panels = drawn.subplots(1, 2, sharex=True, sharey=True)
     for panel, quantity in zip(panels, QUANTITIES[1:3], strict=True):
         for number in tables:

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures.identification import APPARATUS, COLUMNS, rows_of
-from hknob_cli.results.evidence import MissingError, Result, Rows
+from hknob_cli.results.result_set import MissingError, Result, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -80,7 +80,7 @@ def draw_bars(
 ) -> None:
     """One grasp, drawn alike in every figure; filled markers on the small knob, open ones on the larger, as printed."""
     filled = {} if RADIUS[number] < 10e-3 else {"markerfacecolor": "none"}
-    style = ink.series(number - 1) | {"marker": ink.MARKERS[number - 1], "markersize": 4.5, **filled}
+    style = theme.series(number - 1) | {"marker": theme.MARKERS[number - 1], "markersize": 4.5, **filled}
     panel.errorbar(
         force,
         [scale * value for value in mean],

@@ -6,7 +6,7 @@ from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.matrix import labels, short
 from hknob_cli.report.means import MEANS, mean_beside
 from hknob_cli.report.picture import axis_name
-from hknob_cli.results.evidence import MissingError, Result, Rows
+from hknob_cli.results.result_set import MissingError, Result, Rows
 
 Row = dict[str, Any]
 

@@ -3,10 +3,10 @@
 from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import grid, tick_labels
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +35,7 @@ def grip_forces(evidence: ResultSet, of: Any = None) -> "Figure":
         cells = grid(evidence[name], columns=("grip_mean_n",))
         recorded = Forces(tick_labels(cells.acrosses), tick_labels(cells.downs), cells.values("grip_mean_n"))
         maps.append(("a virtual person", recorded))
-    drawn = ink.figure(2.4 + 0.35 * len(maps), width=4.6 if len(maps) == 1 else ink.WIDTH)
+    drawn = theme.figure(2.4 + 0.35 * len(maps), width=4.6 if len(maps) == 1 else theme.WIDTH)
     panels = drawn.subplots(1, len(maps), squeeze=False)[0]
     for panel, (title, forces) in zip(panels, maps, strict=True):
         _draw(panel, forces)
@@ -56,10 +56,10 @@ def _printed() -> Forces:
 
 def _draw(panel: "Axes", forces: Forces) -> None:
     """One map, its values written in, and under it their mean and sample standard deviation."""
-    panel.pcolormesh(forces.newtons, cmap=ink.MAP, vmin=LOWEST, vmax=HIGHEST, edgecolors="none")
+    panel.pcolormesh(forces.newtons, cmap=theme.MAP, vmin=LOWEST, vmax=HIGHEST, edgecolors="none")
     for i, line in enumerate(forces.newtons):
         for j, force in enumerate(line):
-            colour = ink.ON_DARK if force < TARGET else ink.ON_LIGHT
+            colour = theme.ON_DARK if force < TARGET else theme.ON_LIGHT
             panel.text(j + 0.5, i + 0.5, f"{force:.2f}", ha="center", va="center", color=colour)
     panel.set_xticks([j + 0.5 for j in range(len(forces.rates))], forces.rates)
     panel.set_yticks([i + 0.5 for i in range(len(forces.counts))], forces.counts)

@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.difference import differences
 from hknob_cli.page.figures.grid import cell_text, column_label, grid, notes, number
 from hknob_cli.page.figures.heat import diverging, draw_key, draw_map, height_of, norm_of, ramp
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,7 +37,7 @@ def hardware_grid(
     norm = norm_of([value for one in values for line in one for value in line], log=True)
     ratio = [[1.0 + value / 100.0 for value in line] for line in differences(grids[1], grids[0], column)]
     tall = len(grids[0].acrosses) > _BESIDE
-    figure = ink.figure(3.0 * height_of(grids[0], extra=0.9) if tall else height_of(grids[0], extra=1.65))
+    figure = theme.figure(3.0 * height_of(grids[0], extra=0.9) if tall else height_of(grids[0], extra=1.65))
     panels = figure.subplots(3, 1) if tall else figure.subplots(1, 3)
     for i in (0, 1):
         texts = [

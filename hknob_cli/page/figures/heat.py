@@ -8,7 +8,7 @@ from math import isfinite
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures.grid import MOST_WRITTEN, Grid, tick_labels
 from hknob_cli.report.ticks import log_ticks
 
@@ -37,7 +37,7 @@ def ramp() -> "Colormap":
     """Colours of sizes."""
     import matplotlib as mpl
 
-    return mpl.colormaps[ink.MAP].resampled(LEVELS)
+    return mpl.colormaps[theme.MAP].resampled(LEVELS)
 
 
 def diverging() -> "Colormap":
@@ -96,7 +96,7 @@ def writing(value: float, norm: "Normalize", colours: "Colormap") -> str:
     if not isfinite(value):
         return "black"
     red, green, blue, _ = colours(norm(value))
-    return ink.ON_DARK if 0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.45 else ink.ON_LIGHT
+    return theme.ON_DARK if 0.2126 * red + 0.7152 * green + 0.0722 * blue < 0.45 else theme.ON_LIGHT
 
 
 def draw_key(

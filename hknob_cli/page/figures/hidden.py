@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.bias import NAMES
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,11 +22,11 @@ def hidden_inertia(evidence: ResultSet, of: str) -> "Figure":
     from matplotlib.ticker import FuncFormatter
 
     rows = evidence[of].rows("hidden_inertia")
-    drawn = ink.figure(3.2)
+    drawn = theme.figure(3.2)
     panel = drawn.subplots()
     for i, estimator in enumerate(dict.fromkeys(row["estimator"] for row in rows)):
         own = sorted((row for row in rows if row["estimator"] == estimator), key=lambda row: float(row["ratio"]))
-        style = ink.series(i) | {"marker": ink.MARKERS[i], "markersize": 4.0}
+        style = theme.series(i) | {"marker": theme.MARKERS[i], "markersize": 4.0}
         panel.plot(
             [row["ratio"] for row in own],
             [1e7 * row["inertia_kg_m2"] for row in own],

@@ -7,9 +7,9 @@ from hknob_cli.identify.prepare import Preparation, Prepared, conditions
 from hknob_cli.identify.second_order import Plant
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.results.evidence import MissingError, Result, Rows
-from hknob_cli.spec.source import Source
-from hknob_cli.spec.sysid import validate_sysid
+from hknob_cli.results.result_set import MissingError, Result, Rows
+from hknob_cli.specs.source import Source
+from hknob_cli.specs.sysid import validate_sysid
 from hknob_cli.stages.sysid import SysidStage
 
 APPARATUS = "apparatus_inertia_kg_m2"

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.bias import NAMES
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,7 +55,7 @@ def identified_values(evidence: ResultSet, of: str) -> "Figure":
     shown = chosen[:MOST]
     lines = 1 + (len(parameters) - 1) // _ACROSS
     across = min(_ACROSS, len(parameters))
-    figure = ink.figure((0.22 * len(shown) + 1.0) * lines + 0.2)
+    figure = theme.figure((0.22 * len(shown) + 1.0) * lines + 0.2)
     panels = figure.subplots(lines, across, sharey=True, squeeze=False).ravel()
     for panel, one in zip(panels, parameters, strict=False):
         known = [(y, row) for y, row in enumerate(reversed(shown)) if row.get(one.column) is not None]
@@ -65,7 +65,7 @@ def identified_values(evidence: ResultSet, of: str) -> "Figure":
             xerr=[one.factor * (row[f"{one.column}_std"] or 0.0) for _, row in known],
             capsize=2.0,
             elinewidth=0.8,
-            **ink.points(0) | {"markersize": 4.5},
+            **theme.points(0) | {"markersize": 4.5},
         )
         panel.set_xlabel(one.label)
         panel.locator_params(axis="x", nbins=4)

@@ -3,12 +3,12 @@
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, tick_labels
 from hknob_cli.report.picture import is_geometric
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -43,11 +43,11 @@ def law_lines(
     elif cells.rows and beside not in cells.rows[0]:
         there = None
     name, factor = column_label(result, column)
-    figure = ink.figure(height)
+    figure = theme.figure(height)
     axes = figure.subplots()
     found = False
     for i, (line, text) in enumerate(zip(cells.values(column, factor), tick_labels(cells.downs), strict=True)):
-        style = ink.series(i)
+        style = theme.series(i)
         found |= any(value == value for value in line)
         inside = [
             value if cell is not None and cell["in_domain"] else float("nan")
@@ -55,13 +55,13 @@ def law_lines(
         ]
         axes.plot(cells.acrosses, line, **{**style, "linewidth": 0.8, "alpha": 0.6})
         axes.plot(cells.acrosses, inside, **style)
-        axes.plot([], [], **style, marker=ink.points(i)["marker"], markersize=5, label=text)
+        axes.plot([], [], **style, marker=theme.points(i)["marker"], markersize=5, label=text)
     if not found:
         raise MissingError(f"'{names[0]}' has no value of {column} by the law {law}")
     if there is not None:
         for i, line in enumerate(there.values(beside, factor)):
             shown = [(x, y) for x, y in zip(there.acrosses, line, strict=True) if y == y and y > 0]
-            axes.plot(*zip(*shown, strict=True) if shown else ([], []), markersize=5, **ink.points(i))
+            axes.plot(*zip(*shown, strict=True) if shown else ([], []), markersize=5, **theme.points(i))
     values = [value for value in cells.acrosses if value is not None]
     if values and values[0] > 0 and is_geometric(values):
         axes.set_xscale("log")

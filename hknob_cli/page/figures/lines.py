@@ -4,11 +4,11 @@ from math import sqrt
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, column_label, grid, number, tick_labels
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +52,7 @@ def grid_lines(
     table = cells.values(column, factor)
     if not any(value == value for line in table for value in line):
         raise MissingError(f"'{of}' has no value of {column}")
-    figure = ink.figure(height)
+    figure = theme.figure(height)
     axes = figure.subplots()
     _scales(axes, cells, log)
     series = [_points(cells, line, table[i]) for i, line in enumerate(cells.cells)]
@@ -109,16 +109,16 @@ def _line(
 ) -> None:
     sure = [point for point in points if point[1] > 0 or not log]
     xs, ys = [x for x, _, _ in sure], [y for _, y, _ in sure]
-    marker = ink.points(index)["marker"]
-    axes.plot(xs, ys, marker=marker, markersize=4.5, label=text, **ink.series(index))
+    marker = theme.points(index)["marker"]
+    axes.plot(xs, ys, marker=marker, markersize=4.5, label=text, **theme.series(index))
     if error is not None:
         size = [factor * (cell[error] or 0.0) / sqrt(max(1, cell[trials] if trials else 1)) for *_, cell in sure]
         below = [min(one, 0.9 * y) if log else one for one, (_, y, _) in zip(size, sure, strict=True)]
-        colour = ink.series(index)["color"]
+        colour = theme.series(index)["color"]
         axes.errorbar(xs, ys, yerr=[below, size], linestyle="none", color=colour, capsize=2, elinewidth=0.8)
     rest = [point for point in points if point[1] < 0 and log]
     if rest:
-        style = {**ink.points(index), "markerfacecolor": "none"}
+        style = {**theme.points(index), "markerfacecolor": "none"}
         axes.plot([x for x, _, _ in rest], [-y for _, y, _ in rest], markersize=4.5, **style)
 
 
@@ -150,8 +150,8 @@ def _mean(axes: "Axes", series: list[Points], *, log: bool) -> None:
     for i, points in enumerate(series):
         shown = [(x, y) for x, y, _ in points if y > 0 or not log]
         axes.plot(*zip(*shown, strict=True) if shown else ([], []), linestyle="none", marker="_", markersize=9,
-                  color=ink.COLOURS[-1], label="single cells" if i == 0 else None)  # fmt: skip
-    axes.plot(xs, ys, marker="o", markersize=5, label="mean", color=ink.COLOURS[0])
+                  color=theme.COLOURS[-1], label="single cells" if i == 0 else None)  # fmt: skip
+    axes.plot(xs, ys, marker="o", markersize=5, label="mean", color=theme.COLOURS[0])
     if len(xs) > _MOST_MEANS:
         return
     for x, y in zip(xs, ys, strict=True):

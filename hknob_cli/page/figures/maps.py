@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Grid, Row, cell_text, column_label, grid, notes
 from hknob_cli.page.figures.heat import draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.page.figures.mesh import draw_mesh
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -41,7 +41,7 @@ def grid_map(
     mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
     norm = norm_of([value for line in values for value in line], log=log)
     note = _note([cells], column)
-    figure = ink.figure(height_of(cells, extra=(1.35 if mesh else 0.75) + (0.25 if note else 0.0)))
+    figure = theme.figure(height_of(cells, extra=(1.35 if mesh else 0.75) + (0.25 if note else 0.0)))
     outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.45, 1.0] if mesh else [1.0])
     axes = figure.add_subplot(outer[0])
     draw_map(axes, cells, values, _texts(cells, values, column, digits), norm=norm, colours=ramp())
@@ -85,7 +85,7 @@ def grid_pair(
     flat = [[value for line in of_one for value in line] for of_one in values]
     norms = [norm_of(flat[0] + flat[1], log=log)] * 2 if shared else [norm_of(one, log=log) for one in flat]
     note = _note(grids, chosen[0])
-    figure = ink.figure(max(height_of(one, extra=1.5 + (0.25 if note else 0.0)) for one in grids))
+    figure = theme.figure(max(height_of(one, extra=1.5 + (0.25 if note else 0.0)) for one in grids))
     panels = figure.subplots(1, 2)
     same = grids[0].downs == grids[1].downs and grids[0].down == grids[1].down
     for i, axes in enumerate(panels):

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import draw_steps, draw_torque_axis, draw_wall, key, scale_of, torque_scale
 from hknob_cli.page.figures.recording import At, Of, Recording, recordings
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -52,7 +52,7 @@ def time_response(
     parts = ["acceleration"] if acceleration else ["angle", *([] if scaled else ["torque"])]
     parts += ["energy"] if bounces else []
     heights = [HEIGHTS[part] for part in parts]
-    drawn = ink.figure(height or 0.5 + sum(heights))
+    drawn = theme.figure(height or 0.5 + sum(heights))
     panels = drawn.subplots(len(parts), 1, squeeze=False, sharex=True, height_ratios=heights)[:, 0]
     time = scale_of(*(each.time for each in shown))
     draw = {"angle": _draw_angles, "torque": _draw_torques, "acceleration": _draw_accelerations, "energy": _draw_energy}
@@ -95,7 +95,7 @@ def _angle_unit(shown: list[Recording]) -> Scale:
 
 def _styles(shown: list[Recording]) -> list[dict[str, Any]]:
     """Line styles of recordings: the first wide and pale where nothing but a wall parts them."""
-    styles = [ink.series(i) for i in range(len(shown))]
+    styles = [theme.series(i) for i in range(len(shown))]
     if len(shown) > 1 and all(each.scene.wall.stiffness == 0.0 for each in shown):
         styles[0] |= {"linewidth": 3.0, "alpha": 0.55}
     return styles
@@ -106,7 +106,7 @@ def _draw_angles(panel: "Axes", shown: list[Recording], names: list[str], time: 
     for one, name, style in zip(shown, names, _styles(shown), strict=True):
         panel.plot(time.factor * one.time, unit.factor * one.angle, label=name, **style)
         if one.finger is not None:
-            panel.plot(time.factor * one.time, unit.factor * one.finger, label=f"finger of {name}", **ink.series(4))
+            panel.plot(time.factor * one.time, unit.factor * one.finger, label=f"finger of {name}", **theme.series(4))
     panel.set_ylabel(f"angle, {unit.prefix}rad")
 
 
@@ -120,7 +120,7 @@ def _draw_answered(panel: "Axes", one: Recording, time: Scale, unit: Scale) -> N
     """The torque as the angle it answers to, with its own scale at the right."""
     stiffness = one.scene.wall.stiffness
     label = "torque of the wall (right)"
-    draw_steps(panel, one, time, -unit.factor / stiffness, label=label, linewidth=1.1, color=ink.COLOURS[1])
+    draw_steps(panel, one, time, -unit.factor / stiffness, label=label, linewidth=1.1, color=theme.COLOURS[1])
     draw_torque_axis(panel, one, unit)
 
 
@@ -147,7 +147,7 @@ def _draw_accelerations(panel: "Axes", shown: list[Recording], names: list[str],
         panel.plot(times, 1e-3 * np.diff(one.velocity) / spans, label=name, **style)
         if one.finger_velocity is not None:
             values = 1e-3 * np.diff(one.finger_velocity) / spans
-            panel.plot(times, values, label=f"finger of {name}", **ink.series(4))
+            panel.plot(times, values, label=f"finger of {name}", **theme.series(4))
     panel.set_ylabel("acceleration,\n10\u00b3 rad/s\u00b2")
 
 
@@ -160,7 +160,7 @@ def _peaks(one: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 def _mark_bounces(panel: "Axes", one: Recording, time: Scale, unit: Scale) -> None:
     times, angles = _peaks(one)
-    panel.plot(time.factor * times, unit.factor * angles, markersize=4.5, label="bounce peaks", **ink.points(1))
+    panel.plot(time.factor * times, unit.factor * angles, markersize=4.5, label="bounce peaks", **theme.points(1))
 
 
 def _draw_energy(panel: "Axes", shown: list[Recording], _names: list[str], time: Scale) -> None:
@@ -174,10 +174,10 @@ def _draw_energy(panel: "Axes", shown: list[Recording], _names: list[str], time:
     second, first, constant = np.polyfit(times, energy, 2)
     along = np.linspace(one.time[0], one.time[-1], 100)
     curve = unit.factor * (second * along**2 + first * along + constant)
-    panel.plot(time.factor * one.time, unit.factor * one.energy, linewidth=0.8, alpha=0.6, **ink.series(0))
-    panel.plot(time.factor * times, unit.factor * energy, markersize=4.5, **ink.points(1))
+    panel.plot(time.factor * one.time, unit.factor * one.energy, linewidth=0.8, alpha=0.6, **theme.series(0))
+    panel.plot(time.factor * times, unit.factor * energy, markersize=4.5, **theme.points(1))
     said = f"parabola through the peaks, {1e3 * second:.2f} mJ/s\u00b2"
-    panel.plot(time.factor * along, curve, label=said, **ink.series(1))
+    panel.plot(time.factor * along, curve, label=said, **theme.series(1))
     panel.set_ylim(0.0, 1.15 * unit.factor * float(max(energy.max(), one.energy[one.acts == 0.0].max())))
     panel.set_ylabel(f"energy, {unit.prefix}J")
     panel.legend(loc="upper left")
@@ -191,4 +191,4 @@ def _rule_peaks(panel: "Axes", one: Recording, time: Scale, unit: Scale) -> None
     apart = f"mean trough, {unit.factor * (peak - trough):.3f} {unit.prefix}rad below"
     for kept, mean, label, style in ((up, peak, "mean of ten peaks", "--"), (~up, trough, apart, ":")):
         ends = [time.factor * times[kept][-BOUNCES], time.factor * one.time[-1]]
-        panel.plot(ends, [unit.factor * mean] * 2, color=ink.COLOURS[1], linestyle=style, label=label)
+        panel.plot(ends, [unit.factor * mean] * 2, color=theme.COLOURS[1], linestyle=style, label=label)

@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.matrix import short
-from hknob_cli.results.evidence import ResultSet, MissingError, Result
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +40,7 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
     if not found:
         raise MissingError(f"'{of}' has no crossing below the Nyquist frequency")
     both = len(found) > 2 if zoom is None else zoom
-    figure = ink.figure(4.6 if both else 3.9)
+    figure = theme.figure(4.6 if both else 3.9)
     figure.set_layout_engine("constrained", h_pad=0.08)
     panels = figure.subplots(1, 2 if both else 1, squeeze=False)[0]
     _panel(panels[0], knobs[0], found, found)
@@ -80,7 +80,7 @@ def _panel(axes: "Axes", knob: "SampledKnob", found: "list[Crossing]", shown: "l
     )
     for i, one in enumerate(found):
         far = max(_REACH * abs(one.point), 0.1 * reach) / abs(one.point)
-        style = ink.series(i)
+        style = theme.series(i)
         label = f"rate {short(one.rate_hz)} Hz: {short(one.frequency_hz, 3)} Hz"
         axes.plot([0.0, far * one.point.real], [0.0, far * one.point.imag], marker="o", markevery=[], **style)
         axes.plot([one.point.real], [one.point.imag], marker="o", markersize=6, markerfacecolor="none",

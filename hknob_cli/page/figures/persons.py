@@ -3,10 +3,10 @@
 from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grasp_panels import QUANTITIES, finish, identified_rows, label_of, printed_rows
-from hknob_cli.results.evidence import ResultSet, Result
+from hknob_cli.results.result_set import Result, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ def one_person(
     Raises `MissingError` where there is no such person.
     """
     rows = identified_rows(evidence[of], "trials", subject=subject, experiment=str(experiment), estimator=estimator)
-    drawn = ink.figure(4.8)
+    drawn = theme.figure(4.8)
     panels = list(drawn.subplots(2, 2, sharex=True).ravel())
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
         line = _over_blocks(rows, quantity.column)
@@ -37,7 +37,7 @@ def one_person(
             markersize=4.0,
             capsize=2.0,
             elinewidth=0.8,
-            **ink.series(0),
+            **theme.series(0),
         )
         panel.set_ylabel(label_of(quantity))
     finish(drawn, panels)
@@ -53,9 +53,9 @@ def all_persons(
     Raises `MissingError` where there are none.
     """
     lines = _by_person(evidence[of], experiment, estimator)
-    drawn = ink.figure(4.8)
+    drawn = theme.figure(4.8)
     panels = list(drawn.subplots(2, 2, sharex=True).ravel())
-    thin: dict[str, Any] = {"color": ink.COLOURS[0], "linewidth": 0.8, "alpha": 0.8, "marker": ".", "markersize": 3.0}
+    thin: dict[str, Any] = {"color": theme.COLOURS[0], "linewidth": 0.8, "alpha": 0.8, "marker": ".", "markersize": 3.0}
     for panel, quantity in zip(panels, QUANTITIES, strict=True):
         for i, rows in enumerate(lines.values()):
             kept = [row for row in rows if row[quantity.column] is not None]

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import edges_between, key, scale_of
 from hknob_cli.page.figures.recording import At, Of, Recording, one_recording
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,15 +40,15 @@ def phase_plane(
     if steady.time[0] == one.time[0]:
         raise MissingError(f"{steady_s:g} s of '{one.name}' are more than the window shown")
     unit = scale_of(one.angle)
-    drawn = ink.figure(height, width=5.6)
+    drawn = theme.figure(height, width=5.6)
     panel = drawn.subplots()
     before = one.time <= steady.time[0]
     panel.plot(
         unit.factor * one.angle[before], one.velocity[before], color="black", linewidth=0.8, alpha=0.45, label="way in"
     )
-    panel.plot(unit.factor * steady.angle, steady.velocity, label="steady", **ink.series(0))
+    panel.plot(unit.factor * steady.angle, steady.velocity, label="steady", **theme.series(0))
     if samples:
-        dots: dict[str, Any] = {"color": ink.COLOURS[1], "marker": "o", "linestyle": "none", "markersize": 3.0}
+        dots: dict[str, Any] = {"color": theme.COLOURS[1], "marker": "o", "linestyle": "none", "markersize": 3.0}
         read = steady.samples
         panel.plot(unit.factor * steady.angle[read], steady.velocity[read], label="samples", **dots)
     _point(panel, steady, unit.factor)
@@ -71,7 +71,7 @@ def _point(panel: "Axes", steady: Recording, factor: float) -> None:
         (x0, x1), (y0, y1) = (np.interp(times, steady.time, of) for of in (factor * steady.angle, steady.velocity))
         arrow: dict[str, Any] = {
             "arrowstyle": "-|>",
-            "color": ink.COLOURS[0],
+            "color": theme.COLOURS[0],
             "shrinkA": 0,
             "shrinkB": 0,
             "mutation_scale": 13,

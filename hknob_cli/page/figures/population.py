@@ -2,13 +2,13 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label, rows_of, tick_labels
 from hknob_cli.report.population import by_cell, pitches, sizes
 from hknob_cli.report.population_picture import cumulative, thinned
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import PERSON
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,13 +35,13 @@ def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: f
     wide = [axis for axis in axes if axis != PERSON and len({row[axis] for row in rows}) > 1]
     cells = thinned(by_cell(rows, axes))
     names = [tick_labels([cell[axis] for cell, _ in cells]) for axis in wide]
-    figure = ink.figure(height)
+    figure = theme.figure(height)
     left, right = figure.subplots(1, 2, sharey=True)
     for i, (_, people) in enumerate(cells):
         label = ", ".join(texts[i] for texts in names) or None
         for panel, values, scale in ((left, sizes(people), 1e3), (right, pitches(people), 1.0)):
             xs, ys = cumulative(values, scale) if values else ([], [])
-            panel.step(xs, ys, where="post", label=label if panel is left else None, **ink.series(i))
+            panel.step(xs, ys, where="post", label=label if panel is left else None, **theme.series(i))
     left.set_ylabel("people who have at most this, %")
     left.set_xlabel("peak to peak, mrad (0: at rest)")
     right.set_xlabel("frequency, Hz, where it buzzes")

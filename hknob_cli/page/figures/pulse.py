@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.panel import key, scale_of
 from hknob_cli.page.figures.recording import At, Of, one_recording
 from hknob_cli.report.trajectory_picture import Scale
-from hknob_cli.results.evidence import ResultSet, MissingError
-from hknob_cli.spec.plan import Hand
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import Hand
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -36,7 +36,7 @@ def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: floa
         "stiffness": hand.stiffness * angle,
     }
     time, unit = scale_of(one.time), Scale(abs(one.pulse.torque))
-    drawn = ink.figure(3.4)
+    drawn = theme.figure(3.4)
     panel = drawn.subplots()
     commanded = np.where(middle < one.pulse.duration, one.pulse.torque, 0.0)
     wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
@@ -44,7 +44,7 @@ def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: floa
     total = np.sum(list(terms.values()), axis=0)
     panel.plot(time.factor * middle, unit.factor * total, label="sum", color="black", linewidth=1.0, linestyle=":")
     for i, (name, values) in enumerate(terms.items()):
-        panel.plot(time.factor * middle, unit.factor * values, label=name, **ink.series(i))
+        panel.plot(time.factor * middle, unit.factor * values, label=name, **theme.series(i))
     panel.set_xlabel(f"time, {time.prefix}s")
     panel.set_ylabel(f"torque, {unit.prefix}N\u00b7m")
     panel.set_xlim(0.0, time.factor * float(one.time[-1]))

@@ -4,11 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import Pulsed, pulsed, recorded
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,13 +29,13 @@ def trial_thumbnails(
     for trial in recorded(evidence[of], subject=subject, experiment=experiment):
         grips.setdefault(trial.key.grip_target_n, []).append(trial)
     rows = -(-len(grips) // 3)
-    drawn = ink.figure(0.7 + 1.5 * rows)
+    drawn = theme.figure(0.7 + 1.5 * rows)
     panels = drawn.subplots(rows, min(3, len(grips)), squeeze=False, sharex=True, sharey=True).ravel()
     for panel, (grip, trials) in zip(panels, sorted(grips.items()), strict=False):
         for trial in trials:
             time, angle = _from_rest(trial)
             kept = slice(0, int(np.searchsorted(time, to_s)) + 1, THIN)
-            panel.plot(1e3 * time[kept], 1e3 * angle[kept], color=ink.COLOURS[0], linewidth=0.8, alpha=0.75)
+            panel.plot(1e3 * time[kept], 1e3 * angle[kept], color=theme.COLOURS[0], linewidth=0.8, alpha=0.75)
         panel.set_title(f"{grip:g} N, {len(trials)} trials", loc="left")
     for panel in panels[len(grips) :]:
         panel.set_visible(False)
@@ -75,7 +75,7 @@ def pulse_vectors(
     if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
         raise MissingError(f"'{of}' was not differentiated")
     time = time_of(one)
-    drawn = ink.figure(3.9)
+    drawn = theme.figure(3.9)
     panels = drawn.subplots(2, 2, sharex=True)
     shown = (
         (panels[0, 0], 1e3 * motion.torque_nm, "torque, mN\u00b7m"),
@@ -84,7 +84,7 @@ def pulse_vectors(
         (panels[1, 1], 1e3 * motion.angle_rad, "angle, mrad"),
     )
     for i, (panel, values, label) in enumerate(shown):
-        panel.plot(time, values, color=ink.COLOURS[0], drawstyle="default" if i else "steps-post")
+        panel.plot(time, values, color=theme.COLOURS[0], drawstyle="default" if i else "steps-post")
         panel.set_ylabel(label)
         rule_pulse(panel, one)
     for panel in panels[1]:

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pyarrow.compute as pc
 
-from hknob_cli.results.evidence import ResultSet, MissingError, Result
-from hknob_cli.spec.plan import COUNTS, Pulse, Scene, scene_at
-from hknob_cli.spec.sweep import RecordSpec
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
+from hknob_cli.specs.plan import COUNTS, Pulse, Scene, scene_at
+from hknob_cli.specs.sweep import RecordSpec
 
 Of = str | Sequence[str]
 At = dict[str, float]

@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hknob_cli.identify.second_order import Plant, respond
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.identification import Pulsed, plant_of, pulsed, rows_of, stage_of
 from hknob_cli.page.figures.recorded import rule_pulse, time_of
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -38,7 +38,7 @@ def models_beside_data(
     drawn_of = pulsed(result, smooth=False, after_s=to_s, subject=subject, experiment=experiment, block=block)
     drawn_of.sort(key=lambda one: one.of.condition.grip_target_n)
     rows = -(-len(drawn_of) // 3)
-    drawn = ink.figure(0.9 + 1.6 * rows)
+    drawn = theme.figure(0.9 + 1.6 * rows)
     panels = drawn.subplots(rows, min(3, len(drawn_of)), squeeze=False, sharex=True, sharey=True).ravel()
     wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
     for panel, one in zip(panels, drawn_of, strict=False):
@@ -49,7 +49,7 @@ def models_beside_data(
             asked = {"subject": subject, "experiment": experiment, "grip_target_n": grip, "block": number}
             plant = plant_of(rows_of(result, "trials", estimator=estimator, **asked)[0])
             angle = modelled(plant, one, coulomb_nm=known.coulomb_nm, lag_s=known.lag_s)
-            panel.plot(time, 1e3 * angle[::THIN], label=label, **ink.series(i))
+            panel.plot(time, 1e3 * angle[::THIN], label=label, **theme.series(i))
         panel.set_title(f"{grip:g} N", loc="left")
     for panel in panels[len(drawn_of) :]:
         panel.set_visible(False)

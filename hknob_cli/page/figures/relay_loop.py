@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,7 +16,7 @@ def block_diagram(_evidence: ResultSet, _of: Any = None) -> "Figure":
     """A linear part G and a nonlinear part H in a closed loop (Hasser, Fig. 41). Needs no result."""
     from matplotlib.patches import Circle, FancyBboxPatch
 
-    figure = ink.figure(2.1)
+    figure = theme.figure(2.1)
     axes = figure.subplots()
     axes.set_axis_off()
     axes.set_xlim(0.0, 7.2)
@@ -62,7 +62,7 @@ def nonlinearity(
 
     ``panels`` are among "relay", "wall" and "biased". Needs no result.
     """
-    figure = ink.figure(2.5, ink.WIDTH * len(panels) / 3.0 + 0.2 * (3 - len(panels)))
+    figure = theme.figure(2.5, theme.WIDTH * len(panels) / 3.0 + 0.2 * (3 - len(panels)))
     shapes = {
         "relay": (-1.0, 1.0, "M", "a relay", "input"),
         "wall": (-1.0, 0.0, "K\u0394\u03b8", "the wall within one count", "angle \u03b8"),
@@ -80,7 +80,7 @@ def _step(axes: "Axes", low: float, high: float, unit: str, title: str, across: 
         axes.spines[side].set_position("zero")
         axes.spines[side].set_linewidth(0.8)
     axes.grid(visible=False)
-    axes.plot([-1.0, 0.0, 0.0, 1.0], [low, low, high, high], color=ink.COLOURS[0], linewidth=2.4)
+    axes.plot([-1.0, 0.0, 0.0, 1.0], [low, low, high, high], color=theme.COLOURS[0], linewidth=2.4)
     axes.set_xlim(-1.15, 1.15)
     axes.set_ylim(-1.35, 1.35)
     axes.set_xticks([])

@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,7 +25,7 @@ def remedy_dots(evidence: ResultSet, of: str, *, case: str, felt: bool = False) 
         raise MissingError(f"'{of}' has no case '{case}'")
     names = sorted(dict.fromkeys(row["remedy"] for row in rows), key=lambda name: _worst(rows, name), reverse=True)
     hands = list(dict.fromkeys(row["hand"] for row in rows))
-    figure = ink.figure(0.2 * len(names) + 1.2)
+    figure = theme.figure(0.2 * len(names) + 1.2)
     panels = figure.subplots(1, 4 if felt else 3, sharey=True, width_ratios=(1.5, 1.1, 1.0, *([1.1] * felt)))
     moving = [row["p2p_max_rad"] for row in rows if row["p2p_max_rad"]]
     rest = 0.4e3 * min(moving, default=1e-6)  # where rest is drawn, left of all that moves
@@ -59,7 +59,7 @@ def _worst(rows: Rows, name: str) -> float:
 def _draw_hand(panels: "list[Axes]", rows: Rows, i: int, count: int, hand: str, rest: float) -> None:
     size, pitch, stiffness, *louder = panels
     at = [y + (i - 0.5 * (count - 1)) * 0.4 / count for y in range(len(rows))]
-    style: dict[str, Any] = {**ink.points(i), "markersize": 4.5}
+    style: dict[str, Any] = {**theme.points(i), "markersize": 4.5}
     none = float("nan")
     sizes = [none if row["p2p_max_rad"] is None else (1e3 * row["p2p_max_rad"] or rest) for row in rows]
     size.plot(sizes, at, label=hand, **style)

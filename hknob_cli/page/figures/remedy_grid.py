@@ -3,9 +3,9 @@
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,14 +28,14 @@ def remedy_grid(evidence: ResultSet, of: str) -> "Figure":
     felt = any(row.get("touch_change_db") is not None for row in rows)
     names = list(dict.fromkeys(row["remedy"] for row in rows))
     names.sort(key=lambda name: _worst(rows, name, size), reverse=True)
-    figure = ink.figure(0.24 * len(names) + 1.3)
+    figure = theme.figure(0.24 * len(names) + 1.3)
     panels = list(figure.subplots(1, 4 if felt else 3, sharey=True, width_ratios=(1.4, 1.2, 0.9, *([1.1] * felt))))
     for y, name in enumerate(names):
         mine = [row for row in rows if row["remedy"] == name]
         _range(panels[0], [1e3 * row[size] for row in mine if row[size]], y)
         _range(panels[1], [row["p2p_ratio"] for row in mine if row["p2p_ratio"]], y)
         rest = 100.0 * sum(row["at_rest_fraction"] for row in mine) / len(mine)
-        panels[2].barh([y], [rest], height=0.5, color=ink.COLOURS[0])
+        panels[2].barh([y], [rest], height=0.5, color=theme.COLOURS[0])
         if felt:
             _range(panels[3], [row["touch_change_db"] for row in mine if row["touch_change_db"] is not None], y)
     _dress(panels, names)
@@ -53,7 +53,7 @@ def _worst(rows: Rows, name: str, size: str) -> float:
 def _range(panel: "Axes", values: list[float], y: int) -> None:
     if not values:
         return
-    style: dict[str, Any] = {"color": ink.COLOURS[0]}
+    style: dict[str, Any] = {"color": theme.COLOURS[0]}
     panel.plot([min(values), max(values)], [y, y], linewidth=1.6, solid_capstyle="butt", **style)
     panel.plot([median(values)], [y], marker="o", markersize=5.0, **style)
 

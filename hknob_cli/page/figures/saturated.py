@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, ends, grid
 from hknob_cli.page.figures.heat import draw_map, height_of
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -44,7 +44,7 @@ def saturated_map(
             still = cell is not None and not cell[column]
             signs[i][j] = float("nan") if still else signs[i][j]
             texts[i].append(words or "none" if still else "+1" if signs[i][j] > 0 else "\u22121" if cell else "")
-    figure = ink.figure(height_of(cells, extra=1.0))
+    figure = theme.figure(height_of(cells, extra=1.0))
     axes = figure.subplots()
     colours = ListedColormap([_LESS, _MORE])
     draw_map(axes, cells, signs, texts, norm=Normalize(-1.0, 1.0), colours=colours)

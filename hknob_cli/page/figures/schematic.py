@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.lumped import arrow, damper, ground, mass, spring
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,7 @@ def schematic(_evidence: ResultSet, _of: Any = None, *, kind: str) -> "Figure":
     if kind not in draws:
         raise MissingError(f"no schematic '{kind}'; there are {', '.join(draws)}")
     draw, (left, right, low, high) = draws[kind]
-    drawn = ink.figure(SCALE * (high - low), width=SCALE * (right - left))
+    drawn = theme.figure(SCALE * (high - low), width=SCALE * (right - left))
     panel = drawn.subplots()
     draw(panel)
     panel.set_xlim(left, right)

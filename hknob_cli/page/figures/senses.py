@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
-from hknob_cli.results.evidence import ResultSet
+from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -27,7 +27,7 @@ def equal_loudness(
     """
     from hknob_cli.perception import hearing
 
-    drawn = ink.figure(3.4)
+    drawn = theme.figure(3.4)
     panel = drawn.subplots()
     frequency = np.geomspace(20.0, 12500.0, 400)
     threshold = hearing.hearing_threshold(frequency, edition=edition)
@@ -38,7 +38,7 @@ def equal_loudness(
         if not there.any():
             raise UsageError(f"phon: ISO 226 is for 20 to 90 phon, not {level:g}")
         heard = hearing.sound_pressure_level(frequency[there], level, edition=edition)
-        panel.plot(frequency[there], heard, color=ink.COLOURS[0])
+        panel.plot(frequency[there], heard, color=theme.COLOURS[0])
         _name(panel, frequency[there], heard, f"{level:g} phon")
     panel.set_ylabel("sound pressure level, dB re 20 µPa")
     panel.set_ylim(-12.0, 125.0)
@@ -60,14 +60,14 @@ def touch_thresholds(
     """
     from hknob_cli.perception import touch
 
-    drawn = ink.figure(3.2)
+    drawn = theme.figure(3.2)
     panel = drawn.subplots()
     for i, (name, label) in enumerate(zip(sets, names or sets, strict=True)):
         found = touch.thresholds(name)
         frequency = np.geomspace(found.low_hz, found.high_hz, 200)
-        style = ink.series(i) | {"linewidth": 1.6}
+        style = theme.series(i) | {"linewidth": 1.6}
         panel.plot(frequency, 1e6 * touch.detection_threshold(frequency, name=name), label=label, **style)
-        panel.plot(found.points[:, 0], 1e6 * found.points[:, 1], markersize=4.0, **ink.points(i))
+        panel.plot(found.points[:, 0], 1e6 * found.points[:, 1], markersize=4.0, **theme.points(i))
     panel.set_yscale("log")
     panel.set_ylabel("threshold, µm peak")
     _frequencies(panel, (10, 20, 40, 100, 150, 250, 400), 9.0, 400.0)

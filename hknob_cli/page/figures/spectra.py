@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.recording import At
 from hknob_cli.page.settled import settled_period
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +34,7 @@ def cycle_spectra(
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    from hknob_cli.measure.recorded_harmonics import recorded_harmonics
+    from hknob_cli.recordings.harmonics import recorded_harmonics
 
     results = [of] if isinstance(of, str) else list(of)
     titles = list(names or results)
@@ -43,20 +43,20 @@ def cycle_spectra(
     periods = [settled_period(evidence, name, at=at) for name in results]
     motions = [recorded_harmonics(one.time, one.velocity, highest_hz=highest_hz) for one in periods]
     most = max(float(motion.speed_rad_s.max(initial=0.0)) for motion in motions)
-    drawn = ink.figure(0.6 + 1.05 * len(results))
+    drawn = theme.figure(0.6 + 1.05 * len(results))
     panels = drawn.subplots(len(results), 2, squeeze=False, sharex="col", sharey="col", width_ratios=[1.25, 1.0])
     for i, ((left, right), title, one, motion) in enumerate(zip(panels, titles, periods, motions, strict=True)):
         length = one.time[-1] - one.time[0]
         repeats = int(np.ceil(shown_s / length)) + 1
         times = np.concatenate([one.time[:-1] - one.time[0] + k * length for k in range(repeats)])
         angles = np.tile(one.angle[:-1] - one.angle.mean(), repeats)
-        left.plot(1e3 * times, 1e3 * angles, **{**ink.series(i), "linestyle": "-"})
+        left.plot(1e3 * times, 1e3 * angles, **{**theme.series(i), "linestyle": "-"})
         left.set_title(title, loc="left")
         kept = motion.speed_rad_s > most * 10.0 ** (-FLOOR_DB / 20.0)
-        stems: dict[str, Any] = {"color": ink.COLOURS[i % len(ink.COLOURS)]}
+        stems: dict[str, Any] = {"color": theme.COLOURS[i % len(theme.COLOURS)]}
         speed, floor = 1e3 * motion.speed_rad_s[kept], 1e3 * most * 10.0 ** (-FLOOR_DB / 20.0)
         right.vlines(motion.frequency_hz[kept], floor, speed, linewidth=0.9, **stems)
-        right.plot(motion.frequency_hz[kept], speed, markersize=2.5, **{**ink.points(i), **stems})
+        right.plot(motion.frequency_hz[kept], speed, markersize=2.5, **{**theme.points(i), **stems})
     panels[0][0].set_xlim(0.0, 1e3 * shown_s)
     side = panels[0][1]
     side.set_xscale("log")

@@ -3,12 +3,12 @@
 from math import inf, pi
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, axis_label, tick_labels
 from hknob_cli.report.picture import is_geometric
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
-from hknob_cli.spec.plan import COUNTS, RATE
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +55,7 @@ def staircase(
         raise MissingError(f"'{of}' varies over {', '.join(varying) or 'nothing'}: give 'over' and 'at'")
     steps = _steps(result.scene.wall.stiffness, rows, over) if unit_of_step else None
     factor, label = steps or (1.0, axis_label(result, over))
-    figure = ink.figure(1.9 * len(panels) + 0.7)
+    figure = theme.figure(1.9 * len(panels) + 0.7)
     places = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, column in zip(places, panels, strict=True):
         _dots(axes, rows, over, column, factor)
@@ -85,7 +85,7 @@ def _dots(axes: "Axes", rows: Rows, over: str, column: str, factor: float) -> No
     for least, size, text in _SIZES:
         chosen = [row for row in rows if least <= row["basin_fraction"] < above]
         xs, ys = [factor * row[over] for row in chosen], [_value(row, column) for row in chosen]
-        axes.plot(xs, ys, linestyle="none", marker="o", markersize=size, markeredgewidth=0, color=ink.COLOURS[0],
+        axes.plot(xs, ys, linestyle="none", marker="o", markersize=size, markeredgewidth=0, color=theme.COLOURS[0],
                   label=text)  # fmt: skip
         above = least
     axes.set_ylabel(_PANELS[column][1])

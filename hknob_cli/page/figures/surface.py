@@ -3,13 +3,13 @@
 from math import log
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, ends, grid
 from hknob_cli.page.figures.heat import draw_key, draw_map, height_of, ramp
 from hknob_cli.page.figures.mesh import draw_mesh
 from hknob_cli.report.means import WORST
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -59,7 +59,7 @@ def surface(
             best.add((i, min(found)[1]))
     mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
     norm = Normalize(0.0, 1.0)
-    figure = ink.figure(height_of(cells, extra=1.45 if mesh else 1.0))
+    figure = theme.figure(height_of(cells, extra=1.45 if mesh else 1.0))
     outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.6, 1.0] if mesh else [1.0])
     axes = figure.add_subplot(outer[0])
     draw_map(axes, cells, values, texts, norm=norm, colours=ramp(), bold=best)

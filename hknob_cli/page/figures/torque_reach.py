@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import grid
 from hknob_cli.report.means import WORST
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -32,7 +32,7 @@ def torque_reach(
     campaigns of one cell) are points, the largest cycle of each. ``printed_hz``, ``printed_rad``: what a text says.
     Raises `MissingError` where one is at rest.
     """
-    from hknob_cli.claims.checks import compute
+    from hknob_cli.page.claims.checks import compute
 
     points: list[tuple[str, float, float]] = []
     for name, said in zip(of, names or of, strict=True):
@@ -46,11 +46,11 @@ def torque_reach(
     at_one = compute("swing_at", evidence, {"result": of[0], "frequency_hz": 1.0})
     if at_one is None:
         raise MissingError(f"'{of[0]}' has no wall")
-    drawn = ink.figure(3.3)
+    drawn = theme.figure(3.3)
     panel = drawn.subplots()
     panel.plot(line, 1e3 * at_one / line**2, color="black", linewidth=1.2, label="half a count's torque, no losses")
     for i, (said, at_hz, p2p_rad) in enumerate(points):
-        panel.plot([at_hz], [1e3 * p2p_rad], markersize=7, label=said, **ink.points(i))
+        panel.plot([at_hz], [1e3 * p2p_rad], markersize=7, label=said, **theme.points(i))
     if printed_hz and printed_rad:
         reach = at_one / printed_hz**2
         panel.plot([printed_hz], [1e3 * printed_rad], markersize=13, marker="*", linestyle="none", color="black",

@@ -3,11 +3,11 @@
 from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.report.bench import VERDICTS
 from hknob_cli.report.work_precision import STYLES
-from hknob_cli.results.evidence import ResultSet, MissingError, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,7 +34,7 @@ def stability_table(
     if not down or not across:
         raise MissingError(f"'{of}' has no run of these scenes and methods")
     words = len(across) <= 8
-    figure = ink.figure(_ROW * len(down) + 1.35)
+    figure = theme.figure(_ROW * len(down) + 1.35)
     axes = figure.subplots()
     for i, scene in enumerate(reversed(down)):
         for j, method in enumerate(across):
@@ -43,7 +43,7 @@ def stability_table(
                 continue
             best = min((row["verdict"] for row in own), key=list(VERDICTS).index)
             axes.add_patch(Rectangle((j + 0.02, i + 0.03), 0.96, 0.94, facecolor=_COLOURS[best], edgecolor="none"))
-            inked = ink.ON_DARK if best == "accurate" else ink.ON_LIGHT
+            inked = theme.ON_DARK if best == "accurate" else theme.ON_LIGHT
             text = _symbols(own)
             if words:
                 text = f"{best}\n{text.replace(chr(10), ' | ')}"

@@ -4,12 +4,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.difference import differences
 from hknob_cli.page.figures.grid import grid, number
 from hknob_cli.report.ticks import log_ticks
-from hknob_cli.results.evidence import ResultSet, MissingError
+from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ def what_explains(
     `largest` (a band). Raises `MissingError`.
     """
     reference = grid(evidence[over], columns=tuple(column for column, _ in _PANELS))
-    drawn = ink.figure(0.72 * len(of) + 1.25)
+    drawn = theme.figure(0.72 * len(of) + 1.25)
     panels = drawn.subplots(1, 2, sharey=True)
     grids = [grid(evidence[name], columns=tuple(column for column, _ in _PANELS)) for name in of]
     for panel, (column, label) in zip(panels, _PANELS, strict=True):
@@ -59,18 +59,18 @@ def what_explains(
         panels[1].text(1.02, y, f"{buzzing} of {len(one.rows)}\nbuzz", va="center", fontsize=8,
                        transform=panels[1].get_yaxis_transform())  # fmt: skip
     for i, count in enumerate(reference.downs):
-        panels[0].plot([], [], markersize=4.5, label=f"{count:g}", **ink.points(i))
+        panels[0].plot([], [], markersize=4.5, label=f"{count:g}", **theme.points(i))
     drawn.legend(loc="outside upper center", ncols=len(reference.downs) + 1, title="counts per revolution")
     return drawn
 
 
 def _draw_printed(panel: "Axes", printed: Printed | None) -> None:
     if printed and "least" in printed and "largest" in printed:
-        panel.axvspan(printed["least"], printed["largest"], color=ink.COLOURS[1], alpha=0.13, linewidth=0)
+        panel.axvspan(printed["least"], printed["largest"], color=theme.COLOURS[1], alpha=0.13, linewidth=0)
     if printed and "mean" in printed:
-        panel.axvline(printed["mean"], color=ink.COLOURS[1], linestyle="--", linewidth=1.2)
+        panel.axvline(printed["mean"], color=theme.COLOURS[1], linestyle="--", linewidth=1.2)
         panel.text(printed["mean"], 1.0, " printed", transform=panel.get_xaxis_transform(), fontsize=8, va="bottom",
-                   ha="center", color=ink.COLOURS[1])  # fmt: skip
+                   ha="center", color=theme.COLOURS[1])  # fmt: skip
 
 
 def _draw_row(panel: "Axes", y: int, ratios: list[list[float]]) -> None:
@@ -78,7 +78,7 @@ def _draw_row(panel: "Axes", y: int, ratios: list[list[float]]) -> None:
     heights = np.linspace(-_SPREAD, _SPREAD, len(ratios)) if len(ratios) > 1 else [0.0]
     for i, (line, height) in enumerate(zip(ratios, heights, strict=True)):
         found = [value for value in line if value == value]
-        panel.plot(found, [y + height] * len(found), markersize=4.5, **ink.points(i))
+        panel.plot(found, [y + height] * len(found), markersize=4.5, **theme.points(i))
     every = [value for line in ratios for value in line if value == value]
     mean = sum(every) / len(every)
     panel.plot([mean, mean], [y - 0.28, y + 0.28], color="black", linewidth=2.2, solid_capstyle="butt")

@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING
 
-from hknob_cli.page import ink
+from hknob_cli.page import theme
 from hknob_cli.page.figures import drawing
 from hknob_cli.page.figures.grid import Row, axes_of, rows_of
 from hknob_cli.report.means import ONE, WORST
-from hknob_cli.results.evidence import ResultSet, MissingError, Result
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,7 +39,7 @@ def what_matters(evidence: ResultSet, of: str, *, where: Row | None = None, most
         raise MissingError(f"'{of}' has too few cells with a size to tell what matters")
     shown = matters[:most]
     across = min(_ACROSS, len(shown))
-    figure = ink.figure(4.0 * ceil(len(shown) / across) + 0.6)
+    figure = theme.figure(4.0 * ceil(len(shown) / across) + 0.6)
     draw_blocks(figure, {of: shown}, {of: columns}, across=across, scales=result.scales, share=share, dots=_DOTS)
     note = note_of(matters, "", 120)
     if hidden := len(matters) - len(shown):

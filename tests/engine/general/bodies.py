@@ -3,7 +3,7 @@
 from typing import Any
 
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 
 def knob(rate_hz: float = 1000.0, counts: int | None = 1024, **parts: Any) -> GeneralKnob:

@@ -13,7 +13,7 @@ from hknob_cli.engine.general.inner_region import come_to_rest, hold_zone, keeps
 from hknob_cli.engine.general.search import GeneralEngine, make_space
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import GeneralKnob, make_body
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 from .bodies import knob
 

@@ -2,17 +2,17 @@
 
 import numpy as np
 
+from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.search import search
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.sets.search import Box, SetEngine
-from hknob_cli.remedies.catalogue import make_remedy
-from hknob_cli.remedies.cells import make_batch
-from hknob_cli.remedies.search import search
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.spec.plan import COUNTS, RATE, Controller, Starts
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.plan import COUNTS, RATE, Controller, Starts
+from hknob_cli.specs.scene import SceneSpec
 
 SCENE = {
     "knob": {"inertia": 1.9e-6},

@@ -13,7 +13,7 @@ from hknob_cli.engine.general.controller import Controller, command, read
 from hknob_cli.engine.general.standstill import SETTLING, settles, stays_held, steady
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 from hknob_cli.scene.general_knob import make_body
-from hknob_cli.spec.scene import SceneSpec
+from hknob_cli.specs.scene import SceneSpec
 
 WALL = Controller(1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)
 UNIT = 64.0 * EPSILON

@@ -2,7 +2,7 @@
 
 While all states slide one way, they move by one affine map; while all are held, not at all. A state that stops within
 the hold, after a time t, is held there or reverses. Either way the derivative of its motion is known (saltation, in
-`general.glide`): with tau what is left of the hold, and Phi the free response,
+`general.advance`): with tau what is left of the hold, and Phi the free response,
 
     reverses   Phi(T) - m Phi(tau) e2 e2' Phi(t),  m = 2 friction / (pull + friction)  by how much the rate jumps
     sticks     e1 e1' Phi(t)

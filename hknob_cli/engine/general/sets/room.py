@@ -22,8 +22,8 @@ Zeros = Callable[[int], Any]
 class Known(NamedTuple):
     """The ends of a cell that are known so far.
 
-    ``table``, ``states``, ``lines``: as `general.ensemble.crowd` has them, but that the number of trials is the measure
-    of the starts that reach a row. ``points``: row, last reading, state, and commands under way of samples of proven
+    ``table``, ``states``, ``lines``: as in `general.ensemble.run_trials`, with the measure of the starts that reach a
+    row, not the number of trials. ``points``: row, last reading, state, and commands under way of samples of proven
     orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
     a proven end, by the fate that is none. The others are work space of a trial.
     """

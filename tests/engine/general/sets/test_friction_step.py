@@ -12,7 +12,7 @@ from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 from hknob_cli.scene.general_knob import make_body
-from hknob_cli.spec.plan import Bias, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Bias, Hand, Knob, Scene, Wall
 from tests.engine.sets.loops import zeros
 from tests.engine.sets.test_polygon import convex, inside, states_of
 
@@ -216,7 +216,9 @@ def test_the_enclosure_of_a_small_set_is_narrow() -> None:
         x, v = -8.0, -0.03
         fate, _, _, count = move_set(x, v, 0.0, 0.25, s, g, f, work, 4, float("inf"), body, zeros(ROOM), zeros(3))
         assert fate == ENCLOSED
-        ends = [step_with_friction(x + a * size, v + b * size, 0.0, 0.25, s, g, f, body) for a in (-1, 1) for b in (-1, 1)]
+        ends = [
+            step_with_friction(x + a * size, v + b * size, 0.0, 0.25, s, g, f, body) for a in (-1, 1) for b in (-1, 1)
+        ]
         true = max(end[0] for end in ends) - min(end[0] for end in ends)
         excess.append(max(work[: 2 * count : 2]) - min(work[: 2 * count : 2]) - true)
     assert 0.0 <= excess[1] < 2e-6 * excess[0]

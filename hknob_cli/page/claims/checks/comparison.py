@@ -1,0 +1,167 @@
+"""One result beside a sweep, like with like, cell by cell: differences, agreement, ratios."""
+
+from hknob_cli.errors import UsageError
+from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks.rows import Where, matching, one_number, percent, rows_of
+from hknob_cli.results.result_set import CAMPAIGN, MissingError, ResultSet, Rows
+
+QUANTITIES = {
+    "p2p": "p2p_difference",
+    "largest": "p2p_max_difference",
+    "amplitude": "amplitude_difference",
+    "frequency": "frequency_difference",
+}
+_NEEDS = ("p2p_rad", "frequency_hz")
+
+
+@check
+def difference(
+    evidence: ResultSet,
+    result: str,
+    against: str,
+    quantity: str = "p2p",
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """A statistic of (result - sweep) / sweep over the cells, %.
+
+    ``quantity``: `p2p`, `frequency`, `largest` (peak to peak against that of the sweep's largest cycle), or `amplitude`
+    (half of peak to peak, against the sweep's peak to peak: unlike with unlike). ``file`` and ``where`` pick a method
+    or a law. Cells that rest on either side do not count; of several cycles in a cell the nearest to the sweep does.
+    """
+    return one_number(
+        (100.0 * value for value in _differences(evidence, result, against, quantity, where, file)), statistic
+    )
+
+
+@check
+def largest_deviation(
+    evidence: ResultSet,
+    result: str,
+    against: str,
+    printed: dict[str, float],
+    quantity: str = "p2p",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Largest distance, in points, of several statistics of the differences from those ``printed``, by name.
+
+    So one reading has to give all numbers of a sentence. Other arguments as in `difference`.
+    """
+    found = [100.0 * value for value in _differences(evidence, result, against, quantity, where, file)]
+    pairs = [(one_number(found, statistic), value) for statistic, value in printed.items()]
+    return max((abs(computed - value) for computed, value in pairs if computed is not None), default=None)
+
+
+@check
+def ratio(
+    evidence: ResultSet,
+    result: str,
+    against: str,
+    quantity: str = "p2p",
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """A statistic of result / sweep over the cells that cycle on both sides; arguments as in `difference`."""
+    return one_number(
+        (1.0 + value for value in _differences(evidence, result, against, quantity, where, file)), statistic
+    )
+
+
+@check
+def agreement(
+    evidence: ResultSet,
+    result: str,
+    against: str,
+    least: float,
+    largest: float,
+    quantity: str = "p2p",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Share of the cells, %, where the difference to the sweep is between ``least`` and ``largest`` (%)."""
+    found = _differences(evidence, result, against, quantity, where, file)
+    return percent(least <= 100.0 * value <= largest for value in found)
+
+
+@check
+def accuracy_ratio(
+    evidence: ResultSet, result: str, against: str, where: Where | None = None, file: str = "cells"
+) -> float | None:
+    """Mean size of the differences in frequency over that of those in peak to peak; below 1: pitch is nearer."""
+    pitch, size = (
+        one_number(_differences(evidence, result, against, quantity, where, file), "mean_size")
+        for quantity in ("frequency", "p2p")
+    )
+    return None if pitch is None or not size else pitch / size
+
+
+@check
+def largest_beside(
+    evidence: ResultSet,
+    result: str,
+    column: str,
+    to: str,
+    reaching: float | None = None,
+    statistic: str = "mean",
+    where: Where | None = None,
+    file: str = "cells",
+) -> float | None:
+    """Largest value of a column over the axes that only ``result`` has, over that of the same cell of the sweep ``to``.
+
+    A statistic over the cells of ``to`` that cycle; with ``reaching`` the share of them, %, where it is at least that.
+    """
+    axes = evidence[to].axes
+    rows = rows_of(evidence, result, file, where, needs=[*axes, column])
+    ratios = []
+    for cell in rows_of(evidence, to, "cells", needs=[*axes, column]):
+        here = [row[column] for row in matching(rows, {axis: cell[axis] for axis in axes}) if row[column] is not None]
+        if here and cell[column]:
+            ratios.append(max(here) / cell[column])
+    if reaching is not None:
+        return percent(value >= reaching for value in ratios)
+    return one_number(ratios, statistic)
+
+
+@check
+def of_two_cells(
+    evidence: ResultSet, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
+) -> float | None:
+    """A column in one cell over the same in another, of the same or another sweep; means where several fit."""
+    first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")
+    second = one_number((row[column] for row in rows_of(evidence, to, "cells", to_where, needs=[column])), "mean")
+    return None if first is None or not second else first / second
+
+
+def _differences(
+    evidence: ResultSet, result: str, against: str, quantity: str, where: Where | None, file: str
+) -> list[float]:
+    """Relative differences to the sweep, one a cell. Raises `UsageError` for an unknown quantity, `MissingError`."""
+    from hknob_cli.report.dfa import nearest_cycles
+
+    if quantity not in QUANTITIES:
+        raise UsageError(f"quantity: must be one of {', '.join(QUANTITIES)}, got '{quantity}'")
+    axes = evidence[result].axes
+    rows = rows_of(evidence, result, file, where, needs=[*axes, *_NEEDS])
+    column = QUANTITIES[quantity]
+    return [
+        row[column] for row in nearest_cycles(_beside(evidence, rows, result, against), axes) if row[column] is not None
+    ]
+
+
+def _beside(evidence: ResultSet, rows: Rows, result: str, against: str) -> Rows:
+    """The rows with the values of the sweep, or campaign, and the differences; what rests has none."""
+    from hknob_cli.stages.compare import Against
+
+    axes = evidence[result].axes
+    recorded = evidence[against].table("cells") if evidence[against].stage == CAMPAIGN else None
+    sweep = Against(str(evidence[against].folder), axes, rows, table=recorded)
+    joined = []
+    for row in rows:
+        p2p, frequency = (row[name] or None for name in _NEEDS)
+        joined.append({**row, **sweep.columns(row, p2p_rad=p2p, frequency_hz=frequency)})
+    if all(row["sweep_p2p_rad"] is None for row in joined):
+        raise MissingError(f"'{against}' cycles in no cell of '{result}'")
+    return joined

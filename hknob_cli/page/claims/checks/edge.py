@@ -1,0 +1,196 @@
+"""Quantities of the wall's edge: the relay between two counts, from the physical constants of a result's scene."""
+
+from math import atan2, cos, exp, log, pi, sin, sqrt
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.errors import UsageError
+from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks.rows import Where, one_number, rows_of
+from hknob_cli.results.result_set import ResultSet
+
+if TYPE_CHECKING:
+    from hknob_cli.theory.working_edge import WorkingEdge
+
+_STEPS = 4096
+
+
+def edge_of(evidence: ResultSet, result: str, row: dict[str, Any]) -> "WorkingEdge":
+    """Inertia, damping, stiffness, torque step, ... of the cell of a row (SI units)."""
+    from hknob_cli.specs.plan import scene_at
+    from hknob_cli.theory.working_edge import working_edge
+
+    cell = {axis: row[axis] for axis in evidence[result].axes}
+    return working_edge(scene_at(evidence[result].scene, cell), cell)
+
+
+@check
+def relay_gain(evidence: ResultSet) -> float:  # noqa: ARG001 - it needs no result
+    """Amplitude of the fundamental of a relay's output over its level, N(A) A / M, by quadrature over a sine."""
+    phases = ((i + 0.5) * 2.0 * pi / _STEPS for i in range(_STEPS))
+    return sum((1.0 if sin(phase) > 0.0 else -1.0) * sin(phase) for phase in phases) * 2.0 / _STEPS
+
+
+@check
+def harmonic_balance(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
+    """Largest |1 + N(A) G(jw) e^{-jwT/2}| at the cycles of one harmonic, M = K q / 2: 0 if they solve it."""
+    residuals = []
+    for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
+        if row["amplitude_rad"]:
+            edge, omega = edge_of(evidence, result, row), 2.0 * pi * row["frequency_hz"]
+            gain = 2.0 * edge.wall_stiffness * edge.quantum_rad / (pi * row["amplitude_rad"])
+            late = complex(cos(omega * edge.delay_s), -sin(omega * edge.delay_s))
+            residuals.append(abs(1.0 + gain * late * _plant(edge, omega)))
+    return one_number(residuals, "largest")
+
+
+@check
+def plant_steepness(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
+    """Mean exponent of the plant's magnitude as a power of frequency, at the cycles that one harmonic predicts."""
+    found = []
+    for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["frequency_hz"]):
+        if row["frequency_hz"]:
+            edge, omega = edge_of(evidence, result, row), 2.0 * pi * row["frequency_hz"]
+            near = [log(abs(_plant(edge, omega * exp(step)))) for step in (-1e-4, 1e-4)]
+            found.append((near[1] - near[0]) / 2e-4)
+    return one_number(found, "mean")
+
+
+def _plant(edge: "WorkingEdge", omega: float) -> complex:
+    return 1.0 / complex(edge.hand_stiffness - edge.inertia * omega**2, edge.damping * omega)
+
+
+@check
+def net_torque(evidence: ResultSet, result: str, side: str, where: Where | None = None) -> float | None:
+    """Torque of wall and push, just ``outside`` or ``inside`` the edge, in torque steps K q; mean of the cells.
+
+    That is the plant's input u of sec. 7.2 with the push in it; positive: out of the wall.
+    """
+    if side not in ("outside", "inside"):
+        raise UsageError(f"side: must be outside or inside, got '{side}'")
+    rows = rows_of(evidence, result, "cells", where, needs=[])
+    wall = 1.0 if side == "inside" else 0.0
+    return one_number((wall - edge_of(evidence, result, row).balance for row in rows), "mean")
+
+
+@check
+def law_constant(evidence: ResultSet, result: str, law: str) -> float | None:
+    """C of p2p = C q T, 1/s, from the scene.
+
+    ``law``: `describing_function` 2 K / (pi b), `energy_balance` 3 K / (4 b).
+    """
+    factors = {"describing_function": 2.0 / pi, "energy_balance": 0.75}
+    if law not in factors:
+        raise UsageError(f"law: must be one of {', '.join(factors)}, got '{law}'")
+    scene = evidence[result].scene
+    damping = scene.knob.damping + (scene.hand.damping if scene.hand else 0.0)
+    return factors[law] * scene.wall.stiffness / damping if damping > 0.0 else None
+
+
+@check
+def fitted_constant(
+    evidence: ResultSet, result: str, where: Where | None = None, statistic: str = "median"
+) -> float | None:
+    """A statistic of p2p / (q T) over the cells that cycle, 1/s: C as the sweep has it."""
+    rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad"])
+    edges = [(row["p2p_rad"], edge_of(evidence, result, row)) for row in rows if row["p2p_rad"]]
+    return one_number((p2p / (edge.quantum_rad * edge.period_s) for p2p, edge in edges), statistic)
+
+
+@check
+def from_one_case(
+    evidence: ResultSet, result: str, case: Where, where: Where | None = None, statistic: str = "mean_size"
+) -> float | None:
+    """A statistic of (C q T - p2p) / p2p, %, over the cells that cycle, with C from the cell that ``case`` names."""
+    constant = fitted_constant(evidence, result, case, "mean")
+    if constant is None:
+        return None
+    rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad"])
+    edges = [(row["p2p_rad"], edge_of(evidence, result, row)) for row in rows if row["p2p_rad"]]
+    return one_number(
+        (100.0 * (constant * edge.quantum_rad * edge.period_s / p2p - 1.0) for p2p, edge in edges), statistic
+    )
+
+
+@check
+def swing_at(evidence: ResultSet, result: str, frequency_hz: float, where: Where | None = None) -> float | None:
+    """Peak to peak, rad, that a torque of ±K q / 2 can move the scene's inertia at a frequency: K q / (32 J f²).
+
+    The torque is a square wave and nothing else acts, so the velocity is triangular; a push off the middle, damping or
+    friction change the waveform, hardly the order of magnitude.
+    """
+    rows = rows_of(evidence, result, "cells", where, needs=[])
+    edges = [edge_of(evidence, result, row) for row in rows]
+    return one_number(
+        (edge.wall_stiffness * edge.quantum_rad / (32.0 * edge.inertia * frequency_hz**2) for edge in edges), "mean"
+    )
+
+
+@check
+def pitch_of_swing(evidence: ResultSet, result: str, p2p_rad: float, where: Where | None = None) -> float | None:
+    """Frequency, Hz, at which a torque of ±K q / 2 moves the inertia by that peak to peak: `swing_at` inverted."""
+    at_one = swing_at(evidence, result, 1.0, where)
+    return None if at_one is None or p2p_rad <= 0.0 else sqrt(at_one / p2p_rad)
+
+
+@check
+def beyond_reach(
+    evidence: ResultSet, result: str, frequency_hz: float, p2p_rad: float, where: Where | None = None
+) -> float | None:
+    """A peak to peak over the one that `swing_at` gives at that frequency."""
+    reach = swing_at(evidence, result, frequency_hz, where)
+    return p2p_rad / reach if reach else None
+
+
+@check
+def damped_natural_frequency(
+    evidence: ResultSet,
+    result: str,
+    damping_factor: float = 1.0,
+    inertia_factor: float = 1.0,
+    where: Where | None = None,
+) -> float | None:
+    """Damped natural frequency of the knob in the wall with so many times its damping and inertia, over that as it is.
+
+    The inertia is that of knob and hand together.
+    """
+    edge = edge_of(evidence, result, rows_of(evidence, result, "cells", where, needs=[])[0])
+
+    def pitch(damping: float, inertia: float) -> float:
+        square = (edge.wall_stiffness + edge.hand_stiffness) / inertia - (0.5 * damping / inertia) ** 2
+        return sqrt(max(square, 0.0))
+
+    before = pitch(edge.damping, edge.inertia)
+    return pitch(damping_factor * edge.damping, inertia_factor * edge.inertia) / before if before else None
+
+
+@check
+def size_at_delay(
+    evidence: ResultSet, result: str, factor: float, where: Where | None = None, statistic: str = "mean"
+) -> float | None:
+    """Size of the cycle of one harmonic with ``factor`` times the delay of the scene, over that with 1.
+
+    The printed condition is solved for either delay: plant and delay lag by half a turn. A statistic of the cells.
+    """
+    found = []
+    for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
+        if row["amplitude_rad"]:
+            edge = edge_of(evidence, result, row)
+            omegas = (_half_turn(edge, times * edge.delay_s) for times in (factor, 1.0))
+            late, nominal = (abs(_plant(edge, omega)) for omega in omegas)
+            found.append(late / nominal)
+    return one_number(found, statistic)
+
+
+def _half_turn(edge: "WorkingEdge", delay: float) -> float:
+    """Angular frequency, rad/s, at which plant and delay together lag by half a turn; the lag grows with frequency."""
+
+    def lag(omega: float) -> float:
+        return atan2(edge.damping * omega, edge.hand_stiffness - edge.inertia * omega**2) + omega * delay
+
+    low, high = 0.0, 1.0
+    while lag(high) < pi:
+        high *= 2.0
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if lag(middle) < pi else (low, middle)
+    return 0.5 * (low + high)

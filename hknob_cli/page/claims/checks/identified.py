@@ -1,0 +1,188 @@
+"""What identification finds of hands and of the apparatus, beside what is printed of them."""
+
+from math import sqrt
+from typing import Any
+
+from hknob_cli.apparatus.bench_rigs import setups
+from hknob_cli.apparatus.hand import SecondOrder
+from hknob_cli.apparatus.pulse import peak_per_torque, scaled_pulse
+from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks.rows import Where, one_number, percent, rows_of
+from hknob_cli.printed.tables import cell, table
+from hknob_cli.results.result_set import MissingError, ResultSet
+
+_J, _B, _K, _RATIO = "inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad", "damping_ratio"
+_STD = {
+    _J: "inertia_std_kg_m2",
+    _B: "damping_std_nm_s_per_rad",
+    _K: "stiffness_std_nm_per_rad",
+    _RATIO: "damping_ratio_std",
+}
+_CV = {
+    _J: "inertia_cv_percent",
+    _B: "damping_cv_percent",
+    _K: "stiffness_cv_percent",
+    _RATIO: "damping_ratio_cv_percent",
+}
+_KEYS = ("experiment", "subject", "grip_target_n", "estimator")
+_APPARATUS = "apparatus_inertia_kg_m2"
+
+Row = dict[str, Any]
+
+
+def _conditions(evidence: ResultSet, result: str, estimator: str, level: str, where: Where | None = None) -> list[Row]:
+    asked = {"level": level, "estimator": estimator, **(where or {})}
+    return rows_of(evidence, result, "conditions", asked, needs=[*_STD, *_KEYS, "level"])
+
+
+@check
+def tables_within(
+    evidence: ResultSet,
+    result: str,
+    estimator: str,
+    quantities: list[str] | None = None,
+    errors: float = 2.0,
+    where: Where | None = None,
+) -> float | None:
+    """Share of the printed means of Tables 1-5, %, from which the identified ones differ by so many standard errors.
+
+    Or less. A standard error is the printed deviation over the root of the number of persons identified. What could
+    not be identified counts as outside. ``quantities`` are columns; by default J, B, K and the damping ratio. Inertia
+    is of hand and apparatus.
+    """
+    persons: dict[tuple[str, float], int] = {}
+    for row in _conditions(evidence, result, estimator, "subject", where):
+        key = (row["experiment"], row["grip_target_n"])
+        persons[key] = persons.get(key, 0) + 1
+    inside = []
+    for row in _conditions(evidence, result, estimator, "all", where):
+        number, grip = int(row["experiment"]), row["grip_target_n"]
+        own = {_J: row.get(_APPARATUS) or 0.0}
+        for name in quantities or _STD:
+            value = row[name]
+            error = cell(number, grip, _STD[name]) / sqrt(persons[row["experiment"], grip])
+            off = None if value is None else abs(value + own.get(name, 0.0) - cell(number, grip, name))
+            inside.append(off is not None and off <= errors * error)
+    return percent(inside)
+
+
+@check
+def mean_offset(
+    evidence: ResultSet, result: str, estimator: str, column: str, where: Where | None = None, statistic: str = "mean"
+) -> float | None:
+    """A statistic of identified over printed means, less 1, in %, over the conditions of Tables 1-5."""
+    found = []
+    for row in _conditions(evidence, result, estimator, "all", where):
+        if row[column] is not None:
+            own = (row.get(_APPARATUS) or 0.0) if column == _J else 0.0
+            printed = cell(int(row["experiment"]), row["grip_target_n"], column)
+            found.append(100.0 * ((row[column] + own) / printed - 1.0))
+    return one_number(found, statistic)
+
+
+@check
+def variation_ratio(
+    evidence: ResultSet,
+    result: str,
+    estimator: str,
+    columns: list[str] | None = None,
+    where: Where | None = None,
+    statistic: str = "median",
+) -> float | None:
+    """A statistic of the identified coefficients of variation between persons over the printed ones, 1.
+
+    ``columns``: by default J, B, K and the damping ratio.
+    """
+    found = []
+    for row in _conditions(evidence, result, estimator, "all", where):
+        for column in columns or _STD:
+            if row[column] and row[f"{column}_std"] is not None:
+                own = (row.get(_APPARATUS) or 0.0) if column == _J else 0.0
+                printed = cell(int(row["experiment"]), row["grip_target_n"], _CV[column])
+                found.append(100.0 * row[f"{column}_std"] / (row[column] + own) / printed)
+    return one_number(found, statistic)
+
+
+@check
+def identified_change(
+    evidence: ResultSet,
+    result: str,
+    to: str,
+    column: str,
+    estimator: str,
+    level: str = "subject",
+    where: Where | None = None,
+    statistic: str = "mean",
+) -> float | None:
+    """A statistic of an identified value of one result over that of another, less 1, in %; like conditions compared.
+
+    Inertia is of hand and apparatus on both sides. Raises `MissingError` where no condition is in both.
+    """
+    others = {tuple(row[name] for name in _KEYS): row for row in _conditions(evidence, to, estimator, level, where)}
+    pairs = [
+        (row, others[key])
+        for row in _conditions(evidence, result, estimator, level, where)
+        if (key := tuple(row[name] for name in _KEYS)) in others
+    ]
+    if not pairs:
+        raise MissingError(f"no condition is both in '{result}' and in '{to}'")
+    values = []
+    for row, other in pairs:
+        if row[column] is not None and other[column] is not None:
+            one, two = (
+                each[column] + ((each.get(_APPARATUS) or 0.0) if column == _J else 0.0) for each in (row, other)
+            )
+            values.append(100.0 * (one / two - 1.0))
+    return one_number(values, statistic)
+
+
+@check
+def displaced_share(
+    evidence: ResultSet, result: str, estimator: str, low: float, high: float, where: Where | None = None
+) -> float | None:
+    """Share of the blocks, %, in which the pulse of their grip turns the identified hand by ``low`` to ``high`` rad.
+
+    The pulse of a grip is the same for all: what turns the printed mean hand by the middle of the printed range.
+    """
+    asked = {"estimator": estimator, **(where or {})}
+    rows = rows_of(evidence, result, "trials", asked, needs=[_J, _B, _K, "experiment", "grip_target_n"])
+    inside = []
+    for row in rows:
+        values = [row[name] for name in (_J, _B, _K)]
+        if all(value is not None and value > 0.0 for value in values):
+            hand = SecondOrder(values[0] + (row.get(_APPARATUS) or 0.0), *values[1:])
+            peak = peak_per_torque(hand) * scaled_pulse(int(row["experiment"]), row["grip_target_n"]).torque_nm
+            inside.append(low <= peak <= high)
+    return percent(inside)
+
+
+@check
+def apparatus_error(
+    evidence: ResultSet, result: str, estimator: str, where: Where | None = None, statistic: str = "mean"
+) -> float | None:
+    """A statistic of the identified inertia of the apparatus alone over the true one, less 1, in %."""
+    true = setups()
+    asked = {"estimator": estimator, **(where or {})}
+    rows = rows_of(evidence, result, "trials", asked, needs=[_J, "subject"])
+    return one_number(
+        (100.0 * (row[_J] / true[row["subject"]] - 1.0) for row in rows if row[_J] is not None), statistic
+    )
+
+
+@check
+def apparatus_share(
+    evidence: ResultSet,
+    result: str,
+    estimator: str,
+    column: str,
+    where: Where | None = None,
+    statistic: str = "largest_size",
+) -> float | None:
+    """A statistic of the damping or stiffness identified of the apparatus alone, in % of the lightest grasp's.
+
+    That is the least value of the column in Tables 1-5. What is not told from zero is left out.
+    """
+    lightest = min(cell(number, float(row["grip_n"] or 0.0), column) for number in range(1, 6) for row in table(number))
+    asked = {"estimator": estimator, **(where or {})}
+    rows = rows_of(evidence, result, "trials", asked, needs=[column, "subject"])
+    return one_number((100.0 * row[column] / lightest for row in rows if row[column] is not None), statistic)

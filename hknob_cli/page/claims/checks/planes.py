@@ -1,0 +1,78 @@
+"""Surfaces over two log axes: how plane they are, and the notional surface of sec. 10.7 with its trough."""
+
+from math import log
+
+import numpy as np
+
+from hknob_cli.errors import UsageError
+from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks.edge import edge_of
+from hknob_cli.page.claims.checks.rows import Where, one_number, rows_of
+from hknob_cli.results.result_set import ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
+
+
+@check
+def planarity(evidence: ResultSet, result: str, column: str, where: Where | None = None) -> float | None:
+    """Part of the variance of a column's logarithm, %, that a plane over log sample rate and log counts explains."""
+    rows = rows_of(evidence, result, "cells", where, needs=[column, RATE, COUNTS])
+    found = [(log(row[RATE]), log(row[COUNTS]), log(row[column])) for row in rows if (row[column] or 0.0) > 0.0]
+    return _explained([list(point[:2]) for point in found], [point[2] for point in found])
+
+
+@check
+def product_explains(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
+    """Part of the variance of log p2p, %, that C q T explains with the slope of 1 and the best C."""
+    rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad", RATE, COUNTS])
+    left, values = [], []
+    for row in rows:
+        if row["p2p_rad"]:
+            edge = edge_of(evidence, result, row)
+            values.append(log(row["p2p_rad"]))
+            left.append(values[-1] - log(edge.quantum_rad * edge.period_s))
+    return 100.0 * float(1.0 - np.var(left) / np.var(values)) if len(values) > 1 else None
+
+
+def _explained(points: list[list[float]], values: list[float]) -> float | None:
+    if len(values) < 4:
+        return None
+    design = np.column_stack([np.ones(len(values)), np.array(points)])
+    fit = np.linalg.lstsq(design, np.array(values), rcond=None)[0]
+    return 100.0 * float(1.0 - np.var(np.array(values) - design @ fit) / np.var(values))
+
+
+@check
+def trough(
+    evidence: ResultSet,
+    result: str,
+    where: Where | None = None,
+    statistic: str = "median",
+    column: str = "p2p_rad",
+    log_pitch: bool = False,
+) -> float | None:
+    """Sample rate, Hz, of the least of max(log p2p, frequency), each scaled to 0...1; a statistic over resolutions.
+
+    ``log_pitch``: log frequency, too. That is the bottom of the notional surface of Fig. 70. A cell at rest has no
+    logarithm and is left out.
+    """
+    rows = [
+        row
+        for row in rows_of(evidence, result, "cells", where, needs=[column, "frequency_hz", RATE, COUNTS])
+        if (row[column] or 0.0) > 0.0
+    ]
+    if not rows:
+        return None
+    sizes = _scaled([log(row[column]) for row in rows])
+    pitches = _scaled([log(row["frequency_hz"]) if log_pitch else row["frequency_hz"] for row in rows])
+    best: dict[float, tuple[float, float]] = {}
+    for row, size, pitch in zip(rows, sizes, pitches, strict=True):
+        here = (max(size, pitch), row[RATE])
+        best[row[COUNTS]] = min(best.get(row[COUNTS], here), here)
+    return one_number((rate for _, rate in best.values()), statistic)
+
+
+def _scaled(values: list[float]) -> list[float]:
+    low, high = min(values), max(values)
+    if high <= low:
+        raise UsageError("trough: the surface is flat, so it cannot be scaled")
+    return [(value - low) / (high - low) for value in values]

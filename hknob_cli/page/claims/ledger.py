@@ -1,0 +1,102 @@
+"""The ledger as a file: claims with their place, printed value, computation, readings and tolerance."""
+
+import hashlib
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+from pydantic import Field, ValidationError, model_validator
+
+from hknob_cli.errors import Fault, SpecError
+from hknob_cli.page.claims.bounds import Bounds, Real
+from hknob_cli.page.claims.checks import check_fault
+from hknob_cli.specs import source as yaml
+from hknob_cli.specs.faults import faults_of
+from hknob_cli.specs.named_file import open_named
+from hknob_cli.specs.scene import Part
+
+Text = Annotated[str, Field(min_length=1)]
+Arguments = dict[str, Any]
+
+
+class Reading(Part):
+    """One way to read a claim: arguments of its computation that differ, by a name that says which reading."""
+
+    name: Text
+    arguments: Annotated[Arguments, Field(alias="with", default_factory=dict)]
+    excluded: Annotated[Text | None, Field(description="why the print does not allow this reading; null: it does")] = (
+        None
+    )
+
+
+class Claim(Part):
+    """One number or statement of the text.
+
+    Verdicts: `reproduced` where a reading that the print allows is within ``holds``; `differs` where one is within
+    ``near``; `contradicted` where none is; `not testable` where no computation exists, or what it needs does not.
+    A reading that is ``excluded`` is computed and shown, and decides nothing.
+    """
+
+    id: Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9.-]*$", max_length=60)]
+    place: Annotated[Text, Field(description="section, table, figure or equation")]
+    says: Annotated[Text, Field(description="what the text says, in its words or in short")]
+    printed: Annotated[Real | None, Field(description="the printed value; null: a statement")] = None
+    unit: str = ""
+    check: Annotated[str | None, Field(description="the computation, by name")] = None
+    arguments: Annotated[Arguments, Field(alias="with", default_factory=dict)]
+    readings: Annotated[list[Reading], Field(default_factory=list, description="default: one, as printed")]
+    holds: Bounds | None = None
+    near: Bounds | None = None
+    because: Annotated[Text | None, Field(description="why this tolerance")] = None
+    untestable: Annotated[Text | None, Field(description="why there is no computation")] = None
+    finding: Annotated[Text | None, Field(description="what is known beside the number: why, and how it shows")] = None
+    figure: Annotated[str | None, Field(description="id of the figure that shows it")] = None
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.check is None) == (self.untestable is None):
+            raise ValueError("must have either a check, or the reason why it is untestable")
+        if self.check is not None and (self.holds is None or self.because is None):
+            raise ValueError("must say when it holds, and because of what, beside its check")
+        if self.printed is None and any(bounds and bounds.relative for bounds in (self.holds, self.near)):
+            raise ValueError("must have a printed value for within or within_percent")
+        return self
+
+    @property
+    def all_readings(self) -> list[Reading]:
+        """Its readings, or the only one."""
+        return self.readings or [Reading.model_validate({"name": "as printed"})]
+
+
+class Ledger(Part):
+    """A list of claims about one text."""
+
+    text: Annotated[Text, Field(description="the text that is checked")]
+    claims: Annotated[list[Claim], Field(min_length=1)]
+
+
+def load_ledger(path: Path) -> Ledger:
+    """Read a ledger. Raises `SpecError` with every fault and its place, `UsageError` where it cannot be read."""
+    with open_named(path):
+        source = yaml.read(path)
+    try:
+        ledger = Ledger.model_validate(source.value)
+    except ValidationError as error:
+        raise SpecError(faults_of(source, Ledger, error)) from None
+    faults: list[Fault] = []
+    seen: dict[str, int] = {}
+    for i, claim in enumerate(ledger.claims):
+        if claim.id in seen:
+            faults.append(source.fault(("claims", i, "id"), f"must be unique; claim {seen[claim.id] + 1} has it, too"))
+        seen.setdefault(claim.id, i)
+        for reading in claim.all_readings if claim.check else ():
+            wrong = check_fault(str(claim.check), {**claim.arguments, **reading.arguments})
+            if wrong:
+                faults.append(source.fault(("claims", i, "check"), wrong))
+    if faults:
+        raise SpecError(faults)
+    return ledger
+
+
+def ledger_digest(path: Path) -> str:
+    """Digest of a ledger file, as an input of what is judged by it."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -1,0 +1,132 @@
+"""From computed values to a verdict, by the rule that `Claim` states. No verdict is ever written down elsewhere."""
+
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.errors import UsageError
+from hknob_cli.page.claims.checks import compute
+from hknob_cli.page.claims.ledger import Claim, Ledger, Reading
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import Column
+from hknob_cli.results.result_set import MissingError, ResultSet
+
+REPRODUCED, DIFFERS, CONTRADICTED, NOT_TESTABLE = VERDICTS = (
+    "reproduced",
+    "differs",
+    "contradicted",
+    "not testable",
+)
+
+_REAL, _TEXT, _FLAG = pa.float64(), pa.string(), pa.bool_()
+COLUMNS = (
+    Column("claim", _TEXT, "", "id of the claim"),
+    Column("place", _TEXT, "", "section, table, figure or equation of the text"),
+    Column("says", _TEXT, "", "what the text says"),
+    Column("printed", _REAL, "", "printed value, in the column unit; null for a statement"),
+    Column("computed", _REAL, "", "computed value in the reading used, in the column unit; null where there is none"),
+    Column("unit", _TEXT, "", "unit of printed and computed"),
+    Column("reading", _TEXT, "", "reading used: of those the print allows, the one that agrees best"),
+    Column("verdict", _TEXT, "", "reproduced, differs, contradicted or not testable"),
+    Column("tolerance", _TEXT, "", "when the claim counts as reproduced, and when it only differs"),
+    Column("because", _TEXT, "", "why this tolerance; why it is not testable, where it is not"),
+    Column("agreeing", pa.int64(), "1", "readings that the print allows and in which the claim is reproduced"),
+    Column("allowed", pa.int64(), "1", "readings that the print allows"),
+    Column("data", _TEXT, "", "results that the reading used was computed from"),
+    Column("readings", _TEXT, "", "every reading tried, with its value"),
+    Column("finding", _TEXT, "", "what is known beside the number"),
+    Column("check", _TEXT, "", "computation that checks it"),
+    Column("figure", _TEXT, "", "id of the figure that shows it"),
+)
+
+
+class Judged(NamedTuple):
+    """One reading, its computed value, and what follows from it."""
+
+    reading: Reading
+    computed: float | None
+    verdict: str
+    missing: str = ""
+
+
+def judge(ledger: Ledger, evidence: ResultSet) -> pa.Table:
+    """Every claim of a ledger with its verdict, as a table. Raises `UsageError` for arguments a check does not take."""
+    return build_table(COLUMNS, [judge_claim(claim, evidence) for claim in ledger.claims])
+
+
+def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:
+    """One row of the table."""
+    readings = [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
+    allowed = [judged for judged in readings if judged.reading.excluded is None]
+    best = min(allowed, key=lambda judged: _rank(claim, judged), default=None)
+    missing = best.missing if best else ""
+    return {
+        "claim": claim.id,
+        "place": claim.place,
+        "says": claim.says,
+        "printed": claim.printed,
+        "computed": best.computed if best else None,
+        "unit": claim.unit,
+        "reading": best.reading.name if best and not missing else "",
+        "verdict": best.verdict if best else NOT_TESTABLE,
+        "tolerance": _tolerance(claim),
+        "because": claim.untestable or missing or claim.because or "",
+        "agreeing": sum(judged.verdict == REPRODUCED for judged in allowed),
+        "allowed": len(allowed),
+        "data": ", ".join(_data(claim, best, evidence)) if best else "",
+        "readings": "; ".join(_said(claim, judged) for judged in readings) if claim.readings else "",
+        "finding": claim.finding or "",
+        "check": claim.check or "",
+        "figure": claim.figure or "",
+    }
+
+
+def _read(claim: Claim, reading: Reading, evidence: ResultSet) -> Judged:
+    assert claim.check is not None
+    assert claim.holds is not None
+    try:
+        computed = compute(claim.check, evidence, {**claim.arguments, **reading.arguments})
+    except MissingError as error:
+        return Judged(reading, None, NOT_TESTABLE, str(error))
+    except UsageError as error:
+        raise UsageError(f"claim {claim.id}: {error}") from error
+    if computed is None:
+        return Judged(reading, None, NOT_TESTABLE, "the computation has no value here")
+    if claim.holds.hold(computed, claim.printed):
+        return Judged(reading, computed, REPRODUCED)
+    near = claim.near is not None and claim.near.hold(computed, claim.printed)
+    return Judged(reading, computed, DIFFERS if near else CONTRADICTED)
+
+
+def _data(claim: Claim, judged: Judged, evidence: ResultSet) -> list[str]:
+    """Names of the results that a reading is computed from."""
+    arguments = {**claim.arguments, **judged.reading.arguments}
+    given = (str(arguments.get(key)) for key in ("result", "to", "against"))
+    return list(dict.fromkeys(name for name in given if name in evidence))
+
+
+def _rank(claim: Claim, judged: Judged) -> tuple[int, float]:
+    """The best verdict first; of equal ones the nearest to the printed value, else the first."""
+    near = 0.0 if judged.computed is None or claim.printed is None else abs(judged.computed - claim.printed)
+    return VERDICTS.index(judged.verdict), near
+
+
+def _tolerance(claim: Claim) -> str:
+    words = {
+        "within": "within {:g}",
+        "within_percent": "within {:g} %",
+        "at_least": "at least {:g}",
+        "at_most": "at most {:g}",
+    }
+    parts = []
+    for title, bounds in (("holds", claim.holds), ("differs", claim.near)):
+        if bounds:
+            given = [text.format(value) for key, text in words.items() if (value := getattr(bounds, key)) is not None]
+            parts.append(f"{title}: {', '.join(given)}")
+    return "; ".join(parts)
+
+
+def _said(claim: Claim, judged: Judged) -> str:
+    value = judged.missing or "no value" if judged.computed is None else f"{judged.computed:.4g} {claim.unit}".strip()
+    excluded = f" (not allowed: {judged.reading.excluded})" if judged.reading.excluded else ""
+    return f"{judged.reading.name}: {value}, {judged.verdict}{excluded}"

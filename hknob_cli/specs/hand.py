@@ -1,0 +1,164 @@
+"""The hand on the knob in a spec: by its numbers, as measured, as identified, or with a finger apart from the knob."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import ConfigDict, Field, PrivateAttr, field_validator, model_validator
+from pydantic_core import PydanticCustomError
+
+from hknob_cli.specs import plan
+from hknob_cli.specs.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
+from hknob_cli.specs.part import Part, Place
+from hknob_cli.specs.quantity import AddedInertia, Damping, Inertia, NotSweepable, Stiffness
+from hknob_cli.specs.whole import WHOLE
+
+_GIVEN = ("inertia", "damping", "stiffness", "finger", "fingerpad")
+_OF_A_FILE = ("experiment", "subject", "estimator", "subtract_apparatus")
+Label = Annotated[str, Field(min_length=1)] | Annotated[int, Field(strict=True)]
+
+
+def _exclusions(schema: dict[str, Any]) -> None:
+    """Say in the JSON Schema which keys need or exclude one another."""
+    schema["dependentRequired"] = {"table": ["grip_n"], **{key: ["from"] for key in _OF_A_FILE}}
+    schema["dependentSchemas"] = {
+        "table": {"properties": {**dict.fromkeys((*_GIVEN, "from"), False), "grip_n": printed_grip_schema()}},
+        "from": {"properties": dict.fromkeys((*_GIVEN, "table"), False)},
+        "grip_n": {"anyOf": [{"required": ["table"]}, {"required": ["from"]}]},
+    }
+
+
+class FingerSpec(Part):
+    """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
+
+    inertia: Annotated[Inertia, Field(description="moment of inertia of the fingers about the knob's axis")]
+    damping: Annotated[Damping, Field(description="damping of the fingers, to ground")] = 0.0
+    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingers, to ground")] = 0.0
+
+
+class FingerpadSpec(Part):
+    """The fingerpad: spring and damper between finger and knob (B2, K2 of Hasser, Fig. 13)."""
+
+    damping: Annotated[Damping, Field(description="damping of the fingerpads")] = 0.0
+    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingerpads")] = 0.0
+
+
+class HandSpec(Part):
+    """The hand on the knob; its neutral angle is 0.
+
+    Second order, moving with the knob, by ``inertia``, ``damping`` and ``stiffness``; as measured, by ``table`` and
+    ``grip_n``; or as identified, ``from`` a file. Or fourth order, by ``finger`` and ``fingerpad``.
+    """
+
+    model_config = ConfigDict(json_schema_extra=_exclusions)
+    _identified: plan.Hand = PrivateAttr(default_factory=plan.Hand)
+
+    inertia: Annotated[AddedInertia, Field(description="moment of inertia the grasp adds")] = 0.0
+    damping: Annotated[Damping, Field(description="damping of the grasp")] = 0.0
+    stiffness: Annotated[Stiffness, Field(description="stiffness of the grasp")] = 0.0
+    finger: FingerSpec | None = None
+    fingerpad: FingerpadSpec | None = None
+    table: Annotated[
+        Literal[1, 2, 3, 4, 5] | None,
+        WHOLE,
+        Field(
+            description="Hasser's hand models, without the apparatus: 1 simple and 2 key pinch of a 17.8 mm knob;"
+            " 3 simple, 4 key pinch and 5 three fingers of a 29.9 mm knob"
+        ),
+    ] = None
+    grip_n: Annotated[Grip | None, Field(description="row of the table or file: its grip force")] = None
+    from_: Annotated[
+        str | None,
+        Field(
+            alias="from",
+            min_length=1,
+            description="results of sysid, a folder or its conditions.parquet, relative to this file; a key that is"
+            " not given is the only value that the file has",
+        ),
+    ] = None
+    experiment: Annotated[Label | None, Field(description="of the file: its experiment")] = None
+    subject: Annotated[Label | None, Field(description="of the file: one person; default: the mean over persons")] = (
+        None
+    )
+    estimator: Annotated[str | None, Field(description="of the file: default output_error, if it is there")] = None
+    subtract_apparatus: Annotated[
+        Inertia | None, NotSweepable(), Field(description="inertia of the apparatus, where the file's includes it")
+    ] = None
+
+    _printed = field_validator("grip_n")(printed_beside_table)
+
+    @model_validator(mode="after")
+    def _one_order(self) -> "HandSpec":
+        if (self.table is None) != (self.grip_n is None) and self.from_ is None:
+            raise PydanticCustomError("two_keys", "must have both 'table' and 'grip_n', or neither")
+        if (self.finger is None) != (self.fingerpad is None):
+            raise PydanticCustomError("two_parts", "must have both 'finger' and 'fingerpad', or neither")
+        if self.finger and (self.inertia or self.damping or self.stiffness):
+            raise PydanticCustomError(
+                "two_hands", "must have 'finger' and 'fingerpad', or inertia, damping and stiffness, not both"
+            )
+        return self
+
+    @property
+    def measured(self) -> str:
+        """The key that says where a measured hand is from; empty for one given by its numbers."""
+        return "from" if self.from_ is not None else "table" if self.table is not None else ""
+
+    def identify(self, hand: plan.Hand) -> None:
+        """Take the numbers of the file that the hand is from; until then it has none."""
+        self._identified = hand
+
+    def plain(self) -> plan.Hand:
+        """The hand as plain values."""
+        if self.from_ is not None:
+            return self._identified
+        if self.table is not None and self.grip_n is not None:
+            from hknob_cli.printed.hands import grasps
+
+            by_grip = tuple((grasp.grip_n, plan.Hand(*grasp[1:])) for grasp in grasps(self.table))
+            return plan.gripped(plan.Hand(by_grip=by_grip), self.grip_n)
+        return plan.Hand(
+            inertia=self.inertia,
+            damping=self.damping,
+            stiffness=self.stiffness,
+            finger=plan.Finger(**dict(self.finger)) if self.finger else None,
+            fingerpad=plan.Fingerpad(**dict(self.fingerpad)) if self.fingerpad else None,
+        )
+
+
+def hand_contradictions(spec: HandSpec | None, knob_inertia: float, axes: plan.Axes) -> list[tuple[Place, str]]:
+    """What contradicts a hand from a table or file: other keys, grips it lacks, and a knob too light for it."""
+    found: list[tuple[Place, str]] = []
+    if spec is None or not spec.measured:
+        if plan.GRIP in axes:
+            found.append((("grid", plan.GRIP), "must be absent where the hand has no table and is from no file"))
+        for key in _OF_A_FILE if spec else ():
+            if getattr(spec, key) is not None:
+                found.append((("scene", "hand", key), "must be absent where the hand is not 'from' a file"))
+        return found
+    where = "has a table" if spec.measured == "table" else "is from a file"
+    for key in (*_GIVEN, *(_OF_A_FILE if spec.measured == "table" else ("table",))):
+        if key in spec.model_fields_set and getattr(spec, key) is not None:
+            found.append((("scene", "hand", key), f"must be absent where the hand {where}, which gives it"))
+    hand = spec.plain()
+    if hand.by_grip and plan.GRIP in axes:
+        grips = [grip for grip, _ in hand.by_grip]
+        whose = "Tables 1-5" if spec.table else "the file"
+        allowed = f"a grip force of {whose}, {', '.join(f'{grip:g}' for grip in grips)}"
+        for i, grip in enumerate(axes[plan.GRIP]):
+            if not any(same_grip(grip, one) for one in grips):
+                found.append((("grid", plan.GRIP, i), f"must be {allowed}, got {grip:g}"))
+    return found + _too_light(spec, hand, knob_inertia, axes)
+
+
+def _too_light(spec: HandSpec, hand: plan.Hand, knob_inertia: float, axes: plan.Axes) -> list[tuple[Place, str]]:
+    """Grips that take more inertia away than the knob has."""
+    knob = min(axes.get("knob.inertia", [knob_inertia]))
+    grips = axes.get(plan.GRIP, [spec.grip_n or 0.0]) if "hand.inertia" not in axes else []
+    place = ("grid", plan.GRIP) if plan.GRIP in axes else ("scene", "hand", "grip_n" if spec.grip_n else "from")
+    found: list[tuple[Place, str]] = []
+    for grip in grips:
+        added = (plan.gripped(hand, grip) if hand.by_grip else hand).inertia
+        if knob + added <= 0.0:
+            whose = f"table {spec.table}" if spec.table else "the file"
+            less = f"{whose} has {-added:g} kg*m^2 less than its apparatus without a hand"
+            found.append((place, f"must leave an inertia above 0: at {grip:g} N, {less}, and the knob has {knob:g}"))
+    return found

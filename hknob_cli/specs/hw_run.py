@@ -1,0 +1,304 @@
+"""The spec of a campaign on a knob, real or simulated: the sixteen trials of Chapter 8 where nothing else is said."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationError
+
+from hknob_cli.errors import Fault, SpecError
+from hknob_cli.specs.campaign import (
+    REPLAY,
+    SERIAL,
+    CoursePlan,
+    DevicePlan,
+    HwRunPlan,
+    KnobPlan,
+    LimitPlan,
+    NuisancePlan,
+    PersonPlan,
+)
+from hknob_cli.specs.faults import faults_of
+from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
+from hknob_cli.specs.part import Part, Place
+from hknob_cli.specs.plan import COUNTS, RATE, Axes
+from hknob_cli.specs.port_url import url_fault
+from hknob_cli.specs.quantity import Damping, Inertia, Torque
+from hknob_cli.specs.source import Source
+from hknob_cli.specs.sweep import Name
+from hknob_cli.specs.trial_quantity import (
+    AngleNoise,
+    Force,
+    ForceNoise,
+    Minutes,
+    Share,
+    SomeSeconds,
+    SpeedLimit,
+    TimeNoise,
+    TorqueLimit,
+    WallDamping,
+    WallStiffness,
+    Watchdog,
+)
+
+MOST_TRIALS = 1000
+MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole: a quarter of an hour at 20 kHz
+
+
+Text = Annotated[str, Field(min_length=1, max_length=80)]
+
+
+class DeviceSpec(Part):
+    """What the campaign runs on."""
+
+    driver: Annotated[
+        Literal["virtual", "replay", "serial"],
+        Field(description="a simulated knob; recordings played back; a target at the other end of a port"),
+    ] = "virtual"
+    url: Annotated[
+        str | None,
+        Field(
+            min_length=1,
+            description="port of a serial device, as pyserial names it: /dev/ttyACM0, COM3, socket://127.0.0.1:5555",
+        ),
+    ] = None
+    baud: Annotated[int | None, Field(strict=True, ge=1200, le=20_000_000, description="null: 921600")] = None
+    target: Annotated[
+        Literal["host", "qemu"] | None,
+        Field(description="instead of url: build the reference target and run it, as a process or in QEMU"),
+    ] = None
+    zero_angle: Annotated[
+        bool,
+        Field(
+            description="with url: the angle at which the knob is when the port is opened becomes 0, the wall's edge"
+        ),
+    ] = False
+    recordings: Annotated[
+        list[Annotated[str, Field(min_length=1)]] | None,
+        Field(min_length=1, description="files to replay, or folders of hw-run, relative to this file"),
+    ] = None
+
+
+class WallSpec(Part):
+    """The virtual wall."""
+
+    stiffness: Annotated[WallStiffness, Field(description="torque per angle inside")] = 0.27
+    damping: Annotated[WallDamping, Field(description="acts on the differenced measured angle")] = 0.0
+
+
+class TrialGridSpec(Part):
+    """Sample rates and encoder resolutions; every combination is a trial."""
+
+    sample_rate_hz: Annotated[
+        AxisSpec, Field(description="sample rate, Hz", default_factory=lambda: [455, 1000, 2000, 4000])
+    ]
+    counts_per_rev: Annotated[
+        AxisSpec,
+        Field(description="encoder counts per revolution", default_factory=lambda: [256, 512, 1024, 2048]),
+    ]
+
+
+class GripSpec(Part):
+    """The grip force that the person is shown."""
+
+    target: Annotated[Force, Field(description="force to hold")] = 0.71
+    band: Annotated[Force, Field(description="how far from the target it may be")] = 0.15
+
+
+class CourseSpec(Part):
+    """The course of a trial."""
+
+    zero: Annotated[Minutes, Field(description="time over which the empty grip cell is read")] = 0.5
+    settle: Annotated[SomeSeconds, Field(description="time in the band after which it counts")] = 0.5
+    buzz: Annotated[
+        tuple[Minutes, Minutes],
+        Field(description="buzz to record, at least and at most; rest is believed after the first"),
+    ] = (1.0, 3.0)
+    longest: Annotated[Minutes, Field(description="time after the start at which it ends")] = 10.0
+
+
+class LimitSpec(Part):
+    """What no trial may exceed; the target watches it, and the host what it is sent."""
+
+    torque: Annotated[TorqueLimit, Field(description="torque is cut off here")] = 0.1
+    speed: Annotated[SpeedLimit, Field(description="a faster knob ends the trial")] = 100.0
+    watchdog: Annotated[Watchdog, Field(description="silence of the host after which torque is off")] = 0.04
+
+
+class KnobSpec(Part):
+    """The knob of a simulated device."""
+
+    inertia: Annotated[Inertia, Field(description="moment of inertia of the knob alone")] = 1.9e-6
+    damping: Annotated[Damping, Field(description="viscous damping of the knob alone")] = 0.0
+    coulomb_torque: Annotated[Torque, Field(description="Coulomb friction")] = 5.6e-4
+
+
+class PersonSpec(Part):
+    """Who holds the knob of a simulated device: Table 1's simple pinch, at the grip force that is held."""
+
+    push: Annotated[Torque, Field(description="mean torque into the wall")] = 0.001
+    wandering_push: Annotated[bool, Field(description="whether the push differs and wanders")] = True
+    grip_wander: Annotated[bool, Field(description="whether the grip differs and wanders, as in Table 8")] = True
+
+
+class NuisanceSpec(Part):
+    """What a virtual device spoils; nothing, where nothing is said."""
+
+    angle_noise: Annotated[AngleNoise, Field(description="rms, before the encoder")] = 0.0
+    grip_noise: Annotated[ForceNoise, Field(description="rms of the grip cell")] = 0.0
+    amplifier: Annotated[TimeNoise, Field(description="time constant of the amplifier's lag")] = 0.0
+    jitter: Annotated[TimeNoise, Field(description="rms of the sample clock")] = 0.0
+    overruns: Annotated[Share, Field(description="share of the samples that come too late")] = 0.0
+
+
+class HwRunSpec(Part):
+    """Run trials over a grid on a knob, record them, and measure how it buzzes (Hasser, ch. 8)."""
+
+    kind: Literal["hw-run"]
+    name: Annotated[Name, Field(description="names the results folder")]
+    device: Annotated[DeviceSpec, Field(default_factory=DeviceSpec)]
+    wall: Annotated[WallSpec, Field(default_factory=WallSpec)]
+    grid: Annotated[TrialGridSpec, Field(default_factory=TrialGridSpec)]
+    grip: Annotated[
+        GripSpec | Literal["none"],
+        Field(default_factory=GripSpec, description="none: the knob has no grip cell, and trials settle by time alone"),
+    ]
+    trial: Annotated[CourseSpec, Field(default_factory=CourseSpec)]
+    limits: Annotated[LimitSpec, Field(default_factory=LimitSpec)]
+    order: Annotated[Literal["random", "grid"], Field(description="in which trials are run")] = "random"
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31, description="of the order and of what is simulated")] = 0
+    repeats: Annotated[int, Field(strict=True, ge=1, le=100, description="times the grid is gone through")] = 1
+    subject: Annotated[Text, Field(description="who holds the knob")] = "subject"
+    experiment: Annotated[Text, Field(description="grasp and knob")] = "simple pinch"
+    knob: KnobSpec | None = None
+    person: PersonSpec | None = None
+    nuisances: NuisanceSpec | None = None
+
+
+def validate_hw_run(source: Source) -> HwRunPlan:
+    """A campaign's spec as plain values. Raises `SpecError`."""
+    grip = source.value.get("grip", "none")
+    if not isinstance(grip, dict) and grip != "none":
+        raise SpecError([source.fault(("grip",), "must be 'none', or a mapping with target and band")])
+    grid = source.value.get("grid")
+    if isinstance(grid, dict) and "design" in grid:
+        text = "must be absent: trials are run for every combination of the axes"
+        raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
+    try:
+        spec = HwRunSpec.model_validate(source.value)
+    except ValidationError as error:
+        # A mapping is no 'none', and what is wrong within it says more.
+        wrong = faults_of(source, HwRunSpec, error)
+        raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
+    axes, faults = _axes(source, spec)
+    grip = None if spec.grip == "none" else spec.grip
+    faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]
+    if faults:
+        raise SpecError(faults)
+    knob, person = spec.knob or KnobSpec(), spec.person or PersonSpec()
+    nuisances = spec.nuisances or NuisanceSpec()
+    folder = Path(source.name).parent
+    return HwRunPlan(
+        name=spec.name,
+        device=DevicePlan(
+            driver=spec.device.driver,
+            url=spec.device.url,
+            baud=spec.device.baud or DevicePlan._field_defaults["baud"],
+            target=spec.device.target,
+            recordings=tuple(folder / name for name in spec.device.recordings or ()),
+            zero_angle=spec.device.zero_angle,
+        ),
+        wall_stiffness=spec.wall.stiffness,
+        wall_damping=spec.wall.damping,
+        axes=axes,
+        course=CoursePlan(
+            grip_target_n=grip.target if grip else 0.0,
+            grip_band_n=grip.band if grip else 0.0,
+            zero_s=spec.trial.zero,
+            settle_s=spec.trial.settle,
+            buzz_s=spec.trial.buzz,
+            longest_s=spec.trial.longest,
+        ),
+        limits=LimitPlan(spec.limits.torque, spec.limits.speed, spec.limits.watchdog),
+        shuffled=spec.order == "random",
+        seed=spec.seed,
+        repeats=spec.repeats,
+        subject=spec.subject,
+        experiment=spec.experiment,
+        knob=KnobPlan(knob.inertia, knob.damping, knob.coulomb_torque),
+        person=PersonPlan(person.push, person.wandering_push, person.grip_wander),
+        nuisances=NuisancePlan(
+            nuisances.angle_noise, nuisances.grip_noise, nuisances.amplifier, nuisances.jitter, nuisances.overruns
+        ),
+        values=source.value,
+    )
+
+
+def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
+    """Values of both axes, and what is wrong with them."""
+    axes: Axes = {}
+    faults: list[Fault] = []
+    for name, axis in ((RATE, spec.grid.sample_rate_hz), (COUNTS, spec.grid.counts_per_rev)):
+        try:
+            axes[name] = axis_values(name, axis)
+        except AxisError as error:
+            faults.append(source.fault(("grid", name, *error.steps), str(error)))
+    return axes, faults
+
+
+def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
+    """What a driver needs, and what it cannot have."""
+    device = spec.device
+    found: list[tuple[Place, str]] = []
+    if device.driver == SERIAL and (device.url is None) == (device.target is None):
+        found.append((("device",), "must have exactly one of url and target with the driver serial"))
+    if device.driver == REPLAY and device.recordings is None:
+        found.append((("device",), "needs recordings with the driver replay"))
+    if device.url is not None and (wrong := url_fault(device.url)):
+        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
+    given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
+    for name, driver in given.items():
+        if getattr(device, name) is not None and device.driver != driver:
+            found.append((("device", name), f"must be absent: it is for the driver {driver}"))
+    if device.baud is not None and device.target is not None:
+        found.append((("device", "baud"), "must be absent with target, which has no port to set"))
+    if device.zero_angle and device.url is None:
+        found.append(
+            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
+        )
+    for name in ("knob", "person"):
+        if getattr(spec, name) is not None and device.driver == REPLAY:
+            found.append(((name,), "must be absent: what is replayed was recorded"))
+    if spec.nuisances is not None and device.driver != "virtual":
+        found.append((("nuisances",), "must be absent: they are for the driver virtual"))
+    return found
+
+
+def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
+    """Numbers that exclude one another."""
+    found: list[tuple[Place, str]] = []
+    least, most = spec.trial.buzz
+    if most < least:
+        found.append((("trial", "buzz"), f"must rise, got {least:g} to {most:g}"))
+    if spec.trial.longest < spec.trial.settle + least:
+        text = f"must be >= {spec.trial.settle + least:g}, settle and the least buzz, got {spec.trial.longest:g}"
+        found.append((("trial", "longest"), text))
+    if spec.grip != "none" and spec.grip.band >= spec.grip.target:
+        found.append((("grip", "band"), f"must be < the target of {spec.grip.target:g}, got {spec.grip.band:g}"))
+    for i, rate in enumerate(axes.get(RATE, ())):
+        if rate < 1.0 or rate > 1e6:
+            place = ("grid", RATE, i) if isinstance(spec.grid.sample_rate_hz, list) else ("grid", RATE)
+            found.append((place, f"must be 1 to 1000000 Hz, got {rate:g}"))
+        elif spec.limits.watchdog < 2.0 / rate and spec.device.driver == SERIAL:
+            text = f"must be two samples at least, {2.0 / rate:g} s at {rate:g} Hz, got {spec.limits.watchdog:g}"
+            found.append((("limits", "watchdog"), text))
+    longest = spec.trial.zero + spec.trial.longest
+    for rate in axes.get(RATE, ()):
+        if rate * longest > MOST_SAMPLES:
+            text = (
+                f"must be shorter: {rate * longest:.2g} samples in a trial at {rate:g} Hz, at most {MOST_SAMPLES:.0e}"
+            )
+            found.append((("trial", "longest"), text))
+    count = len(axes.get(RATE, ())) * len(axes.get(COUNTS, ())) * spec.repeats
+    if count > MOST_TRIALS:
+        found.append((("grid",), f"must be at most {MOST_TRIALS} trials with repeats, got {count}"))
+    return found

@@ -1,0 +1,42 @@
+"""A file that a spec names: read only where it is a file, for a device or a pipe could be read for ever."""
+
+import contextlib
+import hashlib
+from collections.abc import Iterator
+from io import BufferedReader
+from pathlib import Path
+
+from hknob_cli.errors import UsageError
+from hknob_cli.specs.regular import is_endless
+
+
+@contextlib.contextmanager
+def open_named(path: Path) -> Iterator[BufferedReader]:
+    """A file, to be read. Raises `UsageError` where it is none, or cannot be read."""
+    try:
+        if is_endless(path) or path.is_dir():
+            raise UsageError(f"{path}: is not a file")
+        with path.open("rb") as stream:
+            yield stream
+    except OSError as error:  # a name that is too long is one, too
+        raise UsageError(f"{path}: {error.strerror or error}") from None
+
+
+def read_named(path: Path) -> bytes:
+    """What is in a file. Raises as `open_named`."""
+    with open_named(path) as stream:
+        return stream.read()
+
+
+def digest_of(path: Path) -> str:
+    """SHA-256 of a file. Raises as `open_named`."""
+    with open_named(path) as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def inside(path: Path, name: str) -> Path:
+    """The file of that name where ``path`` is a folder, else ``path`` itself. Raises `UsageError`."""
+    try:
+        return path / name if path.is_dir() else path
+    except OSError as error:  # a name that is too long
+        raise UsageError(f"{path}: {error.strerror or error}") from None

@@ -1,0 +1,272 @@
+"""What a valid spec says, as plain values: SI numbers in tuples, without the machinery that validated them.
+
+This is what the rest of the program sees. Defaults and absences are resolved: a part that is not listed is None.
+"""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.identification import SysidPlan
+from hknob_cli.specs.origin import Origin
+from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.perception import Perceive
+from hknob_cli.specs.points_plan import Points
+from hknob_cli.specs.remedies_plan import RemediesPlan
+
+RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
+GRIP, PERSON = "hand.grip_n", "person"
+
+Cell = dict[str, float | int]
+Axes = dict[str, list[float | int]]
+
+
+class Knob(NamedTuple):
+    """Moment of inertia (kg·m²), viscous damping (N·m·s/rad), Coulomb friction (N·m) of the device."""
+
+    inertia: float
+    damping: float = 0.0
+    coulomb_torque: float = 0.0
+
+
+class Finger(NamedTuple):
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the fingers, to ground."""
+
+    inertia: float
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+class Fingerpad(NamedTuple):
+    """Damping (N·m·s/rad) and stiffness (N·m/rad) between finger and knob."""
+
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+class Hand(NamedTuple):
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
+
+    The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
+    ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
+    persons are numbered from 1; ``origin``: the file that they are from.
+    """
+
+    inertia: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+    finger: Finger | None = None
+    fingerpad: Fingerpad | None = None
+    by_grip: tuple[tuple[float, "Hand"], ...] = ()
+    by_person: tuple["Hand", ...] = ()
+    origin: Origin | None = None
+
+
+class Wall(NamedTuple):
+    """Stiffness (N·m/rad) and damping (N·m·s/rad) of the virtual wall."""
+
+    stiffness: float
+    damping: float = 0.0
+
+
+class Bias(NamedTuple):
+    """Torque into the wall (N·m), or half the torque step of a count."""
+
+    torque: float | None = None
+    half_quantum: bool | None = None
+
+
+class Encoder(NamedTuple):
+    """How a position is rounded to a count, and where the edges lie (counts above the wall's edge)."""
+
+    rounding: str = "floor"
+    offset_counts: float = 0.0
+
+
+class Actuator(NamedTuple):
+    """Delay (samples), lag (s), saturation and step (N·m) from command to torque."""
+
+    delay_samples: float = 0.0
+    time_constant: float = 0.0
+    torque_limit: float | None = None
+    torque_step: float = 0.0
+
+
+class Scene(NamedTuple):
+    """What exists; None where it does not.
+
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
+    """
+
+    knob: Knob
+    wall: Wall
+    hand: Hand | None
+    bias: Bias | None
+    encoder: Encoder | None
+    actuator: Actuator | None
+    sampled: bool = True
+    controller: Controller | None = None
+
+
+class Starts(NamedTuple):
+    """Angle (rad) and velocity (rad/s) where trials begin, and their number.
+
+    ``sampled``: whether the spec asks for so many trials; else every clock phase is meant, and the number is that of
+    the trials where a scene's motions cannot be followed all at once. ``span``: every start between two angles and two
+    velocities at a sample instant, of which ``angle`` and ``velocity`` are the middle; None for one start. ``random``:
+    how many of them are drawn where they cannot be followed all at once. ``anywhere``: every state at a sample instant.
+    """
+
+    angle: float
+    velocity: float
+    phases: int
+    sampled: bool = True
+    span: tuple[float, float, float, float] | None = None
+    random: int = 0
+    anywhere: bool = False
+
+    @property
+    def many(self) -> bool:
+        """Whether sets of starts are meant, at a sample instant, and not one start."""
+        return self.anywhere or self.span is not None
+
+
+BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
+
+
+class Pulse(NamedTuple):
+    """Torque (N·m, away from the wall) on the knob for a duration (s)."""
+
+    torque: float
+    duration: float
+
+
+class Record(NamedTuple):
+    """Trajectories to keep: their duration and the time between rows (s), trials, and a pulse at their start.
+
+    ``angles``: where they start (rad); empty: where all trials do.
+    """
+
+    duration: float
+    interval: float
+    trials: int
+    pulse: Pulse | None = None
+    angles: tuple[float, ...] = ()
+
+
+class DfaPlan(NamedTuple):
+    """A describing-function analysis by ``methods``; ``against``: folder of the sweep it is compared with."""
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    methods: tuple[str, ...]
+    against: str | None
+    values: dict[str, Any]
+    points: Points | None = None
+
+
+class PredictPlan(NamedTuple):
+    """Predictions by ``laws``; ``constant``: C of the quantum-period law, 1/s, None: analytic.
+
+    ``case_file``, ``case_sha256``: the file that the constant was taken from, if any, and its digest.
+    """
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    laws: tuple[str, ...]
+    constant: float | None
+    case_sha256: str | None
+    against: str | None
+    values: dict[str, Any]
+    case_file: Path | None = None
+    points: Points | None = None
+
+
+class SweepPlan(NamedTuple):
+    """A sweep. ``axes``: values by name, ``units``: their units; ``values``: the spec as written, overrides applied.
+
+    ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
+    ``growth_s``: time over which the energy of bounces is fitted, ``basins``: starts a side of the map of basins, where
+    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited.
+    """
+
+    name: str
+    scene: Scene
+    axes: Axes
+    units: dict[str, str]
+    starts: Starts
+    max_samples: int | None
+    values: dict[str, Any]
+    record: Record | None = None
+    growth_s: float | None = None
+    perceive: Perceive | None = None
+    points: Points | None = None
+    seconds_per_cell: float | None = None
+    basins: int | None = None
+
+
+class BenchScene(NamedTuple):
+    """One trial of a benchmark: from ``angle`` (rad) and ``velocity`` (rad/s), over ``samples`` sample intervals.
+
+    ``counts_per_rev`` None: a continuous sensor. ``reference``: what errors are against, exact or digits60.
+    """
+
+    name: str
+    scene: Scene
+    sample_rate_hz: float
+    counts_per_rev: int | None
+    angle: float
+    velocity: float
+    samples: int
+    reference: str
+
+
+class BenchPlan(NamedTuple):
+    """A benchmark of ``methods``.
+
+    ``smoothing``: speed over which smoothed friction turns, rad/s; ``seconds_per_run``: processor time allowed;
+    ``accurate``, ``same_attractor``: thresholds of the verdicts, relative to peak to peak.
+    """
+
+    name: str
+    scenes: tuple[BenchScene, ...]
+    methods: tuple[str, ...]
+    tolerances: tuple[float, ...]
+    substeps: tuple[int, ...]
+    smoothing: float
+    seconds_per_run: float
+    accurate: float
+    same_attractor: float
+    values: dict[str, Any]
+
+
+Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | RemediesPlan | DesignPlan | HwRunPlan
+
+
+def scene_at(scene: Scene, cell: Cell) -> Scene:
+    """The scene with a cell's values in place."""
+    if GRIP in cell and scene.hand:
+        scene = scene._replace(hand=gripped(scene.hand, cell[GRIP]))
+    if PERSON in cell and scene.hand:
+        scene = scene._replace(hand=scene.hand.by_person[int(cell[PERSON]) - 1])
+    for name, value in cell.items():
+        if name not in (RATE, COUNTS, GRIP, PERSON):
+            scene = _replaced(scene, name.split("."), value)
+    return scene
+
+
+def gripped(hand: Hand, grip_n: float) -> Hand:
+    """The hand of the same table or file at another of its grip forces, the one nearest to ``grip_n``."""
+    return min(hand.by_grip, key=lambda one: abs(one[0] - grip_n))[1]._replace(by_grip=hand.by_grip, origin=hand.origin)
+
+
+def _replaced(part: Any, path: list[str], value: float) -> Any:
+    """A part of the scene with the value at ``path`` in it replaced."""
+    first, *rest = path
+    return part._replace(**{first: _replaced(getattr(part, first), rest, value) if rest else value})

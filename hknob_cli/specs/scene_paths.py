@@ -1,0 +1,106 @@
+"""Numbers of the scene by their dotted paths, ``wall.stiffness``: which may be axes of a grid, and their units."""
+
+from typing import Annotated, Any, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from hknob_cli.specs.plan import RATE
+from hknob_cli.specs.quantity import NotSweepable, Unit
+from hknob_cli.specs.scene import SceneSpec
+
+
+def scalar_field(path: str) -> FieldInfo | None:
+    """The scene's number at a dotted path, ``wall.stiffness``; None if there is none."""
+    model: type[BaseModel] = SceneSpec
+    *parents, last = path.split(".")
+    for part in parents:
+        info = model.model_fields.get(part)
+        inner = model_of(info) if info else None
+        if inner is None:
+            return None
+        model = inner
+    found = model.model_fields.get(last)
+    return None if found is None or model_of(found) or not _is_number(found) else found
+
+
+def scalar_paths() -> list[str]:
+    """Every dotted path that may be an axis."""
+    paths = []
+    for part, info in SceneSpec.model_fields.items():
+        model = model_of(info)
+        if model:
+            paths += [f"{part}.{name}" for name in _numbers(model)]
+    return paths
+
+
+def _numbers(model: type[BaseModel]) -> list[str]:
+    """Paths of the numbers in a part of the scene."""
+    paths = []
+    for name, info in model.model_fields.items():
+        inner = model_of(info)
+        if inner:
+            paths += [f"{name}.{path}" for path in _numbers(inner)]
+        elif _is_number(info):
+            paths.append(name)
+    return paths
+
+
+def _arms(info: FieldInfo) -> tuple[Any, ...]:
+    annotation = info.annotation
+    return getattr(annotation, "__args__", None) or (annotation,)
+
+
+def model_of(info: FieldInfo) -> type[BaseModel] | None:
+    """The model of a field that holds a part of a spec; None if it holds a value."""
+    for arm in _arms(info):
+        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
+        if isinstance(plain, type) and issubclass(plain, BaseModel):
+            return plain
+    return None
+
+
+def items_of(info: FieldInfo) -> type[BaseModel] | None:
+    """The model of the items of a field that is a list or a mapping of parts; None if it is not."""
+    for arm in (info.annotation, *_arms(info)):
+        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
+        if get_origin(plain) in (list, dict):
+            return _first_model(get_args(plain)[-1])
+    return None
+
+
+def _first_model(kind: Any) -> type[BaseModel] | None:
+    """The first model in a type, however it is annotated."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return kind
+    return next((found for arm in get_args(kind) if (found := _first_model(arm)) is not None), None)
+
+
+def _is_number(info: FieldInfo) -> bool:
+    if any(isinstance(item, NotSweepable) for item in info.metadata):
+        return False
+    arms = _arms(info)
+    return float in arms or any(getattr(arm, "__origin__", None) is float for arm in arms)
+
+
+def axis_unit(name: str) -> str:
+    """SI unit of a grid axis, as the scene declares it; "1" for a pure number."""
+    if name == RATE:
+        return "Hz"
+    info = scalar_field(name)
+    units = [item.name for item in _metadata(info) if isinstance(item, Unit)] if info else []
+    return units[0] if units else "1"
+
+
+def _metadata(info: FieldInfo) -> list[Any]:
+    """Metadata of a field and of the arms of its union."""
+    return [*info.metadata, *(item for arm in _arms(info) for item in getattr(arm, "__metadata__", ()))]
+
+
+def annotated(info: FieldInfo | None) -> Any:
+    """Type of a field with all that bounds its values."""
+    assert info is not None
+    annotation: Any = info.annotation
+    for item in info.metadata:
+        annotation = Annotated[annotation, item]
+    return annotation

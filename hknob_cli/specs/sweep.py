@@ -1,0 +1,200 @@
+"""The sweep's spec: a scene, a grid, and how trials start."""
+
+from typing import Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from hknob_cli.specs.cells import cells_over
+from hknob_cli.specs.grid import MAX_CELLS, Grid
+from hknob_cli.specs.perceive import PerceiveSpec
+from hknob_cli.specs.plan import RATE, Axes, Pulse, Record, SweepPlan
+from hknob_cli.specs.points_plan import Points
+from hknob_cli.specs.population import PopulationSpec
+from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
+from hknob_cli.specs.scene import Part, SceneSpec, given
+from hknob_cli.specs.starts import AnyStarts, StartsSpec, beyond_plain, plain_starts, spanned, start_faults
+
+MOST_ROWS = 1_000_000  # of the recordings of a sweep
+MOST_CELLS = 10**13  # that a sweep may be let span
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
+
+
+# Values that must be absent where the growth of energy without damping is asked for.
+DAMPING = (
+    "knob.damping",
+    "knob.coulomb_torque",
+    "hand.damping",
+    "hand.stiffness",
+    "hand.finger",
+    "wall.damping",
+    "actuator.time_constant",
+    "actuator.torque_limit",
+    "actuator.torque_step",
+)
+
+
+# Parts of a sweep that need trials from one start.
+ONE_START = {"record": "a recording begins at one start", "growth": "bounces are collected from one start"}
+
+
+def growth_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
+    """What in a scene is not the bouncing ball: a sampled knob that nothing damps or holds (Hasser, sec. 6.4.1)."""
+    why = "must be absent where 'growth' is given: it is of a knob that nothing damps or holds"
+    found = [(place, why) for path in DAMPING for place in given(scene, axes, path)]
+    if scene.sampling == "continuous":
+        found.append((("growth",), "must be absent where sampling is continuous: energy does not grow"))
+    if scene.encoder == "none":
+        found.append((("growth",), "must be absent where encoder is none"))
+    if not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0:
+        found.append((("growth",), "must be absent without a bias into the wall: nothing brings the knob back to it"))
+    return found
+
+
+class LimitsSpec(Part):
+    """Bounds on the work."""
+
+    max_cells: Annotated[
+        int,
+        Field(strict=True, ge=1, le=MOST_CELLS, description="cells of the grid, with the people of a population"),
+        MayBeFloat,
+    ] = MAX_CELLS
+    max_samples: Annotated[
+        int | None,
+        Field(strict=True, ge=100, le=2**30, description="samples a trial may take; null: by the plant's slowest mode"),
+    ] = None
+    seconds_per_cell: Annotated[
+        PositiveSeconds | None,
+        Field(
+            le=1e6, description="time a cell may take, on the clock; trials that are not done are undecided; null: any"
+        ),
+    ] = None
+
+
+class PulseSpec(Part):
+    """A torque pulse on the knob from the start of a recording, away from the wall (Hasser, sec. 4.2.2)."""
+
+    torque: Annotated[SignedTorque, Field(description="height of the pulse")]
+    duration: Annotated[PositiveSeconds, Field(description="length of the pulse")]
+
+
+class RecordSpec(Part):
+    """Trajectories to keep: the exact motion of the first trials of every cell."""
+
+    duration: Annotated[PositiveSeconds, Field(ge=1e-9, description="time to record, from the start of a trial")]
+    interval: Annotated[
+        PositiveSeconds | None,
+        Field(description="time between rows, beside those where the torque changes; null: a thousandth of duration"),
+    ] = None
+    trials: Annotated[int, Field(strict=True, ge=1, le=1000, description="trials to record, by phase")] = 1
+    angles: Annotated[
+        list[Angle] | None,
+        Field(min_length=1, max_length=100, description="angles to start recordings at, each; null: that of starts"),
+    ] = None
+    pulse: PulseSpec | None = None
+
+    def plain(self) -> Record:
+        """The recording as plain values."""
+        return Record(
+            duration=self.duration,
+            interval=self.interval or self.duration / 1000.0,
+            trials=self.trials,
+            pulse=Pulse(**dict(self.pulse)) if self.pulse else None,
+            angles=tuple(self.angles or ()),
+        )
+
+
+class GrowthSpec(Part):
+    """Energy at the bounce peaks, fitted by a parabola over time (Hasser, sec. 6.4.1)."""
+
+    duration: Annotated[PositiveSeconds, Field(description="time over which bounces are collected")] = 1.0
+
+
+class BasinsSpec(Part):
+    """A map of every cell: which attractor the starts on a grid over the box of ``starts`` end in."""
+
+    points: Annotated[int, Field(strict=True, ge=2, le=2000, description="starts a side of the map")] = 200
+
+
+class SweepSpec(Part):
+    """Simulate every cell of a grid to its proven limit cycles."""
+
+    kind: Literal["sweep"]
+    name: Annotated[Name, Field(description="names the results folder; letters, digits, '.', '_', '-'")]
+    scene: SceneSpec
+    grid: Grid
+    starts: Annotated[AnyStarts, Field(default_factory=StartsSpec)]
+    limits: Annotated[LimitsSpec, Field(default_factory=LimitsSpec)]
+    record: RecordSpec | None = None
+    growth: GrowthSpec | None = None
+    basins: BasinsSpec | None = None
+    population: PopulationSpec | None = None
+    perceive: PerceiveSpec | None = None
+
+    ABSENT: ClassVar[dict[str, str]] = {}
+
+    def contradictions(self, axes: Axes, points: Points | None) -> list[tuple[tuple[str, ...], str]]:
+        """What excludes something else: places in the spec, and what is wrong there."""
+        found: list[tuple[tuple[str, ...], str]] = []
+        if self.growth:
+            found += growth_faults(self.scene, axes)
+        found += [] if isinstance(self.starts, str) else self.starts.faults()
+        if said := spanned(self.starts):
+            found += start_faults(self.scene, axes, population=self.population is not None, starts=self.starts)
+            why = f"must be absent where {said}"
+            found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
+        if self.basins and (isinstance(self.starts, str) or not self.starts.spans):
+            found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
+        elif self.basins:
+            why = "must be absent where basins are mapped: a map tells starts by angle and velocity alone"
+            found += beyond_plain(self.scene, axes, why)
+        if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
+            text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
+            found.append((("basins", "points"), text))
+        if self.perceive and self.scene.sampling == "continuous":
+            found.append((("perceive",), "must be absent where sampling is continuous: no cycle is proven there"))
+        if self.perceive and self.growth:
+            found.append((("perceive",), "must be absent where 'growth' is given: what nothing damps has no cycle"))
+        if self.population and self.growth:
+            found.append((("growth",), "must be absent where a population is given: its hands damp"))
+        if self.population and self.scene.hand:
+            found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
+        if self.record and self.record.pulse and self.scene.sampling == "continuous":
+            found.append((("record", "pulse"), "must be absent where sampling is continuous"))
+        if self.record and self.record.pulse and self.scene.controller:
+            found.append((("record", "pulse"), "must be absent where a controller is given"))
+        if self.growth and self.scene.controller:
+            found.append((("growth",), "must be absent where a controller is given"))
+        if self.record:
+            rows = self._recorded_rows(axes, points)
+            if rows > MOST_ROWS:
+                text = f"must be shorter, or interval longer: {rows:.2g} rows would be recorded, at most {MOST_ROWS}"
+                found.append((("record", "duration"), text))
+        return found
+
+    def _recorded_rows(self, axes: Axes, points: Points | None) -> float:
+        """Rows of all recordings, roughly; of a design as many as at the highest sample rate."""
+        assert self.record
+        record = self.record.plain()
+        rates = axes.get(RATE, [0.0]) if self.scene.sampling != "continuous" else [0.0]
+        trials = min(record.trials, plain_starts(self.starts).phases) if self.scene.sampling != "continuous" else 1
+        each = [trials * record.duration * (2.0 * rate + 1.0 / record.interval) for rate in rates]
+        each_cell = max(each) if points else sum(each) / len(each)
+        return len(cells_over(axes, points)) * max(1, len(record.angles)) * each_cell
+
+    def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> SweepPlan:
+        """The spec as plain values, its axes resolved."""
+        return SweepPlan(
+            name=self.name,
+            scene=self.scene.plain(),
+            axes=axes,
+            units=units,
+            starts=plain_starts(self.starts),
+            max_samples=self.limits.max_samples,
+            seconds_per_cell=self.limits.seconds_per_cell,
+            record=self.record.plain() if self.record else None,
+            growth_s=self.growth.duration if self.growth else None,
+            perceive=self.perceive.plain() if self.perceive else None,
+            basins=self.basins.points if self.basins else None,
+            values=values,
+        )

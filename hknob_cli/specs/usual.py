@@ -1,0 +1,101 @@
+"""Usual ranges of what a scene has: values far outside are most often of another unit, and are warned of.
+
+Nothing is refused here: the models say what is possible. A quantity of 0 is absent. A range without a source is
+reasoned, and wide: it is to find a wrong unit, not a rare knob.
+"""
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+from hknob_cli.specs.plan import COUNTS, RATE
+
+_HAND = "Tables 1 to 5 of Hasser's dissertation print"
+
+
+class Usual(NamedTuple):
+    """Least and largest usual value in an SI ``unit``, and where the two are from."""
+
+    least: float
+    largest: float
+    unit: str
+    why: str
+
+
+_INERTIA = Usual(1e-8, 1e-3, "kg*m^2", "mr^2/2 of discs, from 1 g with 4.5 mm radius to 1 kg with 45 mm")
+_GRASP = Usual(1e-9, 2e-4, "kg*m^2", f"{_HAND} up to 3.8e-7; 0.5 kg at 2 cm from the axis has 2e-4")
+_DAMPING = Usual(1e-5, 0.1, "N*m*s/rad", f"{_HAND} 3.5e-4 to 3.6e-3; a thirtieth to thirty times that")
+_STIFFNESS = Usual(7e-4, 18.0, "N*m/rad", f"{_HAND} 0.02 to 0.59; a thirtieth to thirty times that")
+_PAD = "the hand's, times 1000: the stiffest pad of Hasser's study of hidden inertia"
+
+USUAL = {
+    "knob.inertia": _INERTIA,
+    "knob.damping": Usual(1e-8, 0.03, "N*m*s/rad", "at the largest, 10 rad/s need 0.3 N*m, which fingers hardly turn"),
+    "knob.coulomb_torque": Usual(1e-6, 0.3, "N*m", "0.56 mN*m on Hasser's hardware; 0.3 N*m is hard to turn"),
+    "wall.stiffness": Usual(1e-3, 300.0, "N*m/rad", "0.27 to 1 in the dissertation; 300 give 0.3 N*m at 0.06 degrees"),
+    "wall.damping": Usual(1e-7, 1.0, "N*m*s/rad", "at the largest, 1 rad/s gives 1 N*m"),
+    "hand.inertia": _GRASP,
+    "hand.damping": _DAMPING,
+    "hand.stiffness": _STIFFNESS,
+    "hand.finger.inertia": _GRASP,
+    "hand.finger.damping": _DAMPING,
+    "hand.finger.stiffness": _STIFFNESS,
+    "hand.fingerpad.damping": Usual(1e-5, 100.0, "N*m*s/rad", _PAD),
+    "hand.fingerpad.stiffness": Usual(7e-4, 18e3, "N*m/rad", _PAD),
+    "bias.torque": Usual(1e-6, 0.3, "N*m", "1 mN*m in the dissertation; 0.3 N*m is a push with all one's strength"),
+    "actuator.delay_samples": Usual(1e-3, 20.0, "sample periods", "one or two of the loop, a few of a bus"),
+    "actuator.time_constant": Usual(1e-7, 0.05, "s", "0.05 ms of Hasser's amplifier to 50 ms of a geared motor"),
+    "actuator.torque_limit": Usual(1e-4, 10.0, "N*m", "from watch motors to direct drives of steering wheels"),
+    "actuator.torque_step": Usual(1e-9, 0.01, "N*m", "10 N*m by 24 bits to 1 N*m by 8"),
+    RATE: Usual(10.0, 1e6, "Hz", "from a script's loop to programmable logic"),
+    COUNTS: Usual(8.0, 2e7, "counts per revolution", "from a switch wheel to 24 bits"),
+}
+_G_CM2 = 1e-7  # kg m^2 in a g cm^2
+
+
+def unusual(plan: Any) -> list[str]:
+    """A line for each quantity of a spec outside its usual range."""
+    found: dict[str, str] = {}
+    for path, value in _quantities(plan):
+        usual = USUAL.get(path)
+        if usual and value and path not in found and not usual.least <= abs(value) <= usual.largest:
+            found[path] = _text(path, value, usual)
+    return list(found.values())
+
+
+def _text(path: str, value: float, usual: Usual) -> str:
+    meant = ""
+    if usual.unit == "kg*m^2" and value > usual.largest and usual.least <= value * _G_CM2 <= usual.largest:
+        meant = f"; if {value:g} g*cm^2 is meant, write the unit"
+    small = "large" if abs(value) > usual.largest else "small"
+    range_ = f"{usual.least:g} to {usual.largest:g}"
+    return f"warning: {path}: {value:g} {usual.unit} is unusually {small}; usual are {range_} ({usual.why}){meant}"
+
+
+def _quantities(plan: Any) -> Iterator[tuple[str, float]]:
+    """Numbers of a plan by the dotted paths of a scene: of its scenes, and of the axes of its grid."""
+    for path, values in getattr(plan, "axes", {}).items():
+        yield from ((path, float(value)) for value in (min(values), max(values)))
+    for scene in _scenes(plan):
+        yield from _numbers(scene, "")
+    if hasattr(plan, "wall_stiffness"):  # of a campaign
+        yield from (("wall.stiffness", plan.wall_stiffness), ("wall.damping", plan.wall_damping))
+        yield from _numbers(plan.knob, "knob.")
+
+
+def _scenes(plan: Any) -> Iterator[Any]:
+    """The scenes of a plan, or of its remedies; those of a benchmark are extreme on purpose."""
+    if hasattr(plan, "scene"):
+        yield plan.scene
+    for remedy in getattr(plan, "remedies", ()):
+        yield from (sweep.scene for sweep in (remedy.grid, *remedy.cases))
+
+
+def _numbers(part: Any, path: str) -> Iterator[tuple[str, float]]:
+    """Numbers of a part of a scene; measured hands are as they are."""
+    for name, value in zip(part._fields, part, strict=True):
+        if name in ("by_grip", "by_person", "origin", "controller"):
+            continue
+        if hasattr(value, "_fields"):
+            yield from _numbers(value, f"{path}{name}.")
+        elif isinstance(value, float | int) and not isinstance(value, bool):
+            yield f"{path}{name}", float(value)
