@@ -1,0 +1,278 @@
+"""Random scenes: for how many is the list of attractors complete, and do random starts end elsewhere?
+
+    python tests/crosscheck/every_start/random_scenes.py plain --count 300 --seconds 2
+
+FAMILY is `plain` (starts anywhere), `affine` (delay, torque limit, torque step, virtual damping), `friction`, `finger`
+or `lag` (starts in a range). Each scene is searched by the engine, for --seconds of the clock at most. Where the list
+is complete, --starts random starts are simulated by matrix exponentials (`tests/verification/general_starts.py`,
+`friction_starts.py`), which use nothing of the package. What their readings repeat in the end must be on the list.
+Scenes with an offset of the encoder, and those that take more than --samples samples, are searched only. The exit code
+is 1 if an end was not listed.
+"""
+
+import argparse
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+sys.path.insert(0, str(Path(__file__).parents[3]))
+
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.engine.sets.search import Box, Search, SetEngine
+from hknob_cli.scene.general_knob import GeneralKnob, sample_general
+from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.specs.scene import SceneSpec
+from tests.verification.friction_starts import FrictionStarts
+from tests.verification.general_starts import readings, turned
+from tests.verification.scenes import sample
+
+FAMILIES = ("plain", "affine", "friction", "finger", "lag")
+ANGLE, VELOCITY = 0.02, 2.0  # rad, rad/s: the range
+SETTLED = 40.0  # time constants until a start has settled
+
+
+class Cell(NamedTuple):
+    """A scene as a spec writes it, sample rate, counts of a revolution."""
+
+    scene: dict[str, Any]
+    rate: float
+    counts: int
+
+
+class Draw:
+    """Random numbers of one seed."""
+
+    def __init__(self, seed: int) -> None:
+        self.chance = np.random.default_rng(seed)
+
+    def between(self, low: float, high: float) -> float:
+        """Evenly spread logarithm."""
+        return float(np.exp(self.chance.uniform(np.log(low), np.log(high))))
+
+    def plain(self) -> Cell:
+        """Inertias, stiffnesses and damping over decades, any rounding."""
+        inertia, stiffness, ratio = self.between(1e-7, 1e-4), self.between(1e-3, 3.0), self.between(0.01, 10.0)
+        scene = {
+            "knob": {"inertia": inertia / 2, "damping": 0.0},
+            "hand": {
+                "inertia": inertia / 2,
+                "damping": 2.0 * ratio * (stiffness * inertia) ** 0.5,
+                "stiffness": stiffness,
+            },
+            "wall": {"stiffness": self.between(1e-2, 10.0)},
+            "bias": {"half_quantum": True} if self.chance.random() < 0.4 else {"torque": self.between(1e-5, 3e-2)},
+            "encoder": {
+                "rounding": str(self.chance.choice(["floor", "ceil", "truncate", "nearest"])),
+                "offset_counts": 0.0 if self.chance.random() < 0.5 else float(self.chance.uniform(0.0, 0.999)),
+            },
+        }
+        return Cell(scene, self.between(100.0, 20_000.0), round(self.between(32.0, 16_384.0)))
+
+    def hand_on_knob(self) -> Cell:
+        """A knob in a hand, each number within a factor of some three of the dissertation's."""
+        scene = {
+            "knob": {"inertia": self.between(1e-6, 1e-5), "damping": self.between(1e-6, 1e-4)},
+            "hand": {
+                "inertia": self.between(1e-7, 1e-6),
+                "damping": self.between(1e-4, 1e-3),
+                "stiffness": self.between(0.02, 0.2),
+            },
+            "wall": {"stiffness": self.between(0.1, 1.0)},
+            "bias": {"torque": self.between(3e-4, 3e-3)},
+        }
+        return Cell(scene, self.between(100.0, 2500.0), int(2 ** self.chance.integers(7, 11)))
+
+    def affine(self) -> Cell:
+        """One to three of delay, limit, step and virtual damping."""
+        cell = self.hand_on_knob()
+        step = cell.scene["wall"]["stiffness"] * 2.0 * np.pi / cell.counts
+        parts = self.chance.choice(
+            ["delay", "limit", "step", "damping"], size=self.chance.integers(1, 4), replace=False
+        )
+        actuator: dict[str, float] = {}
+        if "delay" in parts:
+            actuator["delay_samples"] = float(np.round(self.chance.uniform(0.1, 3.0), 2))
+        if "limit" in parts:
+            actuator["torque_limit"] = self.between(1.0, 10.0) * step
+        if "step" in parts:
+            actuator["torque_step"] = self.between(0.05, 1.0) * step
+        if "damping" in parts:
+            cell.scene["wall"]["damping"] = self.between(0.01, 0.2) * cell.scene["wall"]["stiffness"] / cell.rate
+        return cell._replace(scene={**cell.scene, **({"actuator": actuator} if actuator else {})})
+
+    def friction(self) -> Cell:
+        """Coulomb friction of 0.01 to 3 times the torque of half a count; two thirds with whole delay, limit or step."""
+        cell = self.hand_on_knob()
+        step = cell.scene["wall"]["stiffness"] * 2.0 * np.pi / cell.counts
+        cell.scene["knob"]["coulomb_torque"] = 0.5 * step * self.between(0.01, 3.0)
+        more: list[dict[str, float]] = [
+            {},
+            {"delay_samples": 1.0},
+            {"torque_limit": 4.0 * step, "torque_step": 0.2 * step},
+        ]
+        actuator = more[int(self.chance.integers(3))]
+        return cell._replace(scene={**cell.scene, **({"actuator": actuator} if actuator else {})})
+
+    def finger(self) -> Cell:
+        """A hand of finger and fingerpad."""
+        cell = self.hand_on_knob()
+        hand = {
+            "finger": {
+                "inertia": self.between(1e-7, 1e-6),
+                "damping": self.between(1e-3, 1e-2),
+                "stiffness": self.between(0.1, 1.0),
+            },
+            "fingerpad": {"damping": self.between(1e-4, 1e-3), "stiffness": self.between(0.02, 0.2)},
+        }
+        return cell._replace(scene={**cell.scene, "hand": hand})
+
+    def lag(self) -> Cell:
+        """A current loop of a hundredth of a sample to half of one."""
+        cell = self.hand_on_knob()
+        return cell._replace(scene={**cell.scene, "actuator": {"time_constant": self.between(0.01, 0.5) / cell.rate}})
+
+
+class Searched(NamedTuple):
+    """What the engine says, the knob in its units, the corners of the starts simulated, and the slowest rate."""
+
+    search: Search | None
+    knob: GeneralKnob | SampledKnob
+    far: tuple[float, float]  # rad, rad/s
+    rate: float
+
+
+def search_cell(family: str, cell: Cell, seconds: float) -> Searched:
+    """Every start, anywhere or in the range."""
+    general = sample_general(
+        SceneSpec.model_validate(cell.scene).plain(), sample_rate_hz=cell.rate, counts_per_rev=cell.counts
+    )
+    if family == "plain":
+        knob = sample(cell.scene, cell.rate, cell.counts)
+        found = SetEngine(compiled("sets")).search_anywhere(knob.loop, max_samples=None, seconds=seconds)
+        ranges = found.region or (0.0, 0.0, 0.0, 0.0)
+        far = 3.0 * max(map(abs, ranges[:2])), 3.0 * max(map(abs, ranges[2:]))  # from outside of the region, too
+        unit = knob.quantum_rad, knob.quantum_rad * cell.rate
+        return Searched(found, knob, (far[0] * unit[0], far[1] * unit[1]), general.rate)
+    x, v = general.position(ANGLE), general.speed(VELOCITY)
+    box = Box(general.position(-ANGLE), x, general.speed(-VELOCITY), v)
+    kind, group = (FrictionSetEngine, "friction sets") if family == "friction" else (GeneralSetEngine, "general sets")
+    engine = kind(compiled(group))
+    given = {"rate": general.rate, "delay_line": general.delay_line, "max_samples": None, "seconds": seconds}
+    found = engine.search_box(general.body, general.wall, box, **given)
+    return Searched(found, general, (ANGLE, VELOCITY), general.rate)
+
+
+def random_ends(cell: Cell, far: tuple[float, float], starts: int, samples: int, kept: int, seed: int) -> NDArray[Any]:
+    """Readings of the last ``kept`` samples of random starts, shape (kept, starts)."""
+    chance = np.random.default_rng(seed)
+    states = np.column_stack([chance.uniform(-far[0], far[0], starts), chance.uniform(-far[1], far[1], starts)])
+    if "coulomb_torque" not in cell.scene["knob"]:
+        return readings(cell.scene, cell.rate, cell.counts, states, samples, kept)
+    trials = FrictionStarts(cell.scene, cell.rate, cell.counts)
+    theta, omega, _ = trials.run(states[:, 0], states[:, 1], samples)
+    rows = []
+    for _ in range(kept):
+        theta, omega, shown = trials.run(theta, omega, 1)
+        rows.append(np.minimum(shown, 0.0))
+    return np.array(rows)
+
+
+def unlisted(cell: Cell, found: Searched, starts: int, most: int, seed: int) -> int | None:
+    """Number of random starts that end off the list; None where the cell is not simulated."""
+    assert found.search is not None
+    orbits = [one for one in found.search.attractors if one.outcome in (Outcome.CYCLE, Outcome.REST)]
+    longest = max(one.period for one in orbits)
+    samples = int(SETTLED / found.rate) + 200
+    offset = cell.scene.get("encoder", {}).get("offset_counts", 0.0)
+    if offset or samples + longest > most:
+        return None
+    names = {levels_of(cell, found.knob, one) for one in orbits}
+    seen = random_ends(cell, found.far, starts, samples, 2 * longest, seed)
+    lost = 0
+    for j in range(starts):
+        last = [int(level) for level in seen[:, j]]
+        lost += not any(turned(last[-len(name) :]) == name for name in names)
+    return lost
+
+
+def levels_of(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> tuple[int, ...]:
+    """Readings of one period, simulated apart from the engine."""
+    if one.outcome is Outcome.REST:
+        return (min(0, int(np.floor(one.x))),) if cell.scene.get("encoder") is None else _resting(cell, knob, one)
+    return turned(_replayed(cell, knob, one))
+
+
+def _resting(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> tuple[int, ...]:
+    return tuple(_replayed(cell, knob, one)[-1:])
+
+
+def _replayed(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> list[int]:
+    """Readings over the second of two periods: the first fills the line of commands under way."""
+    if isinstance(knob, GeneralKnob):
+        from hknob_cli.engine.general.controller import read
+        from hknob_cli.engine.general.interval import advance
+
+        z, ring, before, head, seen = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
+        for _ in range(one.period):
+            seen.append(min(0, int(read(z[0], knob.wall))))
+            before, head = advance(z, before, ring, head, knob.body, knob.wall, [0.0] * (2 * knob.body.order))
+        return seen
+    state = np.array([[knob.angle_rad(one.x), one.v * knob.quantum_rad * cell.rate]])
+    return [int(level) for level in readings(cell.scene, cell.rate, cell.counts, state, 0, one.period)[:, 0]]
+
+
+def cells(family: str, count: int, seed: int) -> Iterator[Cell]:
+    """Random cells of a family, each of its own seed."""
+    for number in range(count):
+        yield getattr(Draw(seed + number), family)()
+
+
+def main() -> int:
+    """Print what was found; 1 if an end was not listed."""
+    about = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    about.add_argument("family", choices=FAMILIES)
+    about.add_argument("--count", type=int, default=100)
+    about.add_argument("--seconds", type=float, default=2.0)
+    about.add_argument("--starts", type=int, default=200)
+    about.add_argument("--samples", type=int, default=20_000)
+    about.add_argument("--seed", type=int, default=1)
+    given = about.parse_args()
+    tally: Counter[str] = Counter()
+    times, left, lost = [], [], []
+    for number, cell in enumerate(cells(given.family, given.count, given.seed)):
+        begun = time.process_time()
+        found = search_cell(given.family, cell, given.seconds)
+        times.append(time.process_time() - begun)
+        search = found.search
+        if search is None:
+            tally["not followed"] += 1
+        elif search.grows is not None or any(one.outcome is Outcome.DIVERGED for one in search.attractors):
+            tally["grows"] += 1
+        elif search.complete:
+            tally["complete"] += 1
+            off = unlisted(cell, found, given.starts, given.samples, given.seed + number)
+            tally["simulated"] += off is not None
+            if off:
+                lost.append((number, off))
+        else:
+            tally[f"open: {search.why.name.lower()}"] += 1
+            left.append((number, round(search.undecided, 4)))
+    print(f"{given.family}: {given.count} scenes, seed {given.seed}, at most {given.seconds:g} s each: {dict(tally)}")
+    print(f"processor time: median {np.median(times):.3f} s, largest {max(times):.2f} s")
+    print(f"open, with the largest share without a proven end: {left}")
+    print(f"{given.starts} random starts each; scenes with ends off the list: {lost or 'none'}")
+    return 1 if lost else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
