@@ -18,7 +18,8 @@ from hknob_cli.controllers.trajectory import follow
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.reference import CONTROLLERS, Rig, law_of
+from tests.controllers.laws import CONTROLLERS
+from tests.controllers.reference import Rig, law_of
 
 SCENE: dict[str, Any] = {
     "knob": {"inertia": 1.9e-6},

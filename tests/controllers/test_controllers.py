@@ -11,7 +11,8 @@ from hknob_cli.controllers.catalogue import make_remedy
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.reference import CONTROLLERS, Rig, law_of, mp
+from tests.controllers.laws import CONTROLLERS
+from tests.controllers.reference import Rig, law_of, mp
 
 BASE: dict[str, Any] = {
     "knob": {"inertia": 1.9e-6},

@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import loaded
-from tests.controllers.reference import CONTROLLERS
+from tests.controllers.laws import CONTROLLERS
 
 SPEC = """\
 kind: sweep

@@ -10,7 +10,8 @@ from hknob_cli.controllers.sets.follow import Ends
 from hknob_cli.controllers.sets.starts import follow_starts
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.specs.plan import Starts
-from tests.controllers.reference import CONTROLLERS, Rig, law_of
+from tests.controllers.laws import CONTROLLERS
+from tests.controllers.reference import Rig, law_of
 from tests.controllers.sets.cells import BOX, COUNTING, PHASES, make_cell
 
 SAME = 1e-6  # counts: of a trial that has settled for so long, and an orbit

@@ -14,7 +14,8 @@ from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import loaded
-from tests.controllers.reference import CONTROLLERS, Rig, law_of
+from tests.controllers.laws import CONTROLLERS
+from tests.controllers.reference import Rig, law_of
 
 GRID = """\
 kind: sweep

@@ -9,7 +9,7 @@ from hknob_cli.controllers.cells import Batch, make_batch
 from hknob_cli.controllers.controller import Remedy
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.reference import CONTROLLERS
+from tests.controllers.laws import CONTROLLERS
 
 SCENE: dict[str, Any] = {
     "knob": {"inertia": 1.9e-6},
