@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, validate
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.source import parse
@@ -41,6 +42,13 @@ starts: {angle: 0.02, phases: 8}
 def loaded(text: str = SPEC) -> SweepPlan:
     """Validated spec from text."""
     return validate(parse(text, "spec.yaml"))
+
+
+def faults_of(text: str) -> str:
+    """What is said of a spec with faults, a line each."""
+    with pytest.raises(SpecError) as caught:
+        loaded(text)
+    return str(caught.value)
 
 
 def swept(path: Path, *overrides: str) -> SweepTables:

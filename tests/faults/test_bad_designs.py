@@ -3,9 +3,8 @@
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.specs.load import load, validate
-from hknob_cli.specs.source import parse
-from tests.conftest import EXPERIMENTS, SPEC, loaded
+from hknob_cli.specs.load import load
+from tests.conftest import EXPERIMENTS, SPEC, faults_of, loaded
 
 GRID = "  sample_rate_hz: [1000]\n  counts_per_rev: [1024]\n"
 DESIGN = SPEC.replace(GRID, "  design: {sobol: 8}\n  sample_rate_hz: {log: [100, 1000]}\n  counts_per_rev: 1024\n")
@@ -43,12 +42,6 @@ BROKEN = {
     ),
     "range of counts": ("counts_per_rev: 1024", "counts_per_rev: {log: [0, 5]}", "counts_per_rev.log[0]: must be"),
 }  # fmt: skip
-
-
-def faults_of(text: str) -> str:
-    with pytest.raises(SpecError) as caught:
-        validate(parse(text, "spec.yaml"))
-    return str(caught.value)
 
 
 @pytest.mark.parametrize("name", BROKEN)

@@ -13,10 +13,9 @@ from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.digest import digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.specs import size_limit
-from hknob_cli.specs.load import validate
 from hknob_cli.specs.quantity import to_si
 from hknob_cli.specs.source import parse, read
-from tests.conftest import SPEC
+from tests.conftest import SPEC, faults_of
 
 
 @pytest.fixture(autouse=True)
@@ -31,12 +30,6 @@ def _no_waiting() -> Iterator[None]:
     yield
     signal.alarm(0)
     signal.signal(signal.SIGALRM, before)
-
-
-def faults_of(text: str) -> str:
-    with pytest.raises(SpecError) as caught:
-        validate(parse(text, "spec.yaml"))
-    return str(caught.value)
 
 
 @pytest.mark.parametrize(

@@ -2,12 +2,11 @@
 
 import pytest
 
-from hknob_cli.errors import SpecError
 from hknob_cli.specs.controller import KEYS
 from hknob_cli.specs.controller_plan import Controller
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from tests.conftest import ROOT, SPEC
+from tests.conftest import ROOT, SPEC, faults_of
 
 TRIAL = """\
 kind: remedies
@@ -27,12 +26,6 @@ remedies:
   lag:
     change: {scene: {controller: {kind: bounded_lag}}}
 """
-
-
-def faults(text: str) -> str:
-    with pytest.raises(SpecError) as error:
-        validate(parse(text, "spec.yaml"))
-    return "\n".join(str(fault) for fault in error.value.faults)
 
 
 # What stands in the scene, and the fault.
@@ -59,7 +52,7 @@ CONTROLLERS = {
 def test_fault_of_a_controller(name: str) -> None:
     controller, message = CONTROLLERS[name]
     text = SPEC.replace("grid:", f"  controller: {controller}\ngrid:")
-    found = faults(text)
+    found = faults_of(text)
     assert message in found
     assert len(found.splitlines()) == 1
 
@@ -80,14 +73,14 @@ def test_fault_of_a_controller(name: str) -> None:
 )
 def test_parts_that_no_controller_has_been_built_for(old: str, new: str, place: str) -> None:
     text = SPEC.replace("grid:", "  controller: {kind: stiffening}\ngrid:", 1).replace(old, new, 1)
-    assert place in faults(text)
+    assert place in faults_of(text)
 
 
 @pytest.mark.parametrize("kind", ["dfa", "predict"])
 def test_analyses_refuse_a_controller(kind: str) -> None:
     text = SPEC.replace("grid:", "  controller: {kind: stiffening}\ngrid:").replace("kind: sweep", f"kind: {kind}")
     text = text[: text.index("starts:")]
-    assert f"scene.controller.kind: must be absent: a controller is not in {kind}" in faults(text)
+    assert f"scene.controller.kind: must be absent: a controller is not in {kind}" in faults_of(text)
 
 
 def test_every_kind_has_its_numbers_in_the_plan() -> None:
@@ -153,7 +146,7 @@ TRIALS = {
 def test_fault_of_a_trial(name: str) -> None:
     old, new, message = TRIALS[name]
     assert old in TRIAL
-    assert message in faults(TRIAL.replace(old, new, 1))
+    assert message in faults_of(TRIAL.replace(old, new, 1))
 
 
 def test_a_trial_as_plain_values() -> None:
