@@ -111,7 +111,7 @@ class Draw:
         return cell._replace(scene={**cell.scene, **({"actuator": actuator} if actuator else {})})
 
     def friction(self) -> Cell:
-        """Coulomb friction of 0.01 to 3 times the torque of half a count; two thirds with a delay, or limit and step."""
+        """Coulomb friction of 0.01 to 3 times the torque of half a count; in two thirds a delay, or limit and step."""
         cell = self.hand_on_knob()
         step = cell.scene["wall"]["stiffness"] * 2.0 * np.pi / cell.counts
         cell.scene["knob"]["coulomb_torque"] = 0.5 * step * self.between(0.01, 3.0)
