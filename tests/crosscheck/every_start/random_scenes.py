@@ -38,7 +38,8 @@ from tests.verification.scenes import sample
 
 FAMILIES = ("plain", "affine", "friction", "finger", "lag")
 ANGLE, VELOCITY = 0.02, 2.0  # rad, rad/s: the range
-SETTLED = 40.0  # time constants until a start has settled
+SETTLED = 40.0  # time constants until most starts have settled
+PATIENCE = 16  # times as many samples where some have not
 
 
 class Cell(NamedTuple):
@@ -197,11 +198,14 @@ def unlisted(cell: Cell, found: Searched, starts: int, most: int, seed: int) -> 
     if offset or samples + longest > most:
         return None
     names = {levels_of(cell, found.knob, one) for one in orbits}
-    seen = random_ends(cell, found.far, starts, samples, 2 * longest, seed)
-    lost = 0
-    for j in range(starts):
-        last = [int(level) for level in seen[:, j]]
-        lost += not any(turned(last[-len(name) :]) == name for name in names)
+    lost = starts
+    while lost and samples + longest <= PATIENCE * most:  # a transient may be long beside the slowest decay
+        seen = random_ends(cell, found.far, starts, samples, 2 * longest, seed)
+        lost = 0
+        for j in range(starts):
+            last = [int(level) for level in seen[:, j]]
+            lost += not any(turned(last[-len(name) :]) == name for name in names)
+        samples *= 4
     return lost
 
 
