@@ -17,6 +17,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/polygon.py": CUTTING,
     "sets/lattice.py": CUTTING,
     "sets/arc.py": (f"{SETS}test_arc.py",),
+    "sets/arc_cut.py": (f"{SETS}test_arc.py",),
     "sets/box.py": (*CAPTURE, *CUTTING),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),

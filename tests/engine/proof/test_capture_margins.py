@@ -104,7 +104,7 @@ def planted(margin: float, bound: float, *points: tuple[int, float, float], rows
     ends = room()
     for row in range(rows):
         ends.table[10 * row + 4], ends.table[10 * row + 7] = margin / (row + 1), bound / (row + 1)
-    for k, point in enumerate(points):
+    for k, point in enumerate(sorted(points, key=lambda point: point[1])):
         ends.points[3 * k : 3 * k + 3] = point
         row = 10 * int(point[0])
         ends.margins[k] = ends.table[row + 4] - ends.table[row + 7]
@@ -177,7 +177,7 @@ def test_the_samples_at_which_the_wall_steps_deeper_are_entered(one: Orbit) -> N
     expected = expected[: known.POINTS_OF_ORBIT]
     assert expected
     assert ends.counts[1] == len(expected)
-    for k, (row, x, v, line) in enumerate(expected):
+    for k, (row, x, v, line) in enumerate(sorted(expected, key=lambda one: one[1])):
         assert ends.points[3 * k : 3 * k + 3] == [row, x, v]
         assert ends.point_lines[k * delay : (k + 1) * delay] == line
 
