@@ -133,7 +133,7 @@ def parts_of(low: float, high: float, base: float, reach: float, motion: tuple[f
 
 
 def test_every_turn_of_an_arc_is_followed() -> None:
-    """A plant that rings nearly four times a sample: each swing over the edge is a part of its own, and no gap between."""
+    """A plant that rings nearly four times a sample: each swing over the edge is a part, and there is no gap."""
     loop = make_loop(0.02, 600.0, 1.0, 0.0, 1.0, 0.0, 0.0)
     found = parts_of(0.0, 1.0, 0.0, 0.0, (-1.0, 0.0), loop)
     assert [level for level, _, _ in found] == [*[-1.0, 0.0] * 4, -1.0]
