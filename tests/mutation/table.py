@@ -7,7 +7,7 @@ ENGINE = ROOT / "hknob_cli" / "engine"
 PROOF, SETS, GENERAL = "tests/engine/proof/", "tests/engine/sets/", "tests/engine/general/"
 CAPTURE = (f"{PROOF}test_capture_margins.py", f"{SETS}test_ball.py")
 CUTTING = (f"{PROOF}test_cutting_margins.py",)
-ARCS = (f"{PROOF}test_arc_margins.py", f"{SETS}test_arc.py")
+ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_arc.py")
 STANDSTILL = (f"{PROOF}test_standstill_margins.py", f"{GENERAL}test_inner_region.py")
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
