@@ -289,3 +289,19 @@ if __name__ == "__main__":
 # 4 Dask workers: 27.2 and 21.6, 27.9 and 21.6, 28.0 and 22.6
 # All nine times of the kernel on both cores have the median 22.2, the sweeps by two processes 25.9: 0.86.
 # A cluster without `SETTINGS`, an earlier version: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
+#
+# Results of --phases --drawn 2000 --repeat 5, 2026-11-22, the same machine, busy with other work (load 10 to 14)
+#
+# 2000 random cells, one process, 5 turns; Hz, us a cell of 64 phases, of every phase, ratio
+#      200     117.6     107.5      1.09
+#      309     212.1     244.6      0.87
+#      477     341.9     246.4      1.39
+#      737     185.2     323.0      0.57
+#     1138     313.4     544.3      0.58
+#     1758     318.5     341.3      0.93
+#     2714     335.1     381.8      0.88
+#     4192     645.9     663.5      0.97
+#     6475    1095.7     679.8      1.61
+#    10000    2216.0    1507.0      1.47
+#      all     597.2     527.0      1.13, from 1.118 to 1.179
+# Of 2000 others: 1.19, from 1.179 to 1.194 in three turns; before edges were solved once, 0.97.
