@@ -2,13 +2,14 @@
 
 import random
 from itertools import pairwise
-from math import sqrt
+from math import cos, sin, sqrt
 
 import mpmath as mp
 import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, make_loop
+from hknob_cli.engine.sets import arc_cut
 from hknob_cli.engine.sets.arc import position_error
 from hknob_cli.engine.sets.arc_cut import BENT, NEXT, arc_speed, cut, free_motion, pass_edge, turn_after
 
@@ -96,6 +97,8 @@ def test_an_edge_is_passed_by_its_reach_and_little_more() -> None:
             a, b = (truly(phase, dx, dv, loop)[0] + base for phase in (low, high))
             part = 1.0 - 10.0 ** chance.uniform(-6.0, 0.0)
             edge = float(a + (b - a) * part)
+            if chance.random() < 0.5:  # at 0, as the wall's own
+                a, b, base, edge = a - edge, b - edge, base - edge, 0.0
             if abs(b - a) < 4.0 * reach:
                 continue
             met += 1
@@ -110,6 +113,33 @@ def test_an_edge_is_passed_by_its_reach_and_little_more() -> None:
                 assert beyond <= reach * 1.004 + rounding + 4.0 * NEXT * abs(v)
                 assert phase in (low, high) or beyond >= reach - rounding
     assert 20 < slow < 2 * met - 20  # both ways to solve for an edge
+
+
+def test_a_step_that_bends_is_long_enough_as_far_as_it_is_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At 60 digits, up to the root of 2, less 1, of the speed: the arc slows as much as its bound says."""
+    monkeypatch.setattr(arc_cut, "BENT", 0.41)
+    chance = random.Random(4)
+    with mp.workdps(DIGITS):
+        for _ in range(300):
+            beta = 10.0 ** chance.uniform(-2.0, 3.0)
+            loop = make_loop(1e-6 * sqrt(beta), beta, 1.0, 0.0, 1.0, 0.0, 0.0)
+            side, w = chance.choice([-1.0, 1.0]), sqrt(beta)
+            early, late = chance.uniform(0.1, 0.7), 1.5
+            motion = side * cos(early), -side * w * sin(early)  # a cosine, from near its top
+            reach, low, high = 10.0 ** chance.uniform(-4.0, -1.0), 0.0, (late - early) / w
+            edge = side * chance.uniform(cos(late), cos(early))
+            comes, leaves = passed(edge, reach, low, high, 0.0, motion, loop)
+            for phase, far in ((comes, side), (leaves, -side)):
+                beyond = far * (truly(phase, *motion, loop)[0] - edge)
+                assert phase in (low, high) or beyond >= reach * (1.0 - 1e-9)
+
+
+def test_phases_are_rounded_apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Both by as much as phases next to each other are."""
+    loop = make_loop(1e-9, 1e-12, 1.0, 0.0, 1.0, 0.0, 0.0)
+    monkeypatch.setattr(arc_cut, "NEXT", 0.0625)
+    for motion in (RISING, FALLING):
+        assert passed(0.0, 0.5, 0.0, 1.0, 0.0, motion, loop) == pytest.approx((0.1875, 0.8125), abs=1e-6)
 
 
 def test_an_edge_beyond_the_ends_is_within_reach_of_them() -> None:
