@@ -43,7 +43,7 @@ GENERAL = (
 )
 SETS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("known", "ball", "arc", "polygon", "region", "lattice", "box")),
+    *(f"sets.{name}" for name in ("known", "ball", "arc_cut", "arc", "polygon", "region", "lattice", "box")),
     *ORBIT,
     "budget",
     "cells",
@@ -52,7 +52,7 @@ SETS = (
 # As in "cells", but every clock phase instead of sampled ones.
 ARC_CELLS = (
     *MOTION,
-    *(f"sets.{name}" for name in ("known", "ball", "arc")),
+    *(f"sets.{name}" for name in ("known", "ball", "arc_cut", "arc")),
     "budget",
     *ORBIT,
     "cells",

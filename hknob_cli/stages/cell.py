@@ -18,7 +18,7 @@ from hknob_cli.stages.every_start import StartsFinder, why_open
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
-BOXED = 1e6  # samples of a cell whose starts fill a box, at least, roughly
+BOXED = 8e6  # samples of the plain loop that take as long as a cell whose starts fill a box, at least, roughly
 MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
 MAX_EVENTS_INTERPRETED = 20_000
 

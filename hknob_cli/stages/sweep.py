@@ -28,7 +28,7 @@ HEAVIER = {
     "plain": 1.0,
     "bounces": 1.0,
     "general": 10.0,
-    "sets": 8.0,
+    "sets": 1.0,
     "general sets": 20.0,
     "friction sets": 50.0,
     "unsampled": 1.0,

@@ -11,8 +11,11 @@ compared byte by byte.
 
     python tests/benchmarks/spread.py [--points 10] [--jobs 2] [--workers 4] [--repeat 3]
     python tests/benchmarks/spread.py --phases [--points 10] [--jobs 2] [--repeat 3]
+    python tests/benchmarks/spread.py --phases --drawn 2000 [--repeat 3]
 
 With ``--phases`` instead: every clock phase beside 64 sampled ones, in turns, and the ratio of the rates of each turn.
+With ``--drawn``: so many random cells of the grid, from axis values to tables in this process, by processor time, which
+a busy machine disturbs less; by sample rate, too.
 
 It ends with the results of the day it was last run.
 """
@@ -33,8 +36,11 @@ from typing import Any
 import numpy as np
 from cells import PHASES, kernel, prepared
 
+from hknob_cli.engine.jit import compiled
+from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.spread.cores import usable_cores
+from hknob_cli.stages.plain_chunk import chunk_group, plain_chunk
 
 ROOT = Path(__file__).parents[2]
 HKNOB = Path(sys.executable).with_name("hknob")
@@ -161,7 +167,11 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=4)
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--phases", action="store_true", help="every clock phase beside 64 of them")
+    parser.add_argument("--drawn", type=int, help="random cells, in this process, with --phases")
     given = parser.parse_args()
+    if given.phases and given.drawn:
+        compare_drawn(given.drawn, given.repeat)
+        return
     if given.phases:
         compare_phases(given.points, given.jobs, given.repeat)
         return
@@ -212,6 +222,34 @@ def compare_phases(points: int, jobs: int, repeat: int) -> None:
     print(f"{np.median(rates[:, 0]):8.0f}  {np.median(rates[:, 1]):8.0f}  {np.median(rates[:, 1] / rates[:, 0]):8.2f}")
 
 
+def compare_drawn(count: int, repeat: int) -> None:
+    """Processor time of random cells with every clock phase, and with 64 of them."""
+    plans = [load(ROOT / "experiments" / "million.yaml", [f"starts.phases={phases}"]) for phases in ("64", "null")]
+    functions = [compiled(chunk_group(plan)) for plan in plans]
+    cells = cells_of(plans[0])
+    drawn = [
+        cells.columns(int(k), int(k) + 1) for k in np.sort(np.random.default_rng(0).integers(0, len(cells), count))
+    ]
+    columns = {name: np.concatenate([one[name] for one in drawn]) for name in drawn[0]}
+    rates, at, sizes = np.unique(columns[AXES[0]], return_inverse=True, return_counts=True)
+    groups = [{name: values[at == k] for name, values in columns.items()} for k in range(len(rates))]
+    timed = np.zeros((repeat + 1, 2, len(rates)))  # the first turn loads what is compiled, and is left out
+    for turn_number in range(repeat + 1):
+        for k, group in enumerate(groups):
+            for way in range(2):
+                begin = time.process_time()
+                plain_chunk(plans[way], group, functions[way])
+                timed[turn_number, way, k] = time.process_time() - begin
+    microseconds = np.median(timed[1:], axis=0) / sizes * 1e6
+    print(f"{count} random cells, one process, {repeat} turns; Hz, us a cell of 64 phases, of every phase, ratio")
+    for rate, (sampled, every) in zip(rates, microseconds.T, strict=True):
+        print(f"{rate:8.0f}  {sampled:8.1f}  {every:8.1f}  {sampled / every:8.2f}")
+    whole = timed[1:].sum(axis=2)
+    (sampled, every), ratios = np.median(whole, axis=0) / count * 1e6, whole[:, 0] / whole[:, 1]
+    least, middle, most = ratios.min(), np.median(ratios), ratios.max()
+    print(f"{'all':>8}  {sampled:8.1f}  {every:8.1f}  {middle:8.2f}, from {least:.3f} to {most:.3f}")
+
+
 def folder_of(way: str) -> str:
     """Where the results of a way are."""
     return way.replace(" ", "-")
@@ -251,3 +289,19 @@ if __name__ == "__main__":
 # 4 Dask workers: 27.2 and 21.6, 27.9 and 21.6, 28.0 and 22.6
 # All nine times of the kernel on both cores have the median 22.2, the sweeps by two processes 25.9: 0.86.
 # A cluster without `SETTINGS`, an earlier version: 34.0, 34.6 s; --jobs 4 next to it 28.9, 29.0.
+#
+# Results of --phases --drawn 2000 --repeat 5, 2026-11-22, the same machine, busy with other work (load 10 to 14)
+#
+# 2000 random cells, one process, 5 turns; Hz, us a cell of 64 phases, of every phase, ratio
+#      200     117.6     107.5      1.09
+#      309     212.1     244.6      0.87
+#      477     341.9     246.4      1.39
+#      737     185.2     323.0      0.57
+#     1138     313.4     544.3      0.58
+#     1758     318.5     341.3      0.93
+#     2714     335.1     381.8      0.88
+#     4192     645.9     663.5      0.97
+#     6475    1095.7     679.8      1.61
+#    10000    2216.0    1507.0      1.47
+#      all     597.2     527.0      1.13, from 1.118 to 1.179
+# Of 2000 others: 1.19, from 1.179 to 1.194 in three turns; before edges were solved once, 0.97.

@@ -7,6 +7,7 @@ ENGINE = ROOT / "hknob_cli" / "engine"
 PROOF, SETS, GENERAL = "tests/engine/proof/", "tests/engine/sets/", "tests/engine/general/"
 CAPTURE = (f"{PROOF}test_capture_margins.py", f"{SETS}test_ball.py")
 CUTTING = (f"{PROOF}test_cutting_margins.py",)
+ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_arc.py")
 STANDSTILL = (f"{PROOF}test_standstill_margins.py", f"{GENERAL}test_inner_region.py")
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -16,7 +17,8 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/known.py": CAPTURE,
     "sets/polygon.py": CUTTING,
     "sets/lattice.py": CUTTING,
-    "sets/arc.py": (f"{SETS}test_arc.py",),
+    "sets/arc.py": ARCS,
+    "sets/arc_cut.py": ARCS,
     "sets/box.py": (*CAPTURE, *CUTTING),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),

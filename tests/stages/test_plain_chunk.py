@@ -338,6 +338,7 @@ def test_many_cells_are_found_in_runs(
     functions: Functions, arc_functions: Functions, jobs: int, phases: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    monkeypatch.setattr("hknob_cli.stages.sweep.COMPILE_ABOVE", 100_000)
     plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": phases})
     told: list[tuple[int, int]] = []
     monkeypatch.setattr(SweepStage, "run_cell", None)

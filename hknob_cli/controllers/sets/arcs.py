@@ -10,7 +10,7 @@ import numpy as np
 
 from hknob_cli.controllers.plant_batch import Array
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.sets.arc import extent, free_motion, part_within, turn_after
+from hknob_cli.engine.sets.arc_cut import extent, free_motion, part_within, turn_after
 from hknob_cli.engine.turning import zero_spacing
 
 

@@ -10,8 +10,8 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_PROVEN, follow
-from hknob_cli.engine.loop import drive_of, level_of, lower_edge, upper_edge
-from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.loop import drive_of, level_of
+from hknob_cli.engine.sets.arc_cut import arc_speed, cut, free_motion
 from hknob_cli.engine.sets.ball import (
     CAPTURED,
     FIRST_REST_TEST,
@@ -22,7 +22,6 @@ from hknob_cli.engine.sets.ball import (
     step_through,
 )
 from hknob_cli.engine.sets.known import add_end
-from hknob_cli.engine.turning import first_zero, zero_spacing
 
 # Numbers of an arc that waits: low and high phase, sample, x, v, error, level, run, next test, radius, samples in no
 # known attractor, and those after which one is looked for (0: as many as for all).
@@ -34,128 +33,7 @@ PROGRESS = 9
 WAITING, TAKEN, DONE, UNDECIDED, SPENT, SHORTEST, COVERED, WHOLE, PATIENCE = range(PROGRESS)
 MOST_ARCS = 65_536  # of a cell; one with more is sampled
 MOST_COVERED = 2.0  # arcs that overlap by more are all within rounding of an edge, and double for ever
-BISECTIONS, ENOUGH = 60, 12  # evaluations of a cut, and those after which rounding may hide the rest
-NEXT = EPSILON  # apart are phases next to each other
 OPEN, ENDED, UNPROVEN, PARTED, INTERRUPTED = range(5)  # what becomes of an arc
-
-
-def free_motion(t, dx, dv, loop):
-    """Free motion about the rest point, ``t`` after ``(dx, dv)``."""
-    s, g, f = hold_coefficients(loop.alpha, loop.beta, t)
-    return dx + (s * dv - loop.beta * g * dx), f * dv - loop.beta * s * dx
-
-
-def arc_radius(low, high, dx, dv, loop):
-    """Bound on the distance of an arc's states from its middle; ``(dx, dv)``: the free motion at the sample, phase 0.
-
-    Half its length times the largest speed along it, which never grows, either.
-    """
-    x, v = free_motion(low, dx, dv, loop)
-    rate = -loop.beta * x - loop.alpha * v
-    return 0.5 * (high - low) * sqrt(v * v + rate * rate / loop.beta) * (1.0 + 64.0 * EPSILON)
-
-
-def solve_phase(target, low, high, base, dx, dv, loop):
-    """Two phases between ``low`` and ``high``, next to each other, between which a monotone arc passes ``target``.
-
-    Newton's method, each step a little too long, and longer until it has passed: so it closes in from both sides. It
-    halves where a step leaves them, and ends where rounding hides what is between them.
-    """
-    phase, rising, before, ahead = low, True, True, NEXT
-    left, right = float("inf"), float("inf")  # distances from the target at either side
-    hidden = EPSILON * (abs(target) + abs(base))
-    for i in range(BISECTIONS):
-        x, v = free_motion(phase, dx, dv, loop)
-        below, away = x + base < target, abs(x + base - target)
-        if i == 0:
-            pull = v if v != 0.0 else -loop.beta * x
-            rising = below or (away == 0.0 and pull > 0.0)
-        ahead = 8.0 * ahead if below == before else NEXT
-        before = below
-        step = away / abs(v) + ahead if v != 0.0 else 1.0
-        if below == rising:
-            low, left, phase = phase, away, phase + step
-        else:
-            high, right, phase = phase, away, phase - step
-        if high - low <= 4.0 * NEXT or (i >= ENOUGH and left + right <= hidden):
-            break
-        if not low < phase < high:
-            phase = 0.5 * (low + high)
-    return low, high
-
-
-def part_within(low_edge, high_edge, low, high, base, dx, dv, loop):
-    """Phases of a monotone part of an arc whose positions lie between two edges: ``(low, high)``, low > high if none.
-
-    Taken a little too large, never too small.
-    """
-    a, _ = free_motion(low, dx, dv, loop)
-    b, _ = free_motion(high, dx, dv, loop)
-    a, b = a + base, b + base
-    if max(a, b) < low_edge or min(a, b) > high_edge:
-        return 1.0, 0.0
-    first, last = low, high
-    if a < low_edge:
-        first, _ = solve_phase(low_edge, low, high, base, dx, dv, loop)
-    elif a > high_edge:
-        first, _ = solve_phase(high_edge, low, high, base, dx, dv, loop)
-    if b < low_edge:
-        _, last = solve_phase(low_edge, low, high, base, dx, dv, loop)
-    elif b > high_edge:
-        _, last = solve_phase(high_edge, low, high, base, dx, dv, loop)
-    return first, last
-
-
-def turn_after(phase, dx, dv, loop):
-    """The first phase after ``phase`` at which the arc turns; infinite if none."""
-    x, v = free_motion(phase, dx, dv, loop)
-    return phase + first_zero(v, -loop.beta * x, loop.alpha, loop.beta)
-
-
-def extent(low, high, dx, dv, loop):
-    """Least and largest position of the free motion over an arc."""
-    a, _ = free_motion(low, dx, dv, loop)
-    b, _ = free_motion(high, dx, dv, loop)
-    least, most = min(a, b), max(a, b)
-    turn, spacing = turn_after(low, dx, dv, loop), zero_spacing(loop.alpha, loop.beta)
-    while turn < high:
-        at, _ = free_motion(turn, dx, dv, loop)
-        least, most = min(least, at), max(most, at)
-        turn += spacing
-    return least, most
-
-
-def cut(low, high, base, reach, dx, dv, cuts, loop):
-    """Cut an arc at the edges that change the torque; the number of its parts, or -1 where there is no room for them.
-
-    ``base``: position less that of the free motion. Parts are written to ``cuts``: level, low and high phase. Each
-    takes in what lies within ``reach`` of its edges. So whatever a state's true level is, a part with it holds it.
-    """
-    least, most = extent(low, high, dx, dv, loop)
-    q, top = level_of(least + base - reach, loop.sense), level_of(most + base + reach, loop.sense)
-    spacing = zero_spacing(loop.alpha, loop.beta)
-    first_turn = turn_after(low, dx, dv, loop)
-    count = 0
-    while q <= top:
-        own = count
-        begin, turn, more = low, first_turn, True
-        while more:
-            end = min(turn, high)
-            first, last = part_within(
-                lower_edge(q, loop.sense) - reach, upper_edge(q, loop.sense) + reach, begin, end, base, dx, dv, loop
-            )
-            if first <= last:
-                if count > own and first <= cuts[3 * count - 1]:
-                    cuts[3 * count - 1] = last
-                elif 3 * count + 3 > len(cuts):
-                    return -1
-                else:
-                    cuts[3 * count], cuts[3 * count + 1], cuts[3 * count + 2] = q, first, last
-                    count += 1
-            more = end < high
-            begin, turn = end, turn + spacing
-        q += 1.0
-    return count
 
 
 def position_error(angle, velocity, loop):
@@ -175,7 +53,7 @@ def begin_arcs(angle, velocity, delay, patience, room, loop):
     x, v = free_motion(0.5, angle - rest, velocity, loop)
     stack[0], stack[1], stack[2], stack[3], stack[4] = 0.0, 1.0, 0.0, x + rest, v
     stack[5], stack[6], stack[7], stack[8] = slack, 0.0, 0.0, FIRST_REST_TEST
-    stack[9], stack[10], stack[11] = arc_radius(0.0, 1.0, angle - rest, velocity, loop), 0.0, 0.0
+    stack[9], stack[10], stack[11] = 0.5 * arc_speed(angle - rest, velocity, loop), 0.0, 0.0
     for k in range(delay):
         room.rings[k] = 0.0
     for k in range(PROGRESS):
@@ -246,7 +124,9 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
                 fate = INTERRUPTED
                 continue
             dx, dv = free_motion(float(n), dx0, dv0, loop)
-            radius = arc_radius(low, high, dx, dv, loop)
+            low_x, low_v = free_motion(low, dx, dv, loop)
+            speed = arc_speed(low_x, low_v, loop)  # which never grows, either
+            radius = 0.5 * (high - low) * speed
             if event != MEETS_EDGE:
                 # Long in no known attractor: its middle's own is found, and entered.
                 since, wait = 0, 2 * wait
@@ -271,7 +151,7 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
             # The ball meets an edge: the arc itself is looked at.
             middle = 0.5 * (low + high)
             mid_x, mid_v = free_motion(middle, dx, dv, loop)
-            parts = cut(low, high, x - mid_x, error + slack, dx, dv, cuts, loop)
+            parts = cut(low, high, low_x, low_v, speed, x - mid_x, error + slack, dx, dv, cuts, loop)
             if parts < 0 or waiting + parts > most_waiting:
                 fate, waiting, progress[WHOLE] = PARTED, 0, 0.0
             elif parts == 1:
@@ -294,7 +174,7 @@ def follow_arcs(angle, velocity, delay, budget, limit, most, final, room, known,
                     stack[at], stack[at + 1], stack[at + 2], stack[at + 3] = first, last, float(n + 1), cx
                     stack[at + 4], stack[at + 5], stack[at + 6] = cv, grown, q
                     stack[at + 7], stack[at + 8] = 0.0, FIRST_REST_TEST
-                    stack[at + 9], stack[at + 10], stack[at + 11] = arc_radius(first, last, dx, dv, loop), 0.0, 0.0
+                    stack[at + 9], stack[at + 10], stack[at + 11] = 0.5 * (last - first) * speed, 0.0, 0.0
                     for k in range(delay):
                         rings[waiting * delay + k] = spare[(to + k) % delay]
                     waiting += 1

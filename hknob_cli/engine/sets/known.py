@@ -23,6 +23,18 @@ def same_ring(ring, head, lines, base):
     return True
 
 
+def count_below(x, known):
+    """How many samples of known orbits lie below ``x``; they are in order."""
+    low, high = 0, int(known.counts[1])
+    while low < high:
+        middle = (low + high) // 2
+        if known.points[3 * middle + 1] < x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
 def captor(x, v, reach, ring, head, known, loop):
     """Row of the proven orbit that captures every state within ``reach`` of ``(x, v)``; -1 if none is known to.
 
@@ -32,8 +44,11 @@ def captor(x, v, reach, ring, head, known, loop):
     points, margins = known.points, known.margins
     if not reach < known.counts[2]:
         return -1
-    for j in range(int(known.counts[1])):
+    far = known.counts[2] - reach
+    for j in range(count_below(x - far, known), int(known.counts[1])):
         base = 3 * j
+        if points[base + 1] > x + far:
+            return -1
         if not abs(x - points[base + 1]) + reach < margins[j]:
             continue
         near = distance(x - points[base + 1], v - points[base + 2], loop) + reach < margins[j]
@@ -42,29 +57,40 @@ def captor(x, v, reach, ring, head, known, loop):
     return -1
 
 
+def add_point(row, x, v, line, at, known):
+    """Enter a sample of an orbit, in the order of positions."""
+    delay, points, lines = len(line), known.points, known.point_lines
+    place = count_below(x, known)
+    for j in range(int(known.counts[1]), place, -1):
+        for k in range(3):
+            points[3 * j + k] = points[3 * j + k - 3]
+        for k in range(delay):
+            lines[j * delay + k] = lines[(j - 1) * delay + k]
+        known.margins[j] = known.margins[j - 1]
+    points[3 * place], points[3 * place + 1], points[3 * place + 2] = row, x, v
+    known.margins[place] = known.table[10 * row + 4] - known.table[10 * row + 7]
+    known.counts[2] = max(known.counts[2], known.margins[place])
+    for k in range(delay):
+        lines[place * delay + k] = line[(at + k) % delay]
+    known.counts[1] += 1.0
+
+
 def add_points(row, x, v, ring, head, n, known, loop):
     """Enter the samples of an orbit at which the wall steps deeper, as far as there is room."""
     delay = len(ring)
     line = copy_line(ring)
-    at, count = head, int(known.counts[1])
-    before = 1.0
-    entered = 0
+    at, before, entered = head, 1.0, 0
     for i in range(2 * n):
         level = level_of(x, loop.sense)
-        if i >= n and level < before and entered < POINTS_OF_ORBIT and 3 * count + 3 <= len(known.points):
-            known.points[3 * count], known.points[3 * count + 1], known.points[3 * count + 2] = row, x, v
-            known.margins[count] = known.table[10 * row + 4] - known.table[10 * row + 7]
-            known.counts[2] = max(known.counts[2], known.margins[count])
-            for k in range(delay):
-                known.point_lines[count * delay + k] = line[(at + k) % delay]
-            count += 1
+        room = 3 * int(known.counts[1]) + 3 <= len(known.points)
+        if i >= n and level < before and entered < POINTS_OF_ORBIT and room:
+            add_point(row, x, v, line, at, known)
             entered += 1
         before = level
         older, newer = push(level, line, at, loop)
         x, v = interval(x, v, older, newer, loop)
         if delay > 0:
             at = (at + 1) % delay
-    known.counts[1] = count
 
 
 def add_end(fate, n, x, v, ring, head, known, loop):

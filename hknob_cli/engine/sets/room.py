@@ -23,8 +23,8 @@ class Known(NamedTuple):
 
     ``table``: as `engine.ensemble` has it, ten numbers a row, of which the number of trials is the measure of the
     starts that reach it; ``lines``: their delay lines. ``points``: row, x and v of samples of proven orbits where
-    the wall
-    steps deeper; ``point_lines`` their delay lines; ``margins``: of their orbits, less the bound on rounding.
+    the wall steps deeper, in the order of x; ``point_lines`` their delay lines; ``margins``: of their orbits, less the
+    bound on rounding.
     ``counts``: of rows and of points, and the largest of the margins.
     """
 

@@ -104,7 +104,7 @@ def planted(margin: float, bound: float, *points: tuple[int, float, float], rows
     ends = room()
     for row in range(rows):
         ends.table[10 * row + 4], ends.table[10 * row + 7] = margin / (row + 1), bound / (row + 1)
-    for k, point in enumerate(points):
+    for k, point in enumerate(sorted(points, key=lambda point: point[1])):
         ends.points[3 * k : 3 * k + 3] = point
         row = 10 * int(point[0])
         ends.margins[k] = ends.table[row + 4] - ends.table[row + 7]
@@ -122,6 +122,8 @@ def test_a_ball_is_captured_below_the_margin_less_its_error() -> None:
     apart = 0.25 * (1.0 + 2.0 * EPSILON)  # as `distance` rounds it
     assert known.captor(-0.25, 1.0, 0.375 - apart, [], 0, ends, one) == -1
     assert known.captor(-0.25, 1.0, 0.375 - apart - EPSILON, [], 0, ends, one) == 0
+    far = planted(0.5, 0.125, (0, -4.25, 0.5))  # where the room that is left is below the last digit
+    assert known.captor(-4.25, 0.5, nextafter(0.375, 0.0), [], 0, far, one) == 0
     for side in (-1.0, 1.0):
         assert known.captor(-0.25 + side * 0.25, 0.5, 0.124, [], 0, ends, one) == 0
         assert known.captor(-0.25 + side * 0.25, 0.5, 0.126, [], 0, ends, one) == -1
@@ -177,7 +179,7 @@ def test_the_samples_at_which_the_wall_steps_deeper_are_entered(one: Orbit) -> N
     expected = expected[: known.POINTS_OF_ORBIT]
     assert expected
     assert ends.counts[1] == len(expected)
-    for k, (row, x, v, line) in enumerate(expected):
+    for k, (row, x, v, line) in enumerate(sorted(expected, key=lambda one: one[1])):
         assert ends.points[3 * k : 3 * k + 3] == [row, x, v]
         assert ends.point_lines[k * delay : (k + 1) * delay] == line
 
@@ -216,6 +218,8 @@ def test_a_proven_end_is_entered_as_it_is_proven(one: Orbit) -> None:
     assert ends.lines[: len(ring)] == [ring[(head + k) % len(ring)] for k in range(len(ring))]
     assert ends.counts[0] == 1.0
     assert ends.counts[1] > 0.0
+    left, points = ends.table[4] - ends.table[7], int(ends.counts[1])
+    assert (ends.margins[:points], ends.counts[2]) == ([left] * points, left)
     assert enter(one, ends) == 0  # known already
     entered = ends.counts[1]
     for row, fate in enumerate((CYCLE_ON_EDGE, CYCLE_CONTINUUM), 1):
