@@ -161,9 +161,9 @@ def test_a_box_begins_with_what_telling_it_from_its_middle_rounds_away() -> None
         found = waiting(room, 0)
         assert [found[k] for k in (LEVEL, SAMPLE, WEIGHT, COUNT)] == [0.0, 0.0, 1.0, 4.0]
         size = abs(low_x) + abs(high_x) + 2.0 * (abs(low_v) + abs(high_v))
-        assert found[ERROR] == pytest.approx(4.0 * unit * size, rel=1e-14)
-        exact = [(low_x, low_v), (high_x, low_v), (high_x, high_v), (low_x, high_v)]
-        for k, (x, v) in enumerate(exact):
+        assert found[ERROR] == pytest.approx(4.0 * unit * size, rel=1e-14, abs=0.0)
+        assert (found[X], found[V]) == (0.5 * (low_x + high_x), 0.5 * (low_v + high_v))
+        for k, (x, v) in enumerate([(low_x, low_v), (high_x, low_v), (high_x, high_v), (low_x, high_v)]):
             off_x = Fraction(found[X]) + Fraction(found[7 + 2 * k]) - Fraction(x)
             off_v = Fraction(found[V]) + Fraction(found[8 + 2 * k]) - Fraction(v)
             assert off_x**2 + 4 * off_v**2 <= Fraction(found[ERROR]) ** 2
@@ -183,7 +183,7 @@ def test_a_polygon_begins_with_what_telling_it_from_its_middle_rounds_away() -> 
         found = waiting(room, 0)
         assert [found[k] for k in (LEVEL, SAMPLE, WEIGHT, COUNT)] == [0.0, 0.0, 1.0, count]
         size = max(map(abs, corners[::2])) + 2.0 * max(map(abs, corners[1::2]))
-        assert found[ERROR] == pytest.approx(8.0 * unit * size, rel=1e-14)
+        assert found[ERROR] == pytest.approx(8.0 * unit * size, rel=1e-14, abs=0.0)
         for k in range(count):
             off_x = Fraction(found[X]) + Fraction(found[7 + 2 * k]) - Fraction(corners[2 * k])
             off_v = Fraction(found[V]) + Fraction(found[8 + 2 * k]) - Fraction(corners[2 * k + 1])
