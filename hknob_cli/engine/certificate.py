@@ -33,19 +33,24 @@ def distance(dx, dv, loop):
 def forced_response(x, v, ring, head, n, loop):
     """Response from zero to the ``n`` levels that a motion from ``(x, v)`` visits: ``(zx, zv, repeats)``.
 
-    ``repeats`` is False when the delay line does not return to its own content.
+    ``repeats`` is False when the delay line does not return to its own content, or all levels are the same: what
+    repeats then is a rest point, which `rest.settles` is to prove.
     """
     line = copy_line(ring)
     delay = len(ring)
     zx, zv = 0.0, 0.0
     at = head
+    first = level_of(x, loop.sense)
+    repeats = False
     for _ in range(n):
-        older, newer = push(level_of(x, loop.sense), line, at, loop)
+        level = level_of(x, loop.sense)
+        if level != first:
+            repeats = True
+        older, newer = push(level, line, at, loop)
         x, v = interval(x, v, older, newer, loop)
         zx, zv = interval(zx, zv, older, newer, loop)
         if delay > 0:
             at = (at + 1) % delay
-    repeats = True
     for j in range(delay):
         if line[(at + j) % delay] != ring[(head + j) % delay]:
             repeats = False

@@ -398,3 +398,12 @@ def test_a_motion_that_creeps_from_period_to_period_is_no_orbit(part: float) -> 
         loop = one.loop._replace(gamma=one.loop.gamma * (1.0 + part))
         assert certify(one.x, one.v, one.ring, one.head, one.n, loop)[0] == DIFFERENT
         assert drive(-1.0, loop) != -drive(0.0, loop)
+
+
+@pytest.mark.parametrize("line", [[], [-1.0, -1.0]])
+def test_a_rest_point_is_no_cycle(line: list[float]) -> None:
+    """However many samples: what never changes its level is a rest, and `settles` is to prove it."""
+    rests = make_loop(1.0, 1.0, 1.0, 1.5, 1.0, 0.0, 0.0)
+    for n in (1, 2, 7):
+        assert not forced_response(-0.4, 0.0, line, 0, n, rests)[2]
+        assert certify(-0.4, 0.0, line, 0, n, rests)[0] == DIFFERENT

@@ -11,7 +11,6 @@ from hknob_cli.engine.loop import Loop, make_loop
 from hknob_cli.engine.sets.ball import step_through
 from hknob_cli.engine.sets.lattice import CELL, MEMBERS, keep, release, slot
 from hknob_cli.engine.sets.polygon import (
-    CORNERS,
     COUNT,
     ERROR,
     LEVEL,
@@ -31,35 +30,10 @@ from hknob_cli.engine.sets.polygon import (
 from hknob_cli.engine.sets.room import PolygonRoom
 
 from .orbits import DIGITS, plant
+from .rooms import small_room, waiting, zeros
 
 LOOP = make_loop(0.3, 0.25, 0.5, 0.3, 1.0, 0.0, 0.0)
 SQUARE = [-1.0, -0.5, 1.0, -0.5, 1.0, 0.5, -1.0, 0.5]
-
-
-def zeros(count: int) -> list[float]:
-    return [0.0] * count
-
-
-def small_room(polygons: int = 32, slots: int = 16) -> PolygonRoom:
-    return PolygonRoom(
-        stack=zeros(POLYGON * polygons),
-        own=zeros(POLYGON),
-        corners=zeros(2 * CORNERS),
-        parts=zeros(8 * CORNERS),
-        halves=zeros(4 * CORNERS),
-        moved=zeros(4 * CORNERS),
-        ring=[],
-        used=zeros(slots),
-        keys=zeros(2 * slots),
-        cells=zeros(CELL * slots),
-        singles=zeros(POLYGON * slots),
-        taken=zeros(slots),
-        counts=zeros(1),
-    )
-
-
-def waiting(room: PolygonRoom, at: int) -> list[float]:
-    return room.stack[POLYGON * at : POLYGON * (at + 1)]
 
 
 # Moving.
