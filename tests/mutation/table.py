@@ -20,7 +20,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/box.py": (*CAPTURE, *CUTTING),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
-    "general/powers.py": (f"{GENERAL}test_powers.py",),
+    "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
     "general/follow.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
 }

@@ -197,7 +197,7 @@ def certify(z, before, ring, head, period, body, wall, space):
             return AT_EVENT, margin, edge, closure, bound
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
-    if not dissipates(space.cols, width, space.power, space.spare, m, scale):
+    if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
         # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
         return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
     for i in range(n):
@@ -226,7 +226,17 @@ def certify(z, before, ring, head, period, body, wall, space):
                 total += space.total[i * m + j] * space.residual[j]
             space.away[i] = total
     elif not ellipse_bound(
-        space.cols, width, space.power, space.spare, space.total, space.matrix, space.residual, space.away, m, scale
+        space.cols,
+        width,
+        space.power,
+        space.spare,
+        space.total,
+        space.matrix,
+        space.residual,
+        space.away,
+        m,
+        scale,
+        period,
     ):
         return EXPANDS, margin, edge, closure, bound
     near, bound = within(start, ring, head, period, body, wall, space, m)
