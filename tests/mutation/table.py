@@ -21,7 +21,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
-    "general/period_map.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
+    "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/follow.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
 }
 # Of these files, what would take longer than all others together.

@@ -138,7 +138,7 @@ def certify(z, before, ring, head, period, body, wall, space):
         space.orbit_line[j] = ring[j]
     margin, edge, reach, pace, closure, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     solved, best = True, float("inf")
-    for _ in range(NEWTON_STEPS):
+    for step in range(NEWTON_STEPS):
         margin, edge, reach, pace, last, at = turn(start, ring, head, period, body, wall, space, m)
         for i in range(n):
             space.residual[i] = space.state[i] - space.orbit[i]
@@ -157,7 +157,8 @@ def certify(z, before, ring, head, period, body, wall, space):
         closure = closure**0.5
         size = 4.0 * EPSILON * (reach + pace)
         solved = invert(space.matrix, space.cols, m, width)
-        if not solved or closure <= size or closure >= 0.5 * best:
+        # The orbit that the last step leaves is the one whose residual is known.
+        if not solved or closure <= size or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
         best = min(best, closure)
         for i in range(m):
