@@ -178,15 +178,13 @@ def certify(z, before, ring, head, period, body, wall, space):
         return NEUTRAL, margin, edge, closure, 0.0
     # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
     rounding = 8.0 * EPSILON * period
-    bound = 0.0
     for i in range(m):
         total = 0.0
         for j in range(m):
             part = abs(space.residual[j]) + rounding * ((reach + pace) if j % 2 == 0 else 2.0 * pace)
             total += abs(space.matrix[i * 2 * m + m + j]) * part
         space.away[i] = total
-        if i == 0:
-            bound = total
+    bound = space.away[0]
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
     if wall.analog == 0.0 and body.reach < float("inf"):
         bound = max(bound, distance(space.away, body))  # at every sample of the period, not only at the first

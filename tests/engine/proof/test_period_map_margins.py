@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general import period_map
-from hknob_cli.engine.general.body import Body, stiffness
+from hknob_cli.engine.general.body import Body, distance, norm, stiffness
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, Space, certify
 from hknob_cli.engine.general.search import make_space
@@ -397,6 +397,25 @@ def test_the_error_of_a_lag_may_still_arrive(monkeypatch: pytest.MonkeyPatch) ->
         assert prove(monkeypatch, stage._replace(marks=marks), stage.place[:4], other).status == status
 
 
+def test_at_the_very_limit_nothing_is_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = body(friction=1.0)
+    found = prove(monkeypatch, planar(), PLACE, one)
+    speed = norm(found.space.away, one)
+    torque = 2.0 * (stiffness(one) * speed)
+    for marks, status in (
+        ((torque, inf), AT_EVENT),
+        ((nextafter(torque, inf), inf), PROVEN),
+        ((inf, speed), AT_EVENT),
+        ((inf, nextafter(speed, inf)), PROVEN),
+    ):
+        assert prove(monkeypatch, planar(marks=marks), PLACE, one).status == status
+    z = PLACE + np.array([0.125, 0.0])
+    found = prove(monkeypatch, planar(), z, one)
+    limit = distance([float(z[0]) - found.space.orbit[0], float(z[1]) - found.space.orbit[1]], one) + found.bound
+    for margin, status in ((limit, NOT_CAPTURED), (nextafter(limit, 1.0), PROVEN)):
+        assert prove(monkeypatch, planar(margin=margin), z, one).status == status
+
+
 def test_an_orbit_at_an_edge_is_not_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     bound = prove(monkeypatch, planar(), PLACE + np.array([1e-3, 0.0]), body()).bound
     for margin, status in (
@@ -498,6 +517,11 @@ def test_a_trial_on_its_orbit_may_still_grow_by_its_error(monkeypatch: pytest.Mo
     found = prove(monkeypatch, late, moved[:2], body(), CONTINUOUS, before=float(moved[-1]), ring=(float(moved[2]),))
     ((away, _),) = found.asked
     np.testing.assert_allclose(away, grows(late.matrix, 0.5 / 3.5)[0] @ [2e-4, 2e-4 / 7.0, 0.2, 2e-4 / 7.0], rtol=1e-9)
+    late.matrix[1, 3] = 0.25
+    moved = late.place + np.array([0.0, 0.0, 0.0, 0.2])  # the last reading, which counts as a speed here
+    found = prove(monkeypatch, late, moved[:2], body(), CONTINUOUS, before=float(moved[-1]), ring=(float(moved[2]),))
+    ((away, _),) = found.asked
+    np.testing.assert_allclose(away, grows(late.matrix, 0.5 / 3.5)[0] @ [1.4e-3, 2e-4, 1.4e-3, 0.2], rtol=1e-9)
 
 
 def test_a_slow_decay_is_bounded_by_an_ellipse(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -134,10 +134,11 @@ def test_the_columns_are_differences_of_motions(name: str) -> None:
                 np.testing.assert_allclose(space.cols[c * width : c * width + m], slope[:m], atol=1e-9)
 
 
+@pytest.mark.parametrize("rate_hz", [1000.0, 250.0])
 @pytest.mark.parametrize("name", STILL)
-def test_differences_keep_every_reading_up_to_the_nearest_edge(name: str) -> None:
+def test_differences_keep_every_reading_up_to_the_nearest_edge(name: str, rate_hz: float) -> None:
     """At each sample what all entries may add up to, and its own and the last reading, are below the gap."""
-    one = knob(**LOOPS[name])
+    one = knob(**{"rate_hz": rate_hz, **LOOPS[name]})
     n, delay, period = one.body.order, one.delay_line, 6
     tight = set()
     for seed in range(8):
