@@ -22,9 +22,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
-    "general/powers.py": (f"{GENERAL}test_powers.py",),
-    "general/period_map.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
-    "general/follow.py": (f"{GENERAL}test_inner_region.py", "tests/verification/test_creeping_rest.py"),
+    "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
+    "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
+    "general/follow.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_inner_region.py"),
 }
 # Of these files, what would take longer than all others together.
 LEFT_OUT = (f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_with_the_limit",)

@@ -138,7 +138,7 @@ def certify(z, before, ring, head, period, body, wall, space):
         space.orbit_line[j] = ring[j]
     margin, edge, reach, pace, closure, size = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     solved, best = True, float("inf")
-    for _ in range(NEWTON_STEPS):
+    for step in range(NEWTON_STEPS):
         margin, edge, reach, pace, last, at = turn(start, ring, head, period, body, wall, space, m)
         for i in range(n):
             space.residual[i] = space.state[i] - space.orbit[i]
@@ -157,7 +157,8 @@ def certify(z, before, ring, head, period, body, wall, space):
         closure = closure**0.5
         size = 4.0 * EPSILON * (reach + pace)
         solved = invert(space.matrix, space.cols, m, width)
-        if not solved or closure <= size or closure >= 0.5 * best:
+        # The orbit that the last step leaves is the one whose residual is known.
+        if not solved or closure <= size or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
         best = min(best, closure)
         for i in range(m):
@@ -177,15 +178,13 @@ def certify(z, before, ring, head, period, body, wall, space):
         return NEUTRAL, margin, edge, closure, 0.0
     # Every interval adds some roundings; those of one have decayed, or add up at most, over a period.
     rounding = 8.0 * EPSILON * period
-    bound = 0.0
     for i in range(m):
         total = 0.0
         for j in range(m):
             part = abs(space.residual[j]) + rounding * ((reach + pace) if j % 2 == 0 else 2.0 * pace)
             total += abs(space.matrix[i * 2 * m + m + j]) * part
         space.away[i] = total
-        if i == 0:
-            bound = total
+    bound = space.away[0]
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
     if wall.analog == 0.0 and body.reach < float("inf"):
         bound = max(bound, distance(space.away, body))  # at every sample of the period, not only at the first
@@ -197,7 +196,7 @@ def certify(z, before, ring, head, period, body, wall, space):
             return AT_EVENT, margin, edge, closure, bound
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
-    if not dissipates(space.cols, width, space.power, space.spare, m, scale):
+    if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
         # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
         return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
     for i in range(n):
@@ -226,7 +225,17 @@ def certify(z, before, ring, head, period, body, wall, space):
                 total += space.total[i * m + j] * space.residual[j]
             space.away[i] = total
     elif not ellipse_bound(
-        space.cols, width, space.power, space.spare, space.total, space.matrix, space.residual, space.away, m, scale
+        space.cols,
+        width,
+        space.power,
+        space.spare,
+        space.total,
+        space.matrix,
+        space.residual,
+        space.away,
+        m,
+        scale,
+        period,
     ):
         return EXPANDS, margin, edge, closure, bound
     near, bound = within(start, ring, head, period, body, wall, space, m)

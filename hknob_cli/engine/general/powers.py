@@ -8,7 +8,7 @@ k has M' P M = P - 1 (Lyapunov's equation): the norm w' P w falls from turn to t
 ellipse that the first one is on. The sum doubles its length with each step.
 """
 
-from math import sqrt
+from math import inf, sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 
@@ -50,33 +50,58 @@ def invert(a, cols, m, stride):
     return True
 
 
-def dissipates(cols, width, power, spare, m, scale):
+def unit(i, scale):
+    """Unit of entry ``i`` of a difference: 1 of a position, ``scale`` of a speed (odd entries)."""
+    return scale if i % 2 == 1 else 1.0
+
+
+def scaled(cols, stride, i, j, scale):
+    """Entry of the derivative where speeds count ``1 / scale``."""
+    return cols[j * stride + i] * unit(j, scale) / unit(i, scale)
+
+
+def square(power, spare, m):
+    """Replace a matrix (m, m) by its square; overwrites ``spare``."""
+    for i in range(m):
+        for j in range(m):
+            entry = 0.0
+            for k in range(m):
+                entry += power[i * m + k] * power[k * m + j]
+            spare[i * m + j] = entry
+    for i in range(m * m):
+        power[i] = spare[i]
+
+
+def largest_row(power, m, scale):
+    """Largest sum of absolute entries of a row, where speeds count ``1 / scale``; infinite beyond 1e100, or if none."""
+    worst = 0.0
+    for i in range(m):
+        row = 0.0
+        for j in range(m):
+            row += abs(power[i * m + j]) * unit(j, scale)
+        row /= unit(i, scale)
+        worst = max(worst, row) if row < 1e100 else inf
+    return worst
+
+
+def dissipates(cols, width, power, spare, m, scale, samples):
     """Whether a power of the derivative shrinks every difference to less than half; ``scale``: unit of speed.
 
-    Positions count one, speeds (odd entries of the state) ``1 / scale``.
+    The derivative is that of a map over ``samples`` samples, each of which rounds it. A power so high that the
+    roundings alone could shrink it proves nothing.
     """
     for i in range(m):
         for j in range(m):
-            power[i * m + j] = cols[j * width + i]
-    for _ in range(60):
-        worst = 0.0
-        for i in range(m):
-            row = 0.0
-            for j in range(m):
-                row += abs(power[i * m + j]) * (scale if j % 2 == 1 else 1.0)
-            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
+            power[i * m + j] = scaled(cols, width, i, j, scale)
+    rounding = ROUNDINGS * EPSILON * m * samples
+    while rounding < 0.25:
+        worst = largest_row(power, m, 1.0)
         if worst < 0.5:
             return True
-        if not worst < 1e100:
+        if worst == inf:
             return False
-        for i in range(m):
-            for j in range(m):
-                entry = 0.0
-                for k in range(m):
-                    entry += power[i * m + k] * power[k * m + j]
-                spare[i * m + j] = entry
-        for i in range(m * m):
-            power[i] = spare[i]
+        square(power, spare, m)
+        rounding *= 2.0
     return False
 
 
@@ -87,15 +112,9 @@ def growth_bound(cols, width, power, spare, total, m, scale):
             power[i * m + j] = 1.0 if i == j else 0.0
             total[i * m + j] = 0.0
     for _ in range(POWERS):
-        worst = 0.0
-        for i in range(m):
-            row = 0.0
-            for j in range(m):
-                part = abs(power[i * m + j])
-                total[i * m + j] += part
-                row += part * (scale if j % 2 == 1 else 1.0)
-            worst = max(worst, row / (scale if i % 2 == 1 else 1.0))
-        if worst < GONE:
+        for i in range(m * m):
+            total[i] += abs(power[i])
+        if largest_row(power, m, scale) < GONE:
             return True
         for i in range(m):
             for j in range(m):
@@ -106,16 +125,6 @@ def growth_bound(cols, width, power, spare, total, m, scale):
         for i in range(m * m):
             power[i] = spare[i]
     return False
-
-
-def scaled(cols, stride, i, j, scale):
-    """Entry of the derivative where speeds count ``1 / scale``."""
-    entry = cols[j * stride + i]
-    if j % 2 == 1:
-        entry *= scale
-    if i % 2 == 1:
-        entry /= scale
-    return entry
 
 
 def lyapunov_sum(cols, stride, p, power, spare, m, scale):
@@ -143,23 +152,17 @@ def lyapunov_sum(cols, stride, p, power, spare, m, scale):
             for j in range(m):
                 for k in range(m):
                     p[i * m + j] += power[k * m + i] * spare[k * m + j]
-        for i in range(m):
-            for j in range(m):
-                entry = 0.0
-                for k in range(m):
-                    entry += power[i * m + k] * power[k * m + j]
-                spare[i * m + j] = entry
-        for i in range(m * m):
-            power[i] = spare[i]
+        square(power, spare, m)
     return False
 
 
-def falls(cols, stride, p, power, spare, m, scale):
+def falls(cols, stride, p, power, spare, m, scale, samples):
     """Whether the norm w' P w of every difference falls from turn to turn, roundings included.
 
-    P - M' P M has a diagonal above the sum of what else is in its row (Gershgorin). ``spare`` takes P M.
+    P - M' P M has a diagonal above the sum of what else is in its row (Gershgorin). ``spare`` takes P M. ``samples``:
+    of the map, each of which rounds the derivative.
     """
-    small = ROUNDINGS * EPSILON * m
+    small = ROUNDINGS * EPSILON * m * samples
     for i in range(m):
         for j in range(m):
             entry, size = 0.0, 0.0
@@ -182,29 +185,31 @@ def falls(cols, stride, p, power, spare, m, scale):
     return True
 
 
-def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale):
+def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale, samples):
     """Bound by an ellipse what a difference ``residual``, known to within ``away``, can ever grow to.
 
     True, and the bound in ``away``, its former self in ``power``, where the ellipse is proven to be kept. Overwrites
     ``spare`` and ``p`` (m, m) and ``a`` (m, 2 m).
     """
-    if not lyapunov_sum(cols, stride, p, power, spare, m, scale) or not falls(cols, stride, p, power, spare, m, scale):
+    if not lyapunov_sum(cols, stride, p, power, spare, m, scale):
         return False
-    square, rounding, error = 0.0, 0.0, 0.0
+    if not falls(cols, stride, p, power, spare, m, scale, samples):
+        return False
+    size, rounding, error = 0.0, 0.0, 0.0
     for i in range(m):
-        one = scale if i % 2 == 1 else 1.0
+        one = unit(i, scale)
         for j in range(m):
-            other = scale if j % 2 == 1 else 1.0
+            other = unit(j, scale)
             entry = p[i * m + j]
             part = residual[i] / one * entry * residual[j] / other
-            square += part
+            size += part
             rounding += abs(part)
             error += away[i] / one * abs(entry) * away[j] / other
             spare[j * m + i] = (1.0 if i == j else 0.0) - entry
     if not invert(a, spare, m, m):
         return False
     small = ROUNDINGS * EPSILON * m
-    root = sqrt(max(square, 0.0) + small * rounding) + sqrt(error)
+    root = sqrt(max(size, 0.0) + small * rounding) + sqrt(error)
     for i in range(m):
         # The largest entry of the ellipse w' P w = 1, from P's inverse X, whose error by a rounding of P is X |P| X.
         entry = a[i * 2 * m + m + i]
@@ -212,5 +217,5 @@ def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale):
             for j in range(m):
                 entry += small * abs(a[i * 2 * m + m + k] * p[k * m + j] * a[j * 2 * m + m + i])
         power[i] = away[i]
-        away[i] += (scale if i % 2 == 1 else 1.0) * root * sqrt(entry)
+        away[i] += unit(i, scale) * root * sqrt(entry)
     return True

@@ -31,7 +31,7 @@ MAPS = {
 def bound(m: np.ndarray, residual: list[float], error: list[float], scale: float = 1.0) -> list[float] | None:
     n = len(m)
     away, work = list(error), [[0.0] * (n * n) for _ in range(3)]
-    kept = ellipse_bound(columns(m), n, *work, [0.0] * (2 * n * n), list(residual), away, n, scale)
+    kept = ellipse_bound(columns(m), n, *work, [0.0] * (2 * n * n), list(residual), away, n, scale, 1)
     if kept:
         assert work[0][:n] == error  # where the proof of a cycle looks for it
     return away if kept else None
@@ -44,7 +44,7 @@ def test_the_sum_solves_lyapunovs_equation(name: str, scale: float) -> None:
     n = len(m)
     p, power, spare = ([0.0] * (n * n) for _ in range(3))
     assert lyapunov_sum(columns(m), n, p, power, spare, n, scale)
-    assert falls(columns(m), n, p, power, spare, n, scale)
+    assert falls(columns(m), n, p, power, spare, n, scale, 1)
     units = np.array([scale if i % 2 else 1.0 for i in range(n)])
     a = m * units[None, :] / units[:, None]
     solved = np.array(p).reshape(n, n)
@@ -109,10 +109,10 @@ def test_a_sum_that_is_not_the_maps_is_found_out() -> None:
     """A norm that grows somewhere, or falls by less than rounding, is refused."""
     m = columns(turning(0.9, 0.3, 0.2))
     work = [0.0] * 4, [0.0] * 4
-    assert not falls(m, 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0)
-    assert falls(columns(0.9 * np.eye(2)), 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0)
-    assert not falls(columns((1.0 - 1e-15) * np.eye(2)), 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0)
-    assert not falls(columns(0.9 * np.eye(2)), 2, [1.0, 0.9, 0.9, 0.5], *work, 2, 1.0)
+    assert not falls(m, 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0, 1)
+    assert falls(columns(0.9 * np.eye(2)), 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0, 1)
+    assert not falls(columns((1.0 - 1e-15) * np.eye(2)), 2, [1.0, 0.0, 0.0, 1.0], *work, 2, 1.0, 1)
+    assert not falls(columns(0.9 * np.eye(2)), 2, [1.0, 0.9, 0.9, 0.5], *work, 2, 1.0, 1)
     assert DOUBLINGS == 60
 
 

@@ -1,0 +1,212 @@
+"""When a trial is said to reach a known orbit, to repeat, or to come to rest: each condition on its margin."""
+
+from math import inf, nextafter
+from typing import Any
+
+import pytest
+
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
+from hknob_cli.engine.follow import CYCLE_ON_EDGE, CYCLE_PROVEN
+from hknob_cli.engine.general import follow
+from hknob_cli.engine.general.body import Body
+from hknob_cli.engine.general.controller import Controller, read
+from hknob_cli.engine.general.follow import FIELDS, captured, closes_in, contracts_to_rest, has_period
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.search import make_space
+
+from .test_standstill_margins import WALL, body
+
+DAMPED = WALL._replace(damping=0.1)
+
+
+def row(
+    fate: int = CYCLE_PROVEN, period: int = 6, margin: float = 0.375, bound: float = 0.125, before: float = -3.0
+) -> list[float]:
+    return [float(fate), float(period), margin, 9.0, 9.0, bound, 9.0, 9.0, 9.0, before]
+
+
+def found(
+    z: list[float],
+    rows: list[list[float]],
+    states: list[list[float]],
+    one: Body | None = None,
+    wall: Controller = WALL,
+    *,
+    before: float = -3.0,
+    ring: tuple[float, ...] = (),
+    head: int = 0,
+    lines: tuple[tuple[float, ...], ...] = (),
+) -> int:
+    table = [x for one_row in rows for x in one_row]
+    flat, kept = [x for state in states for x in state], [x for line in lines for x in line]
+    return captured(
+        z, before, list(ring), head, one or body(beta=0.25), wall, [7.0, 7.0], len(rows), table, flat, kept or [0.0]
+    )
+
+
+def test_a_trial_within_the_margin_less_its_bound_has_reached_the_orbit() -> None:
+    """A quarter of a count, in position, or half as much in speed, whose energy is in a spring of a quarter."""
+    near = nextafter(0.25, 0.0)
+    place = [-2.5, 0.5]
+    for off, reached in (
+        ((near, 0.0), True),
+        ((-near, 0.0), True),
+        ((0.25, 0.0), False),
+        ((-0.25, 0.0), False),
+        ((0.0, 0.124), True),
+        ((0.0, -0.124), True),
+        ((0.0, 0.125), False),
+        ((0.0, -0.126), False),
+        ((0.2, 0.07), True),
+        ((0.2, 0.08), False),
+    ):
+        z = [off[0], off[1]]
+        assert found(z, [row()], [[0.0, 0.0]]) == (0 if reached else -1)
+        if abs(off[0]) in (0.0, 0.2):
+            assert found([place[0] + off[0], place[1] + off[1]], [row()], [place]) == (0 if reached else -1)
+    assert len(row()) == FIELDS
+
+
+def test_only_proven_orbits_are_reached_and_the_nearest_row_is_found() -> None:
+    far, here = [-9.0, 0.0], [-2.5, 0.5]
+    assert found(here, [row(fate=CYCLE_ON_EDGE)], [here]) == -1
+    assert found(here, [], []) == -1
+    assert found(here, [row(), row()], [far, here]) == 1
+    assert found(here, [row(), row()], [here, far]) == 0
+    assert found(here, [row(fate=CYCLE_ON_EDGE), row()], [here, here]) == 1
+    assert found(here, [row(margin=0.125), row()], [here, here]) == 1  # no margin is left
+    assert found(here, [row(bound=0.5), row()], [here, here]) == 1
+
+
+def test_a_damped_wall_must_have_read_the_same_before() -> None:
+    here = [-2.5, 0.5]
+    rows, states = [row(before=-2.0), row(before=-3.0)], [here, here]
+    assert found(here, rows, states, wall=DAMPED, before=-3.0) == 1
+    assert found(here, rows, states, wall=DAMPED, before=-2.0) == 0
+    assert found(here, rows, states, wall=DAMPED, before=-1.0) == -1
+    assert found(here, rows, states, wall=WALL, before=-3.0) == 0
+    assert found(here, rows, states, wall=WALL._replace(damping=1e-9), before=-3.0) == 1
+
+
+def test_the_same_commands_must_be_under_way() -> None:
+    """Oldest first, from wherever the trial's line begins."""
+    here = [-2.5, 0.5]
+    rows, states, lines = [row(), row()], [here, here], ((1.0, 2.0, 3.0), (3.0, 1.0, 2.0))
+    for ring, head, at in (
+        ((1.0, 2.0, 3.0), 0, 0),
+        ((1.0, 2.0, 3.0), 2, 1),
+        ((3.0, 1.0, 2.0), 1, 0),
+        ((1.0, 2.0, 3.0), 1, -1),
+        ((1.0, 2.0, 4.0), 0, -1),
+        ((4.0, 2.0, 3.0), 0, -1),
+        ((1.0, 4.0, 3.0), 0, -1),
+    ):
+        assert found(here, rows, states, ring=ring, head=head, lines=lines) == at
+
+
+def test_a_multiple_of_a_proven_period_is_known() -> None:
+    table = [*row(period=6), *row(fate=CYCLE_ON_EDGE, period=5), *row(period=7)]
+    assert [n for n in range(1, 22) if has_period(n, 3, table)] == [6, 7, 12, 14, 18, 21]
+    assert [n for n in range(1, 22) if has_period(n, 1, table)] == [6, 12, 18]
+    assert not has_period(6, 0, table)
+
+
+def repeats(
+    z: list[float],
+    period: int,
+    gap: float,
+    one: Body,
+    *,
+    trail: list[float] | None = None,
+    delay: int = 0,
+    wall: Controller = WALL,
+) -> bool:
+    space = make_space(2, delay, lambda count: [7.0] * count)
+    ring = [0.0] * delay
+    before = read(z[0], wall)
+    if trail is None:
+        state, line, head, shown, trail = list(z), list(ring), 0, before, []
+        for _ in range(period):
+            trail.append(read(state[0], wall))
+            shown, head = advance(state, shown, line, head, one, wall, space.pad)
+    for k in range(len(space.trail)):
+        space.trail[k] = trail[k] if k < len(trail) else 5.0
+    kept = list(z), list(ring)
+    result = bool(closes_in(z, before, ring, 0, period, gap, one, wall, space))
+    assert (z, ring) == kept
+    return result
+
+
+@pytest.mark.parametrize("delay", [0, 2])
+@pytest.mark.parametrize("friction", [0.0, 0.01])
+def test_a_candidate_must_read_the_same_and_come_no_less_close(friction: float, delay: int) -> None:
+    """Inside one count under a spring, it comes near in six samples by what is simulated here, sample by sample."""
+    one = body(alpha=0.1, beta=1.0, friction=friction, push=2.5)
+    z, period = [-0.55, 0.05], 6
+    state, line, head, shown, readings = list(z), [0.0] * delay, 0, -1.0, []
+    for _ in range(period):
+        readings.append(read(state[0], WALL))
+        shown, head = advance(state, shown, line, head, one, WALL, [0.0] * 4)
+    gap = ((state[0] - z[0]) ** 2 + (state[1] - z[1]) ** 2) ** 0.5
+    assert repeats(z, period, gap * (1.0 + 1e-12), one, delay=delay)
+    assert not repeats(z, period, gap * (1.0 - 1e-12), one, delay=delay)
+    for k in range(period):
+        other = list(readings)
+        other[k] = -7.0
+        assert not repeats(z, period, 1.01 * gap, one, trail=other, delay=delay)
+    halted = one._replace(halt=[1.0])
+    assert not repeats(z, period, inf, halted, delay=delay)
+    assert not repeats(z, period, inf, one._replace(halt=[1e-9]), delay=delay)
+
+
+def test_readings_beyond_those_kept_are_not_compared() -> None:
+    one, z = body(alpha=0.1, beta=1.0, push=1.5), [-0.5, 0.0]  # at rest, where it comes back to the last bit
+    assert repeats(z, 6, 0.0, one)
+    space = make_space(2, 0, lambda count: [7.0] * count)._replace(trail=[-1.0] * 3)
+    assert closes_in(z, -1.0, [], 0, 6, 0.0, one, WALL, space)
+    assert not closes_in(z, -1.0, [], 0, 6, 0.0, one, WALL, space._replace(trail=[-1.0, -1.0, -2.0]))
+
+
+def test_readings_outside_the_wall_are_one() -> None:
+    one = body(alpha=0.1, beta=1.0, push=-2.5)
+    assert repeats([2.5, 0.0], 3, inf, one, trail=[0.0, 7.0, 1.0])
+    assert not repeats([2.5, 0.0], 3, inf, one, trail=[0.0, 7.0, -1.0])
+
+
+def contracts(
+    monkeypatch: pytest.MonkeyPatch, status: int, x: float, wall: Controller
+) -> tuple[bool, list[float], list[float], list[Any]]:
+    asked: list[Any] = []
+    space = make_space(2, 2, lambda count: [7.0] * count)
+
+    def certify(
+        z: Any, before: float, ring: Any, head: int, period: int, one: Body, wall: Controller, room: Any
+    ) -> Any:
+        asked.append((list(z), before, list(ring), head, period))
+        room.orbit[:], room.orbit_line[:] = [-1.5, 0.25], [3.0, 4.0]
+        return status, 0.5, 0.5, 0.0, 0.0
+
+    z, ring = [x, 0.125], [1.0, 2.0]
+    with monkeypatch.context() as patch:
+        patch.setattr(follow, "certify", certify)
+        whether = contracts_to_rest(z, read(x, wall), -2.0, ring, 1, body(), wall, space)
+    return bool(whether), z, ring, asked
+
+
+def test_a_fixed_point_of_one_sample_inside_the_wall_is_a_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With a continuous sensor alone; it is left where it was otherwise."""
+    continuous = WALL._replace(analog=1.0)
+    whether, z, ring, asked = contracts(monkeypatch, PROVEN, -2.5, continuous)
+    assert (whether, z, ring) == (True, [-1.5, 0.0], [3.0, 4.0])
+    assert asked == [([-2.5, 0.125], -2.0, [1.0, 2.0], 1, 1)]
+    assert contracts(monkeypatch, PROVEN, -1e-9, continuous)[0]
+    for status, x, wall in (
+        (NOT_CAPTURED, -2.5, continuous),
+        (DIFFERENT, -2.5, continuous),
+        (PROVEN, 0.0, continuous),
+        (PROVEN, 0.5, continuous),
+        (PROVEN, 2.5, continuous),
+        (PROVEN, -2.5, WALL),
+    ):
+        whether, z, ring, _ = contracts(monkeypatch, status, x, wall)
+        assert (whether, z, ring) == (False, [x, 0.125], [1.0, 2.0])
