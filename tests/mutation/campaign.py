@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants
-from tests.mutation.table import ENGINE, LEFT_OUT, ROOT, WATCHED, watchers_of
+from tests.mutation.table import LEFT_OUT, ROOT, WATCHED, path_of, watchers_of
 
 SLOWEST_S = 40.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
@@ -197,12 +197,12 @@ def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
 def main() -> int:
     """Run it, and print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="*", default=list(WATCHED), help="of hknob_cli/engine; all by default")
+    parser.add_argument("files", nargs="*", default=list(WATCHED), help="as in table.py; all by default")
     parser.add_argument("--function", help="this one alone")
     options = parser.parse_args()
     code = 0
     for name in options.files:
-        path = ENGINE / name
+        path = path_of(name)
         chosen = [one for one in mutants(path) if options.function in (None, one.name)]
         accepted = Accepted(path, options.function)
         begin = time.monotonic()

@@ -10,7 +10,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.mutation.accepted import KINDS
 from tests.mutation.mutate import mutants
-from tests.mutation.table import ENGINE, WATCHED, watchers_of
+from tests.mutation.table import WATCHED, path_of, watchers_of
 
 SOURCE = '''\
 """A file."""
@@ -77,7 +77,7 @@ def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
     listed = tomllib.loads((ROOT / "tests/mutation/accepted.toml").read_text())
     assert listed.keys() <= WATCHED.keys()
     for name, entries in listed.items():
-        known = [(one.name, one.text, one.change) for one in mutants(ENGINE / name)]
+        known = [(one.name, one.text, one.change) for one in mutants(path_of(name))]
         for entry in entries:
             assert entry["kind"] in KINDS
             assert len(entry["reason"]) > 20
@@ -90,8 +90,8 @@ def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
 
 def test_every_watched_file_and_its_tests_are_there() -> None:
     for name in WATCHED:
-        assert (ENGINE / name).exists()
-        assert all(test.exists() for test in watchers_of(ENGINE / name))
+        assert (path_of(name)).exists()
+        assert all(test.exists() for test in watchers_of(path_of(name)))
 
 
 @pytest.mark.long
