@@ -24,6 +24,18 @@ def near(a, b, list):
         if a < b and not list[k + 1] == 2:
             return max(abs(a), 4.0), 0.0
     return False
+
+
+class Ball:
+    """A class."""
+
+    def holds(self, x):
+        """Docstring 1.0."""
+        return x < self.radius
+
+    @property
+    def size(self):
+        return 2.0
 '''
 CHANGES = {
     "MARGIN": {"0.5 => 0.25", "0.5 => 1.0"},
@@ -45,6 +57,7 @@ CHANGES = {
         "max(abs(a), 4.0) => max(abs(a), 8.0)",
         "False => True",
     },
+    "Ball.holds": {"x < self.radius => x <= self.radius", "x < self.radius => x >= self.radius"},
 }
 
 
@@ -55,7 +68,7 @@ def test_every_comparison_coefficient_and_condition_is_changed(tmp_path: Path) -
     found: dict[str, set[str]] = {}
     for one in mutants(path):
         found.setdefault(one.name, set()).add(one.change)
-        assert one.value() if one.function is None else one.code().co_name == "near"
+        assert one.value() if one.function is None else one.code().co_name in ("near", "holds")
     assert found == CHANGES
 
 

@@ -136,6 +136,19 @@ def test_a_rest_captures_below_its_margin_less_all_roundings() -> None:
     assert known.resting([-1.5, 0.0], 0.0, [], 0.0, room(), RESTS, wall) == -1  # its reading rests elsewhere
 
 
+def test_a_rest_captures_nothing_that_reaches_its_very_margin() -> None:
+    """The largest ball that is captured is one float smaller than what fills the margin exactly."""
+    rounded, reach = 64.0 * UNIT * (1.0 + 0.5 + 0.5 + 2.5), 0.49999999949
+    while reach * (1.0 + 1e-9) + 1e-12 + rounded < 0.5:
+        reach += 1e-14
+    while reach * (1.0 + 1e-9) + 1e-12 + rounded >= 0.5:
+        reach = nextafter(reach, 0.0)
+    assert known.resting([-0.5, 0.0], 0.0, [], reach, room(), RESTS, wall_of()) == 0
+    reach = nextafter(reach, 1.0)
+    assert reach * (1.0 + 1e-9) + 1e-12 + rounded == 0.5
+    assert known.resting([-0.5, 0.0], 0.0, [], reach, room(), RESTS, wall_of()) == -1
+
+
 def test_reach_counts_by_the_stiffness() -> None:
     """A norm of 1 is half a count; here level -1 rests at -1/2."""
     stiff = body_of(1.0, 4.0, 3.0)
@@ -291,6 +304,13 @@ def test_a_trial_is_sought_from_where_it_is_and_left_alone(kind: str) -> None:
     assert row == known.UNPROVEN_END
 
 
+def test_a_trial_that_comes_to_rest_is_entered() -> None:
+    ends = room()
+    row, used = known.seek([-0.4, 0.0], 0.0, [], 0, 1000, 1e9, ends, RESTS, wall_of())
+    assert (row, ends.table[:2], ends.counts[0]) == (0, [REST_PROVEN, 1], 1.0)
+    assert used < 1000
+
+
 # A ball.
 
 
@@ -323,7 +343,7 @@ def test_a_ball_moves_as_a_trial_and_its_error_is_the_sum_of_all_roundings(kind:
     body, wall, n, delay = one.body, one.wall, one.body.order, one.delay_line
     for _ in range(6):
         z = [chance.uniform(-6.0, 3.0), *(chance.gauss(0.0, 0.3) / body.reach for _ in range(n - 1))]
-        ring = [wall.kappa * chance.randrange(5) for _ in range(delay)]
+        ring = [chance.choice([-1.0, 1.0]) * wall.kappa * chance.randrange(9) for _ in range(delay)]
         at = head = chance.randrange(delay) if delay else 0
         before = float(chance.randrange(-5, 3)) if wall.damping > 0.0 else 0.0
         own, line, last, error, drift = list(z), list(ring), before, 1e-13, tiny(n)
@@ -334,9 +354,9 @@ def test_a_ball_moves_as_a_trial_and_its_error_is_the_sum_of_all_roundings(kind:
             shown = read(own[0], wall)
             u = command(shown, last, wall)
             # Of second order the two commands that act count, of higher order all under way.
-            acting = [u, *line] if n > 2 else [u, *([line[at], line[(at + 1) % delay]] if delay > 1 else line)]
+            acting = [u, *line] if n > 2 or delay == 1 else [u]
             if delay > 1 and n == 2:
-                acting = [line[at], u if delay == 1 else line[(at + 1) % delay]]
+                acting = [line[at], line[(at + 1) % delay]]
             error += drift.once[0] + drift.once[1] * max(abs(one) for one in acting)
             error += sum(per * abs(value) for per, value in zip(drift.once[2:], own, strict=True))
             last, at = shown, hold(own, u, line, at, body, wall, zeros(2 * n))
@@ -364,6 +384,18 @@ def test_one_sample_of_a_set(kind: str) -> None:
         found = ball.step_through(z, before, 1e-13, level, ring, head, drift, body, wall, zeros(2 * n))
         assert found == (last if wall.damping > 0.0 else 0.0, pytest.approx(error, rel=1e-12, abs=0.0), to)
         assert (z, ring) == (own, line)
+
+
+def test_a_line_of_three_commands_is_turned() -> None:
+    """Sample by sample, whichever is the oldest."""
+    for head in range(3):
+        ring, line, z, own, at = [1.0, -2.0, 3.0], [1.0, -2.0, 3.0], [5.0, 0.1], [5.0, 0.1], head
+        found = follow(z, 7, ring=ring, head=head, drift=DRIFT._replace(once=zeros(4)), next_test=99)
+        for _ in range(7):
+            at = hold(
+                own, command(min(0.0, read(own[0], wall_of(0.5))), 0.0, wall_of(0.5)), line, at, SOFT, wall_of(0.5), []
+            )
+        assert (found[0], found[3], z, ring) == (ball.OUT_OF_SAMPLES, at, own, line)
 
 
 def test_a_ball_meets_an_edge_at_its_reach() -> None:

@@ -13,6 +13,7 @@ from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.lattice import CELL, MEMBERS, keep, put_box, release, slot
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
+    CORNERS,
     COUNT,
     ERROR,
     LEVEL,
@@ -149,6 +150,16 @@ def test_a_piece_is_told_from_the_middle_of_its_box_with_its_memory() -> None:
         assert found[ERROR] == 4.0 * UNIT * (2.0 * (13.0 + 3.0) + 36.5 + 4.5)
     put(out, 1, [0.0, 0.0], 0.0, [0.0, 0.0], 0, 1.0, 0.0, 0.0, 0.0, [-8.0, -4.0], 1, room.middle, drift_of(), 2)
     assert out[1 + ERROR] == 1.0 + 4.0 * UNIT * (2.0 * 16.0 + 8.0)
+
+
+@pytest.mark.parametrize(("order", "delay"), [(2, 0), (2, 3), (5, 2)])
+def test_a_piece_of_most_corners_fills_its_place_and_no_more(order: int, delay: int) -> None:
+    size, middle = piece_size(order, delay), zeros(order)
+    out, drift = zeros(size + 9), drift_of()._replace(units=[1.0] * order)
+    corners = [2.0**k + j for k in range(CORNERS) for j in range(order)]
+    put(out, 0, [1e9] * order, 1.0, [1.0] * delay, 0, 1.0, 1.0, 1.0, 1.0, corners, CORNERS, middle, drift, order)
+    assert all(out[:size])
+    assert not any(out[size:])
 
 
 @pytest.mark.parametrize("delay", [0, 2])

@@ -7,7 +7,7 @@ last reading. Reaches are bounds on a distance from the centre in `body.norm`, i
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
-from hknob_cli.engine.general.ensemble import enter, is_cycle
+from hknob_cli.engine.general.ensemble import enter
 from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.standstill import rest_rounding, settles
@@ -169,6 +169,6 @@ def seek(z, before, ring, head, budget, limit, known, body, wall):
     )
     if fate == KNOWN:
         return period, used
-    if not (is_cycle(fate) or period > 0 or fate == GREW):
+    if not (period > 0 or fate == GREW):
         return UNPROVEN_END, used
     return add_end(fate, period, before, head, known, body, wall), used
