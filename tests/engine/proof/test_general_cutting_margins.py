@@ -262,6 +262,15 @@ def test_parts_reach_beyond_their_edges_by_what_they_must(reach: float) -> None:
     assert parts(room, 0, 2) == [(-1.0, 1.75 + reach, 1.0), (0.0, 0.75 + reach, 1.0)]
 
 
+def test_a_single_state_is_in_the_part_of_its_reading_alone() -> None:
+    room = small_room()
+    given = [-1.5, 0.0], 0.0, [], 0, 0.0, 0.0, 0.0, 1.0, [0.0, 0.0], 1, -3.0, -1.0
+    assert part(room, 0, *given, drift_of(), BODY, wall_of()) == 1
+    assert (waiting(room, 0)[LEVEL], waiting(room, 0)[COUNT]) == (-2.0, 1.0)
+    assert within(room, [0.5, 0.0], 1, -1.0, 0.0, 2) == 0
+    assert within(room, [0.5, 0.0], 1, -1.0, 1.0, 2) == 1
+
+
 def test_there_is_room_for_two_parts_of_each_reading_or_none_is_made() -> None:
     """Three readings: six places."""
     for places, first, found in ((6, 0, 3), (5, 0, -1), (7, 1, 4), (6, 1, -1)):
