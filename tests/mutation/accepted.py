@@ -5,7 +5,7 @@ from collections import Counter
 from pathlib import Path
 
 from tests.mutation.mutate import Mutant
-from tests.mutation.table import ENGINE
+from tests.mutation.table import name_of
 
 KINDS = ("equivalent", "conservative", "effort")
 # equivalent: does the same for every input that there is. conservative: proves less or the same, and never more; how
@@ -16,7 +16,7 @@ class Accepted:
     """The entries of one file; counted as they are met."""
 
     def __init__(self, path: Path, function: str | None = None) -> None:
-        name = path.relative_to(ENGINE).as_posix()
+        name = name_of(path)
         entries = tomllib.loads(Path(__file__).with_name("accepted.toml").read_text()).get(name, [])
         self.entries = [one for one in entries if function in (None, one["function"])]
         assert all(one["kind"] in KINDS and one["reason"] for one in self.entries)

@@ -26,7 +26,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants
-from tests.mutation.table import ENGINE, LEFT_OUT, ROOT, WATCHED, watchers_of
+from tests.mutation.table import LEFT_OUT, ROOT, WATCHED, path_of, watchers_of
 
 SLOWEST_S = 40.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
@@ -37,11 +37,22 @@ def module_of(path: Path) -> types.ModuleType:
     return sys.modules[".".join(path.relative_to(ROOT).with_suffix("").parts)]
 
 
+def functions_of(module: types.ModuleType) -> Iterator[tuple[str, types.FunctionType]]:
+    """Functions that a module holds, and the methods of its own classes, by name."""
+    for name, value in vars(module).items():
+        if isinstance(value, types.FunctionType):
+            yield name, value
+        elif isinstance(value, type) and value.__module__ == module.__name__:
+            for method, one in vars(value).items():
+                if isinstance(one, types.FunctionType):
+                    yield f"{name}.{method}", one
+
+
 def put_in_place(mutant: Mutant) -> None:
     """Change the running program: a function's code, or a constant wherever it has been imported."""
     module = module_of(mutant.path)
     if mutant.function is not None:
-        getattr(module, mutant.function).__code__ = mutant.code()
+        dict(functions_of(module))[mutant.function].__code__ = mutant.code()
         return
     old, new = getattr(module, mutant.name), mutant.value()
     for one in list(sys.modules.values()):
@@ -95,12 +106,7 @@ class Campaign:
 
     def _run_unchanged(self, session: pytest.Session) -> None:
         watched = {m.path for m in self.chosen}
-        codes = {
-            value.__code__: (path, name)
-            for path in watched
-            for name, value in vars(module_of(path)).items()
-            if isinstance(value, types.FunctionType)
-        }
+        codes = {value.__code__: (path, name) for path in watched for name, value in functions_of(module_of(path))}
         for item, following in zip(session.items, [*session.items[1:], None], strict=True):
             with called(codes) as found:
                 item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
@@ -197,12 +203,12 @@ def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
 def main() -> int:
     """Run it, and print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="*", default=list(WATCHED), help="of hknob_cli/engine; all by default")
+    parser.add_argument("files", nargs="*", default=list(WATCHED), help="as in table.py; all by default")
     parser.add_argument("--function", help="this one alone")
     options = parser.parse_args()
     code = 0
     for name in options.files:
-        path = ENGINE / name
+        path = path_of(name)
         chosen = [one for one in mutants(path) if options.function in (None, one.name)]
         accepted = Accepted(path, options.function)
         begin = time.monotonic()

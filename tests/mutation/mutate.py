@@ -43,7 +43,8 @@ class Mutant(NamedTuple):
     def code(self) -> CodeType:
         """Code of the changed function."""
         whole = compile(ast.Module([self.tree], []), str(self.path), "exec")
-        return next(one for one in whole.co_consts if isinstance(one, CodeType) and one.co_name == self.function)
+        name = str(self.function).rpartition(".")[2]
+        return next(one for one in whole.co_consts if isinstance(one, CodeType) and one.co_name == name)
 
     def value(self) -> object:
         """Value of the changed constant."""
@@ -65,12 +66,12 @@ class Mutant(NamedTuple):
 
 
 def mutants(path: Path) -> Iterator[Mutant]:
-    """All changes of a file's functions, and of its constants that are floats."""
+    """All changes of a file: of functions, of methods without decorators, and of constants that are floats."""
     source = path.read_text()
     lines = source.splitlines()
-    for statement in ast.parse(source).body:
+    for owner, statement in _statements(ast.parse(source)):
         if isinstance(statement, ast.FunctionDef):
-            function: str | None = statement.name
+            function: str | None = owner + statement.name
         elif isinstance(statement, ast.Assign) and _is_number(statement.value):
             function = None
         else:
@@ -96,6 +97,16 @@ def mutants(path: Path) -> Iterator[Mutant]:
 
 
 Steps = tuple[tuple[str, int | None], ...]
+
+
+def _statements(module: ast.Module) -> Iterator[tuple[str, ast.stmt]]:
+    """Those of a file, and the methods of its classes, each with what its name begins with."""
+    for statement in module.body:
+        yield "", statement
+        if isinstance(statement, ast.ClassDef):
+            for one in statement.body:
+                if isinstance(one, ast.FunctionDef) and not one.decorator_list:
+                    yield f"{statement.name}.", one
 
 
 def _is_number(node: ast.expr) -> bool:

@@ -3,11 +3,16 @@
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-ENGINE = ROOT / "hknob_cli" / "engine"
+PACKAGE = ROOT / "hknob_cli"
+ENGINE = PACKAGE / "engine"
 PROOF, SETS, GENERAL = "tests/engine/proof/", "tests/engine/sets/", "tests/engine/general/"
 CAPTURE = (f"{PROOF}test_capture_margins.py", f"{SETS}test_ball.py")
 CUTTING = (f"{PROOF}test_cutting_margins.py",)
 ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_arc.py")
+GENERAL_SETS, CONTROLLER_SETS = f"{GENERAL}sets/", "tests/controllers/sets/"
+GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
+GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
+FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
 STANDSTILL = (f"{PROOF}test_standstill_margins.py", f"{GENERAL}test_inner_region.py")
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
@@ -25,11 +30,43 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
     "general/follow.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_inner_region.py"),
+    "general/sets/known.py": GENERAL_CAPTURE,
+    "general/sets/ball.py": GENERAL_CAPTURE,
+    "general/sets/piece.py": GENERAL_CUTTING,
+    "general/sets/drift.py": (f"{GENERAL_SETS}test_drift.py",),
+    "general/sets/lattice.py": GENERAL_CUTTING,
+    "general/sets/readings.py": (f"{GENERAL_SETS}test_readings.py",),
+    "general/sets/box.py": GENERAL_CUTTING,
+    "general/sets/curve.py": (f"{GENERAL_SETS}test_arc.py",),
+    "general/sets/arc.py": (f"{GENERAL_SETS}test_arc.py",),
+    "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
+    "general/sets/friction_room.py": (f"{PROOF}test_friction_rounding.py",),
+    "general/sets/friction_rest.py": FRICTION,
+    "general/sets/friction_piece.py": FRICTION,
+    "general/sets/friction_box.py": FRICTION,
+    "general/sets/friction_phases.py": FRICTION,
+    "general/sets/convex.py": (f"{GENERAL_SETS}test_convex.py",),
+    "controllers/proof.py": (f"{CONTROLLER_SETS}test_captors.py", "tests/controllers/test_contraction.py"),
+    "controllers/sets/captors.py": (f"{CONTROLLER_SETS}test_captors.py",),
+    "controllers/sets/arcs.py": (f"{CONTROLLER_SETS}test_arcs.py",),
+    "controllers/sets/polygons.py": (f"{CONTROLLER_SETS}test_polygons.py",),
+    "controllers/sets/follow.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_captors.py"),
+    "controllers/sets/front.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_rounding.py"),
 }
 # Of these files, what would take longer than all others together.
 LEFT_OUT = (f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_with_the_limit",)
 
 
+def path_of(name: str) -> Path:
+    """File of a name in the table: of the engine, or of a folder beside it that the name begins with."""
+    return (PACKAGE if name.startswith("controllers/") else ENGINE) / name
+
+
+def name_of(path: Path) -> str:
+    """Its name in the table."""
+    return path.relative_to(ENGINE if path.is_relative_to(ENGINE) else PACKAGE).as_posix()
+
+
 def watchers_of(path: Path) -> list[Path]:
-    """Files of tests that watch over an engine file."""
-    return [ROOT / name for name in WATCHED[path.relative_to(ENGINE).as_posix()]]
+    """Files of tests that watch over a file."""
+    return [ROOT / name for name in WATCHED[name_of(path)]]

@@ -10,7 +10,7 @@ import pytest
 from tests.conftest import ROOT
 from tests.mutation.accepted import KINDS
 from tests.mutation.mutate import mutants
-from tests.mutation.table import ENGINE, WATCHED, watchers_of
+from tests.mutation.table import WATCHED, path_of, watchers_of
 
 SOURCE = '''\
 """A file."""
@@ -24,6 +24,18 @@ def near(a, b, list):
         if a < b and not list[k + 1] == 2:
             return max(abs(a), 4.0), 0.0
     return False
+
+
+class Ball:
+    """A class."""
+
+    def holds(self, x):
+        """Docstring 1.0."""
+        return x < self.radius
+
+    @property
+    def size(self):
+        return 2.0
 '''
 CHANGES = {
     "MARGIN": {"0.5 => 0.25", "0.5 => 1.0"},
@@ -45,6 +57,7 @@ CHANGES = {
         "max(abs(a), 4.0) => max(abs(a), 8.0)",
         "False => True",
     },
+    "Ball.holds": {"x < self.radius => x <= self.radius", "x < self.radius => x >= self.radius"},
 }
 
 
@@ -55,7 +68,7 @@ def test_every_comparison_coefficient_and_condition_is_changed(tmp_path: Path) -
     found: dict[str, set[str]] = {}
     for one in mutants(path):
         found.setdefault(one.name, set()).add(one.change)
-        assert one.value() if one.function is None else one.code().co_name == "near"
+        assert one.value() if one.function is None else one.code().co_name in ("near", "holds")
     assert found == CHANGES
 
 
@@ -77,7 +90,7 @@ def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
     listed = tomllib.loads((ROOT / "tests/mutation/accepted.toml").read_text())
     assert listed.keys() <= WATCHED.keys()
     for name, entries in listed.items():
-        known = [(one.name, one.text, one.change) for one in mutants(ENGINE / name)]
+        known = [(one.name, one.text, one.change) for one in mutants(path_of(name))]
         for entry in entries:
             assert entry["kind"] in KINDS
             assert len(entry["reason"]) > 20
@@ -90,8 +103,8 @@ def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
 
 def test_every_watched_file_and_its_tests_are_there() -> None:
     for name in WATCHED:
-        assert (ENGINE / name).exists()
-        assert all(test.exists() for test in watchers_of(ENGINE / name))
+        assert (path_of(name)).exists()
+        assert all(test.exists() for test in watchers_of(path_of(name)))
 
 
 @pytest.mark.long

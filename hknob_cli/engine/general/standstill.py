@@ -40,6 +40,16 @@ def stays_held(z, u, body):
     return abs(u - body.push - body.pad_stiffness * d) + swing + late <= body.friction
 
 
+def rest_rounding(z, rest, u, body):
+    """Bound on what roundings move the place of a rest at ``rest`` without friction, and distances of ``z`` from it."""
+    size = 0.0  # of the torques that balance, over the stiffness; the wall's pulls out
+    if body.ratio > 0.0:
+        size = (u + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
+    elif body.beta > 0.0:
+        size = (u + abs(body.drive)) / body.beta
+    return ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]) + size)
+
+
 def settles(z, shown, before, ring, body, wall, orbit, away):
     """Fate of a trial whose reading goes on: ``(fate, margin)``; the rest point is left in ``orbit``.
 
@@ -64,16 +74,14 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         return (AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE), gap
     if wall.analog > 0.0 and shown < 0.0:
         return MOVING, gap
-    drive, size = u - body.push, 0.0  # size: of the torques that balance, over the stiffness; the wall's pulls out
+    drive = u - body.push
     if body.ratio > 0.0:
         if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
             return MOVING, gap
         orbit[2] = drive / body.pad_stiffness
         orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
-        size = (u + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
     elif body.beta > 0.0:
         orbit[0] = (u + body.drive) / body.beta
-        size = (u + abs(body.drive)) / body.beta
     else:
         if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
             return MOVING, gap
@@ -88,7 +96,7 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         away[i] = z[i] - orbit[i]
     rest = orbit[0]
     gap = edge_gap(rest, shown, shown, wall)
-    bound = ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]) + size)
+    bound = rest_rounding(z, rest, u, body)
     reach = distance(away, body)
     if reach + bound < gap:
         return (AT_REST if body.damped else RINGS), gap

@@ -7,10 +7,10 @@ last reading. Reaches are bounds on a distance from the centre in `body.norm`, i
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
-from hknob_cli.engine.general.ensemble import enter, is_cycle
+from hknob_cli.engine.general.ensemble import enter
 from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance
-from hknob_cli.engine.general.standstill import settles, steady
+from hknob_cli.engine.general.standstill import rest_rounding, settles
 from hknob_cli.engine.rest import AT_REST
 
 POINTS_OF_ORBIT = 64  # samples of an orbit, where the wall steps deeper, at which sets are compared with it
@@ -105,13 +105,13 @@ def captor(z, before, ring, head, reach, known, body, wall):
 
 def resting(z, before, ring, reach, known, body, wall):
     """Row of the rest inside one reading where every state within ``reach`` of ``z`` ends; -1 if none is known to."""
-    shown = read(z[0], wall)
-    if not steady(ring, command(shown, shown, wall)):
-        return -1
-    n, space = body.order, known.space
+    n, space, shown = body.order, known.space, read(z[0], wall)
     fate, gap = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
-    # `settles` has left in ``away`` how far ``z`` is from the rest; its own slack is far below an ulp of this factor.
-    if fate != AT_REST or not (distance(space.away, body) + body.reach * reach) * (1.0 + 1e-9) + 1e-12 < gap:
+    if fate != AT_REST:
+        return -1
+    # `settles` has left in ``away`` how far ``z`` is from the rest.
+    bound = rest_rounding(z, space.orbit[0], command(shown, shown, wall), body)
+    if not (distance(space.away, body) + body.reach * reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
         return -1
     for j in range(n):
         known.z[j] = space.orbit[j]
@@ -169,6 +169,6 @@ def seek(z, before, ring, head, budget, limit, known, body, wall):
     )
     if fate == KNOWN:
         return period, used
-    if not (is_cycle(fate) or period > 0 or fate == GREW):
+    if not (period > 0 or fate == GREW):
         return UNPROVEN_END, used
     return add_end(fate, period, before, head, known, body, wall), used

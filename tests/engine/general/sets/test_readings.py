@@ -66,3 +66,40 @@ def test_saturation_alone_makes_readings_alike(kind: str) -> None:
     else:
         assert command(bottom, bottom, wall) == wall.limit
         assert bottom == -1.0 or command(bottom + 1.0, bottom + 1.0, wall) < wall.limit
+
+
+def test_the_deepest_level_is_the_first_that_is_saturated() -> None:
+    """Counted down from the wall's edge; without stiffness nothing saturates."""
+    wall = cell("limit").wall._replace(step=0.0)
+    for kappa in (0.05, 0.3, 1.0, 10.0):
+        for limit in (0.0, 0.5, 7.3):
+            for offset in (0.0, 0.25, 0.9):
+                one, level = wall._replace(kappa=kappa, limit=limit, offset=offset), -1.0
+                while command(level, level, one) < limit:
+                    level -= 1.0
+                assert deepest_level(one) == level
+    assert deepest_level(wall._replace(kappa=0.0, limit=1.0)) == -inf
+    assert deepest_level(wall._replace(kappa=1.0, limit=1.0, damping=1.0)) == -inf
+    assert deepest_level(wall._replace(kappa=1.0, limit=inf)) == -inf
+
+
+@pytest.mark.parametrize(("sense", "truncate"), [(1.0, 0.0), (-1.0, 0.0), (-1.0, 1.0)])
+@pytest.mark.parametrize("damping", [0.0, 0.5])
+def test_levels_and_their_edges_one_by_one(sense: float, truncate: float, damping: float) -> None:
+    """From -5 to 5 by eighths: a level's edges are the least and the most position that act as it does."""
+    wall = cell("limit").wall._replace(sense=sense, truncate=truncate, damping=damping, limit=inf)
+    for bottom in (-inf, -3.0):
+        bottom = -inf if damping > 0.0 else bottom
+        spots: dict[float, list[float]] = {}
+        for k in range(-40, 41):
+            shown = read(k / 8.0, wall)
+            level = shown if damping > 0.0 else max(bottom, min(shown, 0.0))
+            assert acting(k / 8.0, bottom, wall) == level
+            assert remembered(level, wall) == (shown if damping > 0.0 else 0.0)
+            spots.setdefault(level, []).append(k / 8.0)
+        for level, held in spots.items():
+            low, high = lowest(level, bottom, wall), highest(level, wall)
+            assert low in (held[0], held[0] - 0.125) or (held[0] == -5.0 and low in (-inf, -6.0))
+            assert high in (held[-1], held[-1] + 0.125) or (held[-1] == 5.0 and high in (inf, 6.0))
+            assert (low == -inf) == (level == bottom)
+            assert (high == inf) == (level == 0.0 and damping == 0.0)
