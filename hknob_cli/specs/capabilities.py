@@ -116,31 +116,31 @@ _TABLE = {
     #                   |     phases, ranges, anywhere, general_sets, friction_sets, controller_sets
     #                   |     |      basins, record, pulse, perceive
     #                   |     |      |    describing, relay, formulas, bench, device
-    "bias":            "PEPEP PPPPPP PEE~ ~P~E~",
-    "hand":            "PEPEP PPPPPP PEE~ ~P~E~",
-    "grip":            "PEPEP PPPPPP PEE~ ~P~E~",
-    "people":          "P-PEP PPPPPP PEE~ -----",
-    "knob_damping":    "P-PEP PPPPPP PEE~ ~P~E~",
-    "friction":        "--PE- ----P- -EE~ --~E~",
-    "hand_damping":    "P-PEP PPPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PEP PPPPPP PEE~ ~P~E~",
+    "bias":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "friction":        "--PP- ----P- -EE~ --~E~",
+    "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
     "finger":          "--P-- ---P-- -EE~ ---E-",
     "virtual_damping": "--P-- ---PP- -EE~ --~E~",
     "delay":           "PEP-- P--PP- -EE~ ~P~E-",
     "lag":             "--P-- ---P-- -EE~ ---E~",
     "torque_limit":    "--P-P ---PPP -EE~ ---E-",
     "torque_step":     "--P-- ---PP- -EE~ ---E-",
-    "rounding":        "PEPEP PPPPPP PEE~ ~P~E-",
-    "offset":          "PEPEP PPPPPP PEE~ ~P~E-",
-    "bare":            "--PE- ------ -EE~ ---E-",
-    "unsampled":       "---E- ------ -E-- ---E-",
+    "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
+    "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
+    "bare":            "--PP- ------ -EE~ ---E-",
+    "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P -----P -E-~ -----",
     "speed_sensor":    "----P ------ -E-~ -----",
     "kalman":          "----E ------ -E-~ -----",
-    "undamped":        "EEEEE E-E--- -EE~ ~E~E-",
-    "unheld":          "EEEEE E-E--- -EE~ ~E~E-",
-    "unpushed":        "P-PEP PPPPPP PEE~ ~P~E~",
-    "handless":        "EEEEE E----- -EE~ ~E~E-",
+    "undamped":        "EEEEE --E--- EEE~ ~E~E-",
+    "unheld":          "EEEPE --E--- EEE~ ~E~E-",
+    "unpushed":        "P-PPP PPEPPP PEE~ ~P~E~",
+    "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
 
@@ -156,6 +156,7 @@ def _rows() -> dict[tuple[str, str], str]:
 
 VERDICTS = _rows()
 
+_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "controller_sets")
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
@@ -184,8 +185,8 @@ WHY = {
     ("people", "bench"): "its spec has no population",
     ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
     ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
-    ("undamped", "ranges"): "nothing contracts",
-    ("unheld", "ranges"): "differences of motions have no energy that bounds them",
+    **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
+    **{("unheld", column): "no energy bounds how far motions part" for column in _SETS_OF_ONE_START_OR_RANGES},
 }  # fmt: skip
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
@@ -210,17 +211,8 @@ SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where start
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "controllers")
-PHASES = (
-    "bounces",
-    "phases",
-    "general_sets",
-    "friction_sets",
-    "general",
-    "unsampled",
-    "controller_sets",
-    "controllers",
-)
-RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "general", "controller_sets", "controllers")
+PHASES = ("bounces", "phases", "general_sets", "friction_sets", "controller_sets", *TRIALS[1:])
+RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "controller_sets", "general", "controllers")
 ANYWHERE = ("bounces", "anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 
