@@ -53,19 +53,22 @@ COLUMNS = {
     ),
     "general": Column("general loop", "{what} has an engine of its own", group="general"),
     "unsampled": Column(
-        "no sample clock", "{what} is not in a continuous controller", "where sampling is continuous", "unsampled"
+        "without a clock", "{what} is not in a continuous controller", "where sampling is continuous", "unsampled"
     ),
     "controllers": Column(
         "controllers", "{what} is not built beside controllers", "where a controller is given", "remedied"
     ),
-    "phases": Column("all phases, plain", _SETS, group="sets"),
-    "ranges": Column("ranges, plain", _SETS, group="sets"),
+    "phases": Column("sets: all phases", _SETS, group="sets"),
+    "ranges": Column("sets: ranges", _SETS, group="sets"),
     "anywhere": Column(
-        "anywhere", "no region is known that every motion comes into; give ranges", "where starts are anywhere", "sets"
+        "sets: anywhere",
+        "no region is known that every motion comes into; give ranges",
+        "where starts are anywhere",
+        "sets",
     ),
-    "general_sets": Column("sets, general", _SETS, group="general sets"),
-    "friction_sets": Column("sets, friction", _SETS, group="friction sets"),
-    "controller_sets": Column("sets, controllers", _SETS, group="remedied"),
+    "general_sets": Column("sets: more state", _SETS, group="general sets"),
+    "friction_sets": Column("sets: friction", _SETS, group="friction sets"),
+    "controller_sets": Column("sets: controllers", _SETS, group="remedied"),
     "basins": Column(
         "basins", "a map tells starts by angle and velocity alone", "where basins are mapped"
     ),
@@ -289,7 +292,8 @@ def engine_of(scene: Scene, engines: Sequence[str]) -> str:
 def verdict_of(parts: Iterable[str], column: str) -> tuple[str, str]:
     """What a column makes of a scene with these parts, the lowest verdict of all; and of which part or pair."""
     there = frozenset(parts)
-    found = [(VERDICTS[part, column], PARTS[part].title) for part in PARTS if part in there]
+    inherent_first = sorted((part for part in PARTS if part in there), key=lambda part: not PARTS[part].of)
+    found = [(VERDICTS[part, column], PARTS[part].title) for part in inherent_first]
     found += [
         (verdict, f"{PARTS[one].title} with {PARTS[other].title}")
         for (one, other, where), (verdict, _) in EXCEPTIONS.items()

@@ -20,6 +20,7 @@ from hknob_cli.specs.capabilities import (
     WORDS,
     reason,
 )
+from hknob_cli.specs.promise import SETS
 
 TITLES = {
     "phases": "so many phases of one start",
@@ -27,7 +28,6 @@ TITLES = {
     "ranges": "starts in ranges",
     "anywhere": "starts anywhere",
 }
-SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "controller_sets")
 
 _HEAD = """\
 # What goes with what

@@ -21,10 +21,11 @@ from hknob_cli.specs.capabilities import (
     takes,
     verdict_of,
 )
-from hknob_cli.specs.capabilities_page import SETS, page
+from hknob_cli.specs.capabilities_page import page
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import Plan, SweepPlan, scene_at
+from hknob_cli.specs.promise import SETS, not_proven
 from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep import SweepStage
 from tests.conftest import ROOT
@@ -190,6 +191,38 @@ def test_growth_refuses_what_the_table_says(part: str) -> None:
         return
     assert isinstance(plan, SweepPlan)
     assert takes("bounces", parts_of(plan.scene))
+
+
+@pytest.mark.parametrize(
+    ("part", "starts", "said"),
+    [
+        ("lag", "one", []),
+        ("bare", "phases", []),
+        (
+            "bare",
+            "ranges",
+            ["some starts will be followed, not all: sets of states are not followed with a continuous sensor"],
+        ),
+        (
+            "kalman",
+            "phases",
+            ["what is found will not be proven: the scene has a controller with a Kalman filter"],
+        ),
+    ],
+)
+def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]) -> None:
+    plan = planned(part, starts=KINDS[starts])
+    assert isinstance(plan, SweepPlan)
+    assert not_proven(plan) == said
+
+
+def test_friction_with_lag_is_told_as_what_hinders() -> None:
+    plan = planned("lag", starts=KINDS["one"])
+    assert isinstance(plan, SweepPlan)
+    rubbed = plan._replace(scene=plan.scene._replace(knob=plan.scene.knob._replace(coulomb_torque=1e-5)))
+    assert not_proven(rubbed) == [
+        "some phases of the start will be followed, not all: sets of states are not followed with Coulomb friction"
+    ]
 
 
 def test_every_column_has_a_title_of_its_own() -> None:
