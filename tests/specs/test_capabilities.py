@@ -119,8 +119,7 @@ def _sweeps_as_the_table_says(part: str, starts: str) -> None:
         assert cell.get("complete", engine in SETS) == (engine in SETS)
     else:
         assert verdict == EXACT
-        assert cell["certified_fraction"] < 1.0
-        assert not cell.get("complete")
+        assert cell["certified_fraction"] < 1.0 or (engine in SETS and not cell["complete"])
 
 
 @pytest.mark.parametrize("part", CHANGES)
