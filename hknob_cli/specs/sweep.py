@@ -105,7 +105,7 @@ class SweepSpec(Part):
         """What excludes something else: places in the spec, and what is wrong there."""
         starts, people = kind_of_starts(self.starts), self.population is not None
         found = [] if isinstance(self.starts, str) else self.starts.faults()
-        if not found and starts in ("ranges", "anywhere"):
+        if starts in ("ranges", "anywhere"):
             found += start_refusals(self.scene, axes, starts, people=people)
         asked = [one for one in ("record", "growth", "basins", "population", "perceive") if getattr(self, one)]
         found += apart(asked, starts)
