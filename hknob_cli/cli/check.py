@@ -49,6 +49,8 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     from hknob_cli.cli.job import work_of
     from hknob_cli.specs.kinds import PIPELINE
     from hknob_cli.specs.load import is_ledger, kind_of, load, load_pipeline
+    from hknob_cli.specs.plan import SweepPlan
+    from hknob_cli.specs.promise import not_proven
 
     kind = kind_of(path)
     if kind == PIPELINE:
@@ -68,6 +70,9 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     job = Job(kind=kind, plan=plan, out=Path("results") / plan.name, quiet=quiet)
     work_of(kind).verify(job)
     _warn(path, job)
+    if isinstance(plan, SweepPlan) and not quiet:
+        for text in not_proven(plan):
+            say(f"{path}: {text}")
     return f"{kind} '{plan.name}', {_size(plan)}"
 
 

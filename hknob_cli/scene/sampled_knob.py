@@ -47,21 +47,6 @@ class SampledKnob(NamedTuple):
         return self.inertia_kg_m2 * (speed * speed)  # not a power: over arrays its rounding may differ
 
 
-def is_plain(scene: Scene) -> bool:
-    """Whether the plain loop has all that the scene lists."""
-    actuator = scene.actuator or Actuator()
-    return (
-        scene.sampled
-        and scene.encoder is not None
-        and scene.knob.coulomb_torque == 0.0
-        and scene.wall.damping == 0.0
-        and (scene.hand is None or scene.hand.finger is None)
-        and actuator.time_constant == 0.0
-        and actuator.torque_limit is None
-        and actuator.torque_step == 0.0
-    )
-
-
 def sample_knob(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> SampledKnob:
     """Reduce a scene to one cell. Raises `ComputationError` if its numbers overflow."""
     knob, size = reduce_scene(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)

@@ -1,7 +1,7 @@
 """The specs of the analyses that need no simulation: describing functions, and laws."""
 
 from math import pi
-from typing import Annotated, Any, ClassVar, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 from pydantic import Field
 
@@ -10,18 +10,6 @@ from hknob_cli.specs.plan import Axes, DfaPlan, PredictPlan
 from hknob_cli.specs.quantity import PositiveAngle, SampleRate
 from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.sweep import Name
-
-# Scene values that no analysis has.
-ABSENT = {
-    "knob.coulomb_torque": "Coulomb friction",
-    "wall.damping": "virtual damping",
-    "hand.finger": "a finger apart from the knob",
-    "hand.fingerpad": "a fingerpad",
-    "actuator.time_constant": "actuator lag",
-    "actuator.torque_limit": "a torque limit",
-    "actuator.torque_step": "a torque step",
-    "controller.kind": "a controller",
-}
 
 Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]
 Law = Literal["quantum_period", "describing_function", "energy_balance"]
@@ -41,8 +29,6 @@ class DfaSpec(Part):
         Field(default_factory=lambda: ["df1", "df4", "tsypkin", "sampled"]),
     ]
     against: Folder | None = None
-
-    ABSENT: ClassVar[dict[str, str]] = ABSENT
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> DfaPlan:
         """The spec as plain values, its axes resolved."""
@@ -85,10 +71,6 @@ class PredictSpec(Part):
         Field(description="C of p2p = C q T, 1/s, or a known case to take it from; null: analytic, 2K/(pi b)"),
     ] = None
     against: Folder | None = None
-
-    ABSENT: ClassVar[dict[str, str]] = {
-        path: what for path, what in ABSENT.items() if path not in ("knob.coulomb_torque", "wall.damping")
-    }
 
     def plan(self, axes: Axes, units: dict[str, str], values: dict[str, Any]) -> PredictPlan:
         """The spec as plain values, its axes resolved."""

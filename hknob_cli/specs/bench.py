@@ -12,7 +12,8 @@ from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import Counts
 from hknob_cli.specs.plan import COUNTS, BenchPlan, BenchScene
 from hknob_cli.specs.quantity import Angle, PositiveSeconds, SampleRate, Velocity
-from hknob_cli.specs.scene import Part, SceneSpec, contradictions
+from hknob_cli.specs.refusals import contradictions, refusals
+from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.source import Path_, Source
 from hknob_cli.specs.sweep import Name
 
@@ -179,9 +180,7 @@ def _wrong(source: Source, spec: BenchSceneSpec, place: Any) -> list[Fault]:
         from hknob_cli.specs.hand_from import take_hand
 
         found += take_hand(source, spec.scene.hand, {})
-    found += contradictions(spec.scene, {COUNTS: [1]})
-    if spec.scene.controller:
-        found.append((("scene", "controller"), "must be absent: bench has no rival with a controller"))
+    found += contradictions(spec.scene, {COUNTS: [1]}) + refusals(spec.scene, {}, ["bench"])
     bare = spec.scene.encoder == "none"
     if spec.counts_per_rev is None and not bare:
         found.append(((COUNTS,), "missing, and required"))

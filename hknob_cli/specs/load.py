@@ -21,7 +21,8 @@ from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
 from hknob_cli.specs.population import PopulationSpec
-from hknob_cli.specs.scene import SceneSpec, contradictions, given
+from hknob_cli.specs.refusals import contradictions, refusals
+from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.scene_paths import axis_unit
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import MOST_CELLS, LimitsSpec, SweepSpec
@@ -153,7 +154,7 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
         from hknob_cli.specs.hand_from import take_hand
 
         faults += [source.fault(path, text) for path, text in take_hand(source, scene.hand, axes)]
-    faults += more + _missing_axes(source, scene) + _absent(source, model, scene, axes)
+    faults += more + _missing_axes(source, scene) + _refused(source, scene, axes)
     if scene:
         faults += [source.fault(path, text) for path, text in contradictions(scene, axes)]
     people: Population | None = None
@@ -228,21 +229,11 @@ def _missing_axes(source: Source, scene: SceneSpec | None) -> list[Fault]:
     ]
 
 
-def _absent(source: Source, model: type[Spec], scene: SceneSpec | None, axes: Axes) -> list[Fault]:
+def _refused(source: Source, scene: SceneSpec | None, axes: Axes) -> list[Fault]:
     """Faults of scene values that this kind of spec cannot have."""
-    faults: list[Fault] = []
-    kind = source.value["kind"]
-    if scene is None:
-        return faults
-    for name, what in model.ABSENT.items():
-        for place in given(scene, axes, name):
-            at_key = place[0] == "grid"
-            faults.append(source.fault(place, f"must be absent: {what} is not in {kind}", at_key=at_key))
-    if model.ABSENT and scene.encoder == "none":
-        faults.append(source.fault(("scene", "encoder"), f"must be a mapping: {kind} needs an encoder's counts"))
-    if model.ABSENT and scene.sampling == "continuous":
-        faults.append(source.fault(("scene", "sampling"), f"must be zero_order_hold: {kind} is about a sampled wall"))
-    return faults
+    column = {"dfa": "describing", "predict": "formulas"}.get(source.value["kind"])
+    found = refusals(scene, axes, [column]) if scene and column else []
+    return [source.fault(place, text, at_key=place[0] == "grid") for place, text in found]
 
 
 def _limit(source: Source, model: type[Spec]) -> Limit:

@@ -9,10 +9,9 @@ from pydantic import ConfigDict, Discriminator, Field, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.specs import plan
-from hknob_cli.specs.controller import ControllerSpec, controller_contradictions
-from hknob_cli.specs.hand import HandSpec, hand_contradictions
+from hknob_cli.specs.controller import ControllerSpec
+from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.part import Part as Part
-from hknob_cli.specs.part import Place
 from hknob_cli.specs.quantity import Damping, Inertia, Seconds, Stiffness, Torque
 
 
@@ -119,70 +118,3 @@ class SceneSpec(Part):
             sampled=self.sampling == "zero_order_hold",
             controller=self.controller.plain() if self.controller else None,
         )
-
-
-def given(scene: SceneSpec, axes: plan.Axes, path: str) -> list[tuple[str, ...]]:
-    """Places in the spec where the value at ``path``, a part and a key, is other than if it were not listed."""
-    part, key = path.split(".")
-    model = getattr(scene, part)
-    places: list[tuple[str, ...]] = []
-    if model is None or model == "none":
-        return places
-    absent = type(model).model_fields[key].default
-    if getattr(model, key) != absent:
-        places.append(("scene", part, key))
-    elif isinstance(model, HandSpec) and model.measured and getattr(model.plain(), key) != absent:
-        places.append(("scene", part, model.measured))
-    if any(value != absent for value in axes.get(path, [])):
-        places.append(("grid", path))
-    return places
-
-
-def contradictions(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]:
-    """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
-    found: list[tuple[Place, str]] = []
-    if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
-        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
-    if scene.hand and scene.hand.finger:
-        for key in ("inertia", "damping", "stiffness"):
-            if f"hand.{key}" in axes:
-                found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
-    found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
-    if scene.controller:
-        found += controller_contradictions(scene.controller, axes)
-        found += _beside_controller(scene, axes)
-    if scene.sampling == "continuous":
-        needs_clock = {
-            ("wall", "damping"): "virtual damping needs samples to difference",
-            ("actuator", "delay_samples"): "a delay in samples needs a sample clock",
-            ("actuator", "time_constant"): "actuator lag is not in a continuous controller",
-            ("actuator", "torque_step"): "a torque step is not in a continuous controller",
-            ("actuator", "torque_limit"): "a torque limit is not in a continuous controller",
-        }
-        for path, why in needs_clock.items():
-            for place in given(scene, axes, ".".join(path)):
-                found.append((place, f"must be absent where sampling is continuous: {why}"))
-        if scene.hand and scene.hand.finger:
-            found.append((("scene", "hand", "finger"), "must be absent where sampling is continuous"))
-    return found
-
-
-def _beside_controller(scene: SceneSpec, axes: plan.Axes) -> list[tuple[Place, str]]:
-    """Parts of a scene that no controller has been built for."""
-    found: list[tuple[Place, str]] = []
-    for path in (
-        "knob.coulomb_torque",
-        "wall.damping",
-        "hand.finger",
-        "actuator.delay_samples",
-        "actuator.time_constant",
-        "actuator.torque_step",
-    ):
-        found += [(place, "must be absent where a controller is given") for place in given(scene, axes, path)]
-    if scene.encoder == "none":
-        found.append((("scene", "encoder"), "must be absent where a controller is given: it reads counts"))
-    if scene.sampling == "continuous":
-        found.append((("scene", "sampling"), "must be absent where a controller is given: it has a sample clock"))
-    if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
-        found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
-    return found

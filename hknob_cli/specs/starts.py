@@ -4,23 +4,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
-from hknob_cli.specs.plan import Axes, Starts
+from hknob_cli.specs.part import Part, Place
+from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.quantity import Angle, Velocity
-from hknob_cli.specs.scene import Part, SceneSpec, given
 
 RANDOM = 256  # drawn from ranges, where not all can be followed at once and the spec does not say how many
 PHASES = 64  # of one start, sampled where the motions of a scene cannot be followed all at once
-
-# What a plain cell does not have.
-_MORE = (
-    "knob.coulomb_torque",
-    "wall.damping",
-    "hand.finger",
-    "actuator.time_constant",
-    "actuator.torque_limit",
-    "actuator.torque_step",
-    "actuator.delay_samples",
-)
 
 
 def _form(value: Any) -> str:
@@ -78,12 +67,12 @@ class StartsSpec(Part):
         """Whether every start in a box is meant."""
         return isinstance(self.angle, tuple) or isinstance(self.velocity, tuple)
 
-    def faults(self) -> list[tuple[tuple[str, ...], str]]:
+    def faults(self) -> list[tuple[Place, str]]:
         """What is wrong with a range: places in the spec, and why."""
         if not self.spans:
             why = "must be absent where angle and velocity are not ranges: there is nothing to draw from"
             return [(("starts", "random"), why)] if self.random is not None else []
-        found: list[tuple[tuple[str, ...], str]] = []
+        found: list[tuple[Place, str]] = []
         for name in ("angle", "velocity"):
             value = getattr(self, name)
             if not isinstance(value, tuple):
@@ -120,41 +109,13 @@ AnyStarts = Annotated[
 ]
 
 
-def spanned(starts: StartsSpec | str) -> str:
-    """What is said of starts that are not one, with its verb; empty where they are one."""
+def kind_of_starts(starts: StartsSpec | str) -> str:
+    """Which of `capabilities.STARTS` is meant."""
     if isinstance(starts, str):
-        return "starts are anywhere"
-    return "starts are a range" if starts.spans else ""
+        return "anywhere"
+    return "ranges" if starts.spans else "one" if starts.phases is None else "phases"
 
 
 def plain_starts(starts: StartsSpec | str) -> Starts:
     """The starts as plain values."""
     return Starts(0.0, 0.0, PHASES, False, anywhere=True) if isinstance(starts, str) else starts.plain()
-
-
-def start_faults(
-    scene: SceneSpec, axes: Axes, *, population: bool, starts: StartsSpec | str
-) -> list[tuple[tuple[str, ...], str]]:
-    """What in a scene excludes starts that are many."""
-    if isinstance(starts, str):
-        why = "must be absent where starts are anywhere: no region is known that every motion comes into; give ranges"
-        found = beyond_plain(scene, axes, why)
-        if not scene.hand and not population:
-            found.append((("starts",), "must not be anywhere without a hand: nothing draws the knob back"))
-        return found
-    if scene.sampling == "continuous":
-        return [(("scene", "sampling"), "must not be continuous where starts are a range")]
-    return []
-
-
-def beyond_plain(scene: SceneSpec, axes: Axes, why: str) -> list[tuple[tuple[str, ...], str]]:
-    """Places in a scene of what plain cells do not have, and ``why`` that must be absent."""
-    found = [(place, why) for path in _MORE for place in given(scene, axes, path)]
-    if scene.controller:
-        found.append((("scene", "controller"), why))
-    kept = why.partition(" where ")[2].partition(":")[0]
-    if scene.encoder == "none":
-        found.append((("scene", "encoder"), f"must not be none where {kept}"))
-    if scene.sampling == "continuous":
-        found.append((("scene", "sampling"), f"must not be continuous where {kept}"))
-    return found

@@ -1,6 +1,6 @@
 """The sweep's spec: a scene, a grid, and how trials start."""
 
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -11,44 +11,14 @@ from hknob_cli.specs.plan import RATE, Axes, Pulse, Record, SweepPlan
 from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
-from hknob_cli.specs.scene import Part, SceneSpec, given
-from hknob_cli.specs.starts import AnyStarts, StartsSpec, beyond_plain, plain_starts, spanned, start_faults
+from hknob_cli.specs.refusals import Faults, apart, refusals, start_refusals
+from hknob_cli.specs.scene import Part, SceneSpec
+from hknob_cli.specs.starts import AnyStarts, StartsSpec, kind_of_starts, plain_starts
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", max_length=80)]
-
-
-# Values that must be absent where the growth of energy without damping is asked for.
-DAMPING = (
-    "knob.damping",
-    "knob.coulomb_torque",
-    "hand.damping",
-    "hand.stiffness",
-    "hand.finger",
-    "wall.damping",
-    "actuator.time_constant",
-    "actuator.torque_limit",
-    "actuator.torque_step",
-)
-
-
-# Parts of a sweep that need trials from one start.
-ONE_START = {"record": "a recording begins at one start", "growth": "bounces are collected from one start"}
-
-
-def growth_faults(scene: SceneSpec, axes: Axes) -> list[tuple[tuple[str, ...], str]]:
-    """What in a scene is not the bouncing ball: a sampled knob that nothing damps or holds (Hasser, sec. 6.4.1)."""
-    why = "must be absent where 'growth' is given: it is of a knob that nothing damps or holds"
-    found = [(place, why) for path in DAMPING for place in given(scene, axes, path)]
-    if scene.sampling == "continuous":
-        found.append((("growth",), "must be absent where sampling is continuous: energy does not grow"))
-    if scene.encoder == "none":
-        found.append((("growth",), "must be absent where encoder is none"))
-    if not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0:
-        found.append((("growth",), "must be absent without a bias into the wall: nothing brings the knob back to it"))
-    return found
 
 
 class LimitsSpec(Part):
@@ -131,40 +101,25 @@ class SweepSpec(Part):
     population: PopulationSpec | None = None
     perceive: PerceiveSpec | None = None
 
-    ABSENT: ClassVar[dict[str, str]] = {}
-
-    def contradictions(self, axes: Axes, points: Points | None) -> list[tuple[tuple[str, ...], str]]:
+    def contradictions(self, axes: Axes, points: Points | None) -> Faults:
         """What excludes something else: places in the spec, and what is wrong there."""
-        found: list[tuple[tuple[str, ...], str]] = []
-        if self.growth:
-            found += growth_faults(self.scene, axes)
-        found += [] if isinstance(self.starts, str) else self.starts.faults()
-        if said := spanned(self.starts):
-            found += start_faults(self.scene, axes, population=self.population is not None, starts=self.starts)
-            why = f"must be absent where {said}"
-            found += [((part,), f"{why}: {what}") for part, what in ONE_START.items() if getattr(self, part)]
-        if self.basins and (isinstance(self.starts, str) or not self.starts.spans):
-            found.append((("basins",), "must be absent where starts are not ranges: a map is of every start in a box"))
-        elif self.basins:
-            why = "must be absent where basins are mapped: a map tells starts by angle and velocity alone"
-            found += beyond_plain(self.scene, axes, why)
+        starts, people = kind_of_starts(self.starts), self.population is not None
+        found = [] if isinstance(self.starts, str) else self.starts.faults()
+        if starts in ("ranges", "anywhere"):
+            found += start_refusals(self.scene, axes, starts, people=people)
+        asked = [one for one in ("record", "growth", "basins", "population", "perceive") if getattr(self, one)]
+        found += apart(asked, starts)
+        columns = {"growth": "bounces", "basins": "basins", "perceive": "perceive"}
+        for one in asked:
+            if one in columns and (one != "basins" or starts == "ranges"):
+                found += refusals(self.scene, axes, [columns[one]])
+        if self.record and self.record.pulse:
+            found += refusals(self.scene, axes, ["pulse"])
         if self.basins and (mapped := self.basins.points**2 * len(cells_over(axes, points))) > MOST_ROWS:
             text = f"must be less, or the cells fewer: {mapped:.2g} starts would be mapped, at most {MOST_ROWS}"
             found.append((("basins", "points"), text))
-        if self.perceive and self.scene.sampling == "continuous":
-            found.append((("perceive",), "must be absent where sampling is continuous: no cycle is proven there"))
-        if self.perceive and self.growth:
-            found.append((("perceive",), "must be absent where 'growth' is given: what nothing damps has no cycle"))
-        if self.population and self.growth:
-            found.append((("growth",), "must be absent where a population is given: its hands damp"))
         if self.population and self.scene.hand:
             found.append((("scene", "hand"), "must be absent where a population is given, which has the hands"))
-        if self.record and self.record.pulse and self.scene.sampling == "continuous":
-            found.append((("record", "pulse"), "must be absent where sampling is continuous"))
-        if self.record and self.record.pulse and self.scene.controller:
-            found.append((("record", "pulse"), "must be absent where a controller is given"))
-        if self.growth and self.scene.controller:
-            found.append((("growth",), "must be absent where a controller is given"))
         if self.record:
             rows = self._recorded_rows(axes, points)
             if rows > MOST_ROWS:

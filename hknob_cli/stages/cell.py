@@ -11,8 +11,9 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
+from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, kind_of_starts, parts_of, takes
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.stages.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
@@ -52,13 +53,6 @@ class CellResult(NamedTuple):
     perceived: tuple[Any, ...] = ()  # stages.perceived.Perceived, one an attractor, where asked for
 
 
-def is_ball(scene: Scene) -> bool:
-    """Whether a scene is the bouncing ball: a push into the wall, and nothing that holds or damps (Hasser, 6.4.1)."""
-    hand, bias = scene.hand or Hand(), scene.bias or Bias(torque=0.0)
-    free = scene.knob.damping + hand.damping + hand.stiffness == 0.0
-    return is_plain(scene) and free and bool(bias.torque or bias.half_quantum) and scene.wall.stiffness > 0.0
-
-
 def may_bounce(plan: SweepPlan) -> bool:
     """Whether a sweep has cells of the bouncing ball: exact for a grid, for each axis bears on the matter by itself."""
     if plan.scene.controller:
@@ -70,32 +64,17 @@ def may_bounce(plan: SweepPlan) -> bool:
         if name not in (GRIP, PERSON)
     }
     hands = [{GRIP: grip} for grip in plan.axes.get(GRIP, [])] or [{PERSON: who} for who in plan.axes.get(PERSON, [])]
-    return any(is_ball(scene_at(plan.scene, {**cell, **hand})) for hand in hands or [{}])
+    return any(takes("bounces", parts_of(scene_at(plan.scene, {**cell, **hand}))) for hand in hands or [{}])
 
 
 def group_of(scene: Scene) -> str:
-    """Group of engine functions that a scene takes."""
-    if not scene.sampled:
-        return "unsampled"
-    if is_ball(scene):
-        return "bounces"
-    return "plain" if is_plain(scene) else "general"
+    """Group of engine functions that trials of a scene take."""
+    return COLUMNS[engine_of(scene, TRIALS)].group
 
 
 def engine_group(plan: SweepPlan, scene: Scene) -> str:
     """Group of engine functions that a cell of a sweep takes: by its scene, and by whether all starts are meant."""
-    group = group_of(scene)
-    if plan.starts.sampled or group not in ("plain", "general") or scene.encoder is None:
-        return group
-    if group == "plain" and not plan.starts.span:
-        return "sets"
-    if group == "plain" and not (scene.actuator and scene.actuator.delay_samples > 0.0):
-        hand = scene.hand or Hand()
-        return "sets" if scene.knob.damping + hand.damping > 0.0 and hand.stiffness > 0.0 else "general"
-    if scene.knob.coulomb_torque == 0.0:
-        return "general sets"
-    lagging = scene.actuator is not None and scene.actuator.time_constant > 0.0
-    return "general" if lagging or (scene.hand and scene.hand.finger) else "friction sets"
+    return COLUMNS[engine_of(scene, STARTS[kind_of_starts(plan.starts)])].group
 
 
 def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:

@@ -17,6 +17,7 @@ from hknob_cli.results.arrays import spell
 from hknob_cli.results.columns import CELLS, EVERY_START, ONE_START, Column
 from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.specs.capabilities import deciding
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.cell import group_of
@@ -28,18 +29,7 @@ GROUP = "cells"  # of compiled functions, `engine.jit`
 EVERY_PHASE_GROUP = "arc_cells"
 
 # Axes that decide, by being 0 or not, whether a scene is plain.
-_DECIDING = (
-    "knob.damping",
-    "knob.coulomb_torque",
-    "hand.damping",
-    "hand.stiffness",
-    "wall.stiffness",
-    "wall.damping",
-    "bias.torque",
-    "actuator.time_constant",
-    "actuator.torque_limit",
-    "actuator.torque_step",
-)
+_DECIDING = deciding("plain", "bounces")
 
 
 def takes_plain(plan: SweepPlan) -> bool:

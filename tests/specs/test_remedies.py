@@ -80,7 +80,7 @@ def test_parts_that_no_controller_has_been_built_for(old: str, new: str, place: 
 def test_analyses_refuse_a_controller(kind: str) -> None:
     text = SPEC.replace("grid:", "  controller: {kind: stiffening}\ngrid:").replace("kind: sweep", f"kind: {kind}")
     text = text[: text.index("starts:")]
-    assert f"scene.controller.kind: must be absent: a controller is not in {kind}" in faults_of(text)
+    assert f"scene.controller: must be absent: a controller is not in {kind}" in faults_of(text)
 
 
 def test_every_kind_has_its_numbers_in_the_plan() -> None:

@@ -1,0 +1,307 @@
+"""What goes with what: each part of a scene beside each engine, law and command. One table, which all others read.
+
+Validation and its messages (`specs.refusals`), the choice of the engine (`engine_of`) and docs/capabilities.md
+(`specs.capabilities_page`) are made from it. `P`: the motion is exact, and what is found is proven: limit cycles, and
+with sets of starts that their list is complete. `E`: the motion is exact, what is found is not proven. `~`: estimated,
+by a formula, published numbers or a record. `-`: refused. A verdict is that of a scene with this one part. Of several
+parts the lowest verdict counts; `EXCEPTIONS` has the pairs that are lower still.
+"""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene, Starts
+
+PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
+WORDS = {PROVEN: "exact and proven", EXACT: "exact", ESTIMATED: "estimated", REFUSED: "refused"}
+LOWEST_FIRST = REFUSED + ESTIMATED + EXACT + PROVEN
+
+
+class Column(NamedTuple):
+    """An engine, a law or a command.
+
+    ``title``: its name in a text; ``why``: why it refuses what it does, where `WHY` has no other reason (``{what}`` is
+    the part); ``when``: the end of a fault's demand, with its preposition; ``group``: an engine's compiled functions.
+    """
+
+    title: str
+    why: str
+    when: str = ""
+    group: str = ""
+
+
+class Part(NamedTuple):
+    """A part of a scene, or what a scene amounts to.
+
+    ``title``: its name in a text; ``path``: its key, by which a fault names its place; empty for what is no key.
+    ``verb``: what a fault demands; ``when``: the end of the demand that something else must be absent beside it.
+    ``of``: of what is no key, the numbers that it follows from.
+    """
+
+    title: str
+    path: str = ""
+    verb: str = "must be absent"
+    when: str = ""
+    of: tuple[str, ...] = ()
+
+
+_SETS = "sets of its states are followed by another engine, or not at all"
+COLUMNS = {
+    "plain": Column("plain loop", "the plain loop has one body, held torques and counts", group="plain"),
+    "bounces": Column(
+        "bouncing ball", "it is of a knob that nothing damps or holds", "where 'growth' is given", "bounces"
+    ),
+    "general": Column("general loop", "{what} has an engine of its own", group="general"),
+    "unsampled": Column(
+        "without a clock", "{what} is not in a continuous controller", "where sampling is continuous", "unsampled"
+    ),
+    "controllers": Column(
+        "controllers", "{what} is not built beside controllers", "where a controller is given", "remedied"
+    ),
+    "phases": Column("sets: all phases", _SETS, group="sets"),
+    "ranges": Column("sets: ranges", _SETS, group="sets"),
+    "anywhere": Column(
+        "sets: anywhere",
+        "no region is known that every motion comes into; give ranges",
+        "where starts are anywhere",
+        "sets",
+    ),
+    "general_sets": Column("sets: more state", _SETS, group="general sets"),
+    "friction_sets": Column("sets: friction", _SETS, group="friction sets"),
+    "controller_sets": Column("sets: controllers", _SETS, group="remedied"),
+    "basins": Column(
+        "basins", "a map tells starts by angle and velocity alone", "where basins are mapped"
+    ),
+    "record": Column("record", ""),
+    "pulse": Column("pulse", "{what} is not built for pulses"),
+    "perceive": Column("perceive", ""),
+    "describing": Column("dfa: dfN, tsypkin", "{what} is not in dfa"),
+    "relay": Column("dfa: sampled", "{what} is not in dfa"),
+    "formulas": Column("predict", "{what} is not in predict"),
+    "bench": Column("bench", "bench has no rival with {what}"),
+    "device": Column("hw-run", "the spec of a device has no such key"),
+}  # fmt: skip
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
+
+PARTS = {
+    "bias": Part("a bias torque", "bias.torque"),
+    "hand": Part("a hand", "hand"),
+    "grip": Part("a hand by its grip", "hand.grip_n"),
+    "people": Part("a population", "population"),
+    "knob_damping": Part("damping of the knob", "knob.damping"),
+    "friction": Part("Coulomb friction", "knob.coulomb_torque"),
+    "hand_damping": Part("damping of the hand", "hand.damping"),
+    "hand_stiffness": Part("stiffness of the hand", "hand.stiffness"),
+    "finger": Part("a finger apart from the knob", "hand.finger"),
+    "virtual_damping": Part("virtual damping", "wall.damping"),
+    "delay": Part("a delay", "actuator.delay_samples"),
+    "lag": Part("actuator lag", "actuator.time_constant"),
+    "torque_limit": Part("a torque limit", "actuator.torque_limit"),
+    "torque_step": Part("a torque step", "actuator.torque_step"),
+    "rounding": Part("rounding other than floor", "encoder.rounding"),
+    "offset": Part("an offset of the encoder", "encoder.offset_counts"),
+    "bare": Part("a continuous sensor", "encoder", "must not be none", "where encoder is none"),
+    "unsampled": Part("no sample clock", "sampling", "must not be continuous", "where sampling is continuous"),
+    "controller": Part("a controller", "controller", when="where a controller is given"),
+    "speed_sensor": Part("a controller that reads a velocity sensor", "controller.velocity"),
+    "kalman": Part("a controller with a Kalman filter", "controller.estimate"),
+    "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
+    "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
+    "unpushed": Part(
+        "no push into the wall", when="without a bias into the wall", of=("bias.torque", "wall.stiffness")
+    ),
+    "handless": Part("no hand", when="without a hand"),
+}
+
+# Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
+_TABLE = {
+    #                   plain, bounces, general, unsampled, controllers
+    #                   |     phases, ranges, anywhere, general_sets, friction_sets, controller_sets
+    #                   |     |      basins, record, pulse, perceive
+    #                   |     |      |    describing, relay, formulas, bench, device
+    "bias":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "friction":        "--PP- ----P- -EE~ --~E~",
+    "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
+    "finger":          "--P-- ---P-- -EE~ ---E-",
+    "virtual_damping": "--P-- ---PP- -EE~ --~E~",
+    "delay":           "PEP-- P--PP- -EE~ ~P~E-",
+    "lag":             "--P-- ---P-- -EE~ ---E~",
+    "torque_limit":    "--P-P ---PPP -EE~ ---E-",
+    "torque_step":     "--P-- ---PP- -EE~ ---E-",
+    "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
+    "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
+    "bare":            "--PP- ------ -EE~ ---E-",
+    "unsampled":       "---P- ------ -E-- ---E-",
+    "controller":      "----P -----P -E-~ -----",
+    "speed_sensor":    "----P ------ -E-~ -----",
+    "kalman":          "----E ------ -E-~ -----",
+    "undamped":        "EEEEE --E--- EEE~ ~E~E-",
+    "unheld":          "EEEPE --E--- EEE~ ~E~E-",
+    "unpushed":        "P-PPP PPEPPP PEE~ ~P~E~",
+    "handless":        "EEEPE ------ -EE~ ~E~E-",
+}  # fmt: skip
+
+
+def _rows() -> dict[tuple[str, str], str]:
+    found: dict[tuple[str, str], str] = {}
+    for part in PARTS:
+        letters = _TABLE[part].replace(" ", "")
+        if len(letters) != len(COLUMNS):
+            raise ValueError(f"the row of {part} has {len(letters)} verdicts for {len(COLUMNS)} columns")
+        found |= {(part, column): letter for column, letter in zip(COLUMNS, letters, strict=True)}
+    return found
+
+
+VERDICTS = _rows()
+
+_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "controller_sets")
+# Why a part is refused, where its column's own reason does not say it.
+WHY = {
+    ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
+    ("delay", "unsampled"): "a delay in samples needs a sample clock",
+    ("unsampled", "bounces"): "energy does not grow",
+    ("unsampled", "controllers"): "it has a sample clock",
+    ("bare", "controllers"): "it reads counts",
+    ("bare", "bounces"): "its engine reads counts",
+    ("controller", "bounces"): "growth is of the plain wall",
+    ("unsampled", "ranges"): "states in ranges are those at a sample",
+    ("unsampled", "pulse"): "a pulse is not built without a sample clock",
+    ("controller", "pulse"): "a pulse is not built beside controllers",
+    ("unpushed", "bounces"): "nothing brings the knob back to it",
+    ("handless", "anywhere"): "nothing draws the knob back",
+    ("unsampled", "perceive"): "no cycle is proven there",
+    ("bare", "describing"): "dfa needs an encoder's counts",
+    ("bare", "relay"): "dfa needs an encoder's counts",
+    ("bare", "formulas"): "predict needs an encoder's counts",
+    ("unsampled", "describing"): "dfa is about a sampled wall",
+    ("unsampled", "relay"): "dfa is about a sampled wall",
+    ("unsampled", "formulas"): "predict is about a sampled wall",
+    ("people", "bounces"): "its hands damp",
+    ("people", "describing"): "its spec has no population",
+    ("people", "relay"): "its spec has no population",
+    ("people", "formulas"): "its spec has no population",
+    ("people", "bench"): "its spec has no population",
+    ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
+    ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
+    **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
+    **{("unheld", column): "no energy bounds how far motions part" for column in _SETS_OF_ONE_START_OR_RANGES},
+}  # fmt: skip
+# Refusals whose fault stands at what is asked for, not at the part of the scene.
+AT = {
+    **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},
+    **{(part, "pulse"): ("record", "pulse") for part in ("unsampled", "controller")},
+    ("unsampled", "perceive"): ("perceive",),
+    ("handless", "anywhere"): ("starts",),
+}  # fmt: skip
+# Pairs of parts whose verdict in a column is lower than that of each of them.
+EXCEPTIONS = {
+    ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
+}
+# What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
+APART = (
+    ("record", ("ranges", "anywhere"), "", "a recording begins at one start"),
+    ("growth", ("ranges", "anywhere"), "", "bounces are collected from one start"),
+    ("basins", ("phases", "one", "anywhere"), "where starts are not ranges", "a map is of every start in a box"),
+    ("perceive", ("growth",), "where 'growth' is given", "what nothing damps has no cycle"),
+    ("growth", ("population",), "where a population is given", "its hands damp"),
+)
+SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where starts are anywhere"}
+
+# Engines that may take a scene, by its starts; the first that takes all of its parts does.
+TRIALS = ("bounces", "plain", "general", "unsampled", "controllers")
+PHASES = ("bounces", "phases", "general_sets", "friction_sets", "controller_sets", *TRIALS[1:])
+RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "controller_sets", "general", "controllers")
+ANYWHERE = ("bounces", "anywhere")
+STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
+
+_REFUSED = {
+    column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS
+}  # fmt: skip
+
+
+def parts_of(scene: Scene) -> frozenset[str]:
+    """Which of `PARTS` a scene has, and what it amounts to."""
+    knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
+    encoder, controller, finger = scene.encoder or Encoder(), scene.controller, hand.finger
+    pad = hand.fingerpad or Fingerpad()
+    pushed = scene.bias is not None and bool(scene.bias.torque or scene.bias.half_quantum) and wall.stiffness > 0.0
+    damping = knob.damping + (pad.damping + finger.damping if finger else hand.damping)
+    soft = pad.stiffness == 0.0 or finger.stiffness == 0.0 if finger else hand.stiffness == 0.0
+    found = {
+        "bias": scene.bias is not None,
+        "hand": scene.hand is not None,
+        "grip": bool(hand.by_grip),
+        "people": bool(hand.by_person),
+        "knob_damping": knob.damping != 0.0,
+        "friction": knob.coulomb_torque != 0.0,
+        "hand_damping": hand.damping != 0.0,
+        "hand_stiffness": hand.stiffness != 0.0,
+        "finger": finger is not None,
+        "virtual_damping": wall.damping != 0.0,
+        "delay": actuator.delay_samples != 0.0,
+        "lag": actuator.time_constant != 0.0,
+        "torque_limit": actuator.torque_limit is not None,
+        "torque_step": actuator.torque_step != 0.0,
+        "rounding": encoder.rounding != "floor",
+        "offset": encoder.offset_counts != 0.0,
+        "bare": scene.encoder is None,
+        "unsampled": not scene.sampled,
+        "controller": controller is not None,
+        "speed_sensor": controller is not None and controller.velocity == "sensor",
+        "kalman": controller is not None and controller.estimate == "kalman",
+        "undamped": damping == 0.0 and knob.coulomb_torque == 0.0,
+        "unheld": soft,
+        "unpushed": not pushed,
+        "handless": scene.hand is None,
+    }
+    return frozenset(part for part, there in found.items() if there)
+
+
+def takes(column: str, parts: Iterable[str]) -> bool:
+    """Whether an engine, law or command takes a scene with these parts."""
+    return _REFUSED[column].isdisjoint(parts)
+
+
+def deciding(*columns: str) -> frozenset[str]:
+    """Paths of the numbers by which a scene has parts that one of these columns refuses."""
+    refused = frozenset().union(*(_REFUSED[column] for column in columns))
+    return frozenset(path for part in refused for path in (PARTS[part].path, *PARTS[part].of) if path)
+
+
+def kind_of_starts(starts: Starts) -> str:
+    """Which of `STARTS` is meant."""
+    if starts.anywhere:
+        return "anywhere"
+    return "ranges" if starts.span else "phases" if starts.sampled else "one"
+
+
+def engine_of(scene: Scene, engines: Sequence[str]) -> str:
+    """The first of ``engines`` that takes a scene. Raises `ValueError` where none does, which validation excludes."""
+    parts = parts_of(scene)
+    for engine in engines:
+        if takes(engine, parts):
+            return engine
+    raise ValueError(f"no engine takes a scene with {', '.join(sorted(parts))}")
+
+
+def verdict_of(parts: Iterable[str], column: str) -> tuple[str, str]:
+    """What a column makes of a scene with these parts, the lowest verdict of all; and of which part or pair."""
+    there = frozenset(parts)
+    inherent_first = sorted((part for part in PARTS if part in there), key=lambda part: not PARTS[part].of)
+    found = [(VERDICTS[part, column], PARTS[part].title) for part in inherent_first]
+    found += [
+        (verdict, f"{PARTS[one].title} with {PARTS[other].title}")
+        for (one, other, where), (verdict, _) in EXCEPTIONS.items()
+        if where == column and {one, other} <= there
+    ]
+    return min(found, key=lambda one: LOWEST_FIRST.index(one[0]), default=(PROVEN, ""))
+
+
+def reason(part: str, column: str) -> str:
+    """Why a column refuses a part, as the end of a sentence."""
+    return WHY.get((part, column)) or COLUMNS[column].why.format(what=PARTS[part].title)

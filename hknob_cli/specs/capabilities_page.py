@@ -1,0 +1,100 @@
+"""docs/capabilities.md, made of the table of `specs.capabilities`."""
+
+from collections.abc import Callable, Iterator
+
+from hknob_cli.specs.capabilities import (
+    APART,
+    ASKED,
+    COLUMNS,
+    COMMANDS,
+    ENGINES,
+    ESTIMATED,
+    EXCEPTIONS,
+    LOWEST_FIRST,
+    PARTS,
+    PROVEN,
+    REFUSED,
+    STARTS,
+    VERDICTS,
+    WHY,
+    WORDS,
+    reason,
+)
+from hknob_cli.specs.promise import SETS
+
+TITLES = {
+    "phases": "so many phases of one start",
+    "one": "all phases of one start",
+    "ranges": "starts in ranges",
+    "anywhere": "starts anywhere",
+}
+
+_HEAD = """\
+# What goes with what
+
+This page is made from the program itself (`make schemas`). The table that it shows, `hknob_cli/specs/capabilities.py`,
+also decides what a spec may say, what its faults tell, and which engine a cell takes.
+
+- **exact and proven** (in the tables: **proven**): the motion is exact, and each limit cycle found is proven. Of all
+  phases of one start, ranges and `anywhere` also the list of cycles is proven to be complete.
+- **exact**: the motion is exact, what is found is not proven.
+- **estimated**: by a formula, by published numbers, from a record, or from some of the starts in question.
+- **refused**: a spec that asks for it is at fault.
+
+A verdict is that of a scene with this one part, which is otherwise a plain sampled wall with a hand. Of several parts
+the lowest verdict counts. A cell can still fail to be proven, for example when a sample lies on a count edge; its row
+then says why.
+"""
+
+
+def verdict_for_starts(part: str, starts: str) -> str:
+    """What a sweep from such ``starts`` makes of a part: that of the first engine which takes it."""
+    engines = [one for one in STARTS[starts] if one != "bounces"]
+    taking = next((one for one in engines if VERDICTS[part, one] != REFUSED), None)
+    found = VERDICTS[part, taking] if taking else REFUSED
+    if starts != "phases" and taking not in SETS and part != "unsampled":
+        return min(found, ESTIMATED, key=LOWEST_FIRST.index)  # some of the starts are followed
+    return found
+
+
+def page() -> str:
+    """The text of docs/capabilities.md."""
+    return "\n".join(_lines()) + "\n"
+
+
+def _lines() -> Iterator[str]:
+    yield _HEAD
+    yield "## What a sweep makes of a scene, by its starts\n"
+    yield from _table(list(TITLES.values()), lambda part: [verdict_for_starts(part, one) for one in STARTS])
+    yield "\n## What else a sweep is asked for, laws and commands\n"
+    growth = ("bounces", *ASKED, *COMMANDS)
+    titles = ["growth", *(COLUMNS[one].title for one in growth[1:])]
+    yield from _table(titles, lambda part: [VERDICTS[part, one] for one in growth])
+    yield "\n## Which engine takes which part\n"
+    yield "Of the engines for the starts in question the first that takes all parts of a cell is chosen:\n"
+    for starts, engines in STARTS.items():
+        yield f"- {TITLES[starts]}: {', '.join(COLUMNS[one].title for one in engines)}."
+    yield ""
+    yield from _table([COLUMNS[one].title for one in ENGINES], lambda part: [VERDICTS[part, one] for one in ENGINES])
+    yield "\nTwo parts together can be less than each of them:\n"
+    for (one, other, column), (verdict, why) in EXCEPTIONS.items():
+        what = f"{PARTS[one].title} with {PARTS[other].title}"
+        yield f"- {what}, {COLUMNS[column].title}: {WORDS[verdict]}, because {why}."
+    yield "\n## Why parts are refused\n"
+    for column, row in COLUMNS.items():
+        if any(VERDICTS[part, column] == REFUSED for part in PARTS):
+            usual = row.why.format(what="it")
+            own = [f"{PARTS[part].title}: {reason(part, column)}" for part in PARTS if (part, column) in WHY]
+            yield f"- {row.title}: {'; '.join([usual, *own])}."
+    yield "\n## What a sweep cannot be asked for at once\n"
+    for one, others, _, why in APART:
+        yield f"- `{one}` with {' or '.join(TITLES.get(other, f'`{other}`') for other in others)}: {why}."
+
+
+def _table(titles: list[str], letters: Callable[[str], list[str]]) -> Iterator[str]:
+    """A table with a row for each part, and its verdicts in words; ``letters`` gives those of a part."""
+    yield f"| part of a scene | {' | '.join(titles)} |"
+    yield "|---|" + "---|" * len(titles)
+    for part, row in PARTS.items():
+        words = ["**proven**" if one == PROVEN else WORDS[one] for one in letters(part)]
+        yield f"| {row.title} | {' | '.join(words)} |"

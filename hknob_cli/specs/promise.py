@@ -1,0 +1,44 @@
+"""What a sweep will not prove, told before it is run, by the table of `specs.capabilities`."""
+
+from collections.abc import Iterator
+
+from hknob_cli.specs.capabilities import (
+    PARTS,
+    PROVEN,
+    REFUSED,
+    STARTS,
+    VERDICTS,
+    engine_of,
+    kind_of_starts,
+    parts_of,
+    verdict_of,
+)
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
+
+SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "controller_sets")  # engines of sets of starts
+
+
+def not_proven(plan: SweepPlan) -> list[str]:
+    """A line for each reason why a sweep's results will not all be proven, by its first and its last cell."""
+    cells = cells_of(plan)
+    scenes = [scene_at(plan.scene, cell) for i in (0, len(cells) - 1) for cell in cells.run(i, i + 1)]
+    return list(dict.fromkeys(text for scene in scenes for text in _of_scene(scene, plan.starts)))
+
+
+def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
+    kind, parts = kind_of_starts(starts), parts_of(scene)
+    engine = engine_of(scene, STARTS[kind])
+    if kind in ("one", "ranges") and engine not in SETS and scene.sampled:
+        what = "phases of the start" if kind == "one" else "starts"
+        yield f"some {what} will be followed, not all: sets of states are not followed with {_hindrance(parts, kind)}"
+    verdict, part = verdict_of(parts, engine)
+    if verdict != PROVEN:
+        yield f"what is found will not be proven: the scene has {part}"
+
+
+def _hindrance(parts: frozenset[str], kind: str) -> str:
+    """The parts for which no sets of starts are followed: those that the engine refuses which refuses the fewest."""
+    engines = [one for one in STARTS[kind] if one in SETS and ("controller" in parts) == (one == "controller_sets")]
+    refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
+    return " and ".join(PARTS[part].title for part in min(refused, key=len))

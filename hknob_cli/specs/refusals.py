@@ -1,0 +1,109 @@
+"""What in a scene excludes something else: faults by the one table of `specs.capabilities`, and of two spellings."""
+
+from collections.abc import Iterable, Sequence
+
+from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
+from hknob_cli.specs.controller import controller_contradictions
+from hknob_cli.specs.hand import HandSpec, hand_contradictions
+from hknob_cli.specs.part import Place
+from hknob_cli.specs.plan import Axes
+from hknob_cli.specs.scene import SceneSpec
+
+Faults = list[tuple[Place, str]]
+
+
+def refusals(scene: SceneSpec, axes: Axes, columns: Sequence[str], *, people: bool = False, when: str = "") -> Faults:
+    """Parts of a scene, or of its grid, that every one of ``columns`` refuses: places in the spec, and what is wrong.
+
+    ``people``: whether the spec has a population, which brings the hands; ``when``: the end of the demand, by default
+    that of the first column, whose reason is given.
+    """
+    column = columns[0]
+    when = when or COLUMNS[column].when
+    found: Faults = []
+    for part, row in PARTS.items():
+        if not all(VERDICTS[part, one] == REFUSED for one in columns):
+            continue
+        places = [place for place in _places(part, scene, axes, people=people) if not _within(place, found)]
+        why = reason(part, column)
+        if places and (part, column) in AT:
+            verb = "must not be anywhere" if column == "anywhere" else "must be absent"
+            found.append((AT[part, column], f"{verb} {row.when}: {why}"))
+        else:
+            found += [(place, f"{row.verb} {when}: {why}" if when else f"{row.verb}: {why}") for place in places]
+    return found
+
+
+def start_refusals(scene: SceneSpec, axes: Axes, starts: str, *, people: bool) -> Faults:
+    """Parts of a scene for whose ``starts``, a key of `capabilities.STARTS`, there is no engine."""
+    engines = [one for one in STARTS[starts] if one != "bounces"]
+    return refusals(scene, axes, engines, people=people, when=SAID_OF_STARTS.get(starts, ""))
+
+
+def apart(asked: Iterable[str], starts: str) -> Faults:
+    """Parts of a sweep that do not go with one another, or with its ``starts``."""
+    there = {*asked, starts}
+    found: Faults = []
+    for one, others, when, why in APART:
+        beside = [other for other in others if other in there]
+        if one in there and beside:
+            found.append(((one,), f"must be absent {when or SAID_OF_STARTS[beside[0]]}: {why}"))
+    return found
+
+
+def _places(part: str, scene: SceneSpec, axes: Axes, *, people: bool) -> list[Place]:
+    """Where a spec has a part; what a scene amounts to is at the scene."""
+    there = {
+        "bare": scene.encoder == "none",
+        "unsampled": scene.sampling == "continuous",
+        "controller": scene.controller is not None,
+        "people": people,
+        "handless": not scene.hand and not people,
+        "unpushed": not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0,
+    }
+    path = PARTS[part].path
+    if part in there:
+        return [("scene", path) if path else ("scene",)] if there[part] else []
+    return given(scene, axes, path) if "." in path else []
+
+
+def _within(place: Place, found: Faults) -> bool:
+    """Whether a place lies inside one that is at fault as a whole."""
+    return any(len(one) > 1 and place[: len(one)] == one for one, _ in found)
+
+
+def given(scene: SceneSpec, axes: Axes, path: str) -> list[Place]:
+    """Places in the spec where the value at ``path``, a part and a key, is other than if it were not listed."""
+    part, key = path.split(".")
+    model = getattr(scene, part)
+    places: list[Place] = []
+    if model is None or model == "none":
+        return places
+    absent = type(model).model_fields[key].default
+    if getattr(model, key) != absent:
+        places.append(("scene", part, key))
+    elif isinstance(model, HandSpec) and model.measured and getattr(model.plain(), key) != absent:
+        places.append(("scene", part, model.measured))
+    if any(value != absent for value in axes.get(path, [])):
+        places.append(("grid", path))
+    return places
+
+
+def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
+    """What in a scene, with its grid, excludes something else: places in the spec, and what is wrong there."""
+    found: Faults = []
+    if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
+        found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
+    if scene.hand and scene.hand.finger:
+        for key in ("inertia", "damping", "stiffness"):
+            if f"hand.{key}" in axes:
+                found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
+    found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
+    if scene.controller:
+        found += controller_contradictions(scene.controller, axes)
+        found += refusals(scene, axes, ["controllers"])
+        if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
+            found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
+    elif scene.sampling == "continuous":
+        found += refusals(scene, axes, ["unsampled"])
+    return found

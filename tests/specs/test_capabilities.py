@@ -1,0 +1,232 @@
+"""Tests of `specs.capabilities`: the program does what the table says, pair by pair, on a cell that is done quickly."""
+
+from copy import deepcopy
+from typing import Any
+
+import pytest
+
+from hknob_cli.errors import SpecError
+from hknob_cli.specs.bench import merged
+from hknob_cli.specs.capabilities import (
+    COLUMNS,
+    EXACT,
+    PARTS,
+    PROVEN,
+    REFUSED,
+    STARTS,
+    VERDICTS,
+    WHY,
+    engine_of,
+    parts_of,
+    takes,
+    verdict_of,
+)
+from hknob_cli.specs.capabilities_page import page
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.plan import Plan, SweepPlan, scene_at
+from hknob_cli.specs.promise import SETS, not_proven
+from hknob_cli.specs.source import Source
+from hknob_cli.stages.sweep import SweepStage
+from tests.conftest import ROOT
+
+BASE: dict[str, Any] = {
+    "kind": "sweep",
+    "name": "small",
+    "scene": {
+        "knob": {"inertia": 1.9e-6},
+        "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
+        "wall": {"stiffness": 0.27},
+        "bias": {"torque": 0.001},
+    },
+    "grid": {"sample_rate_hz": [1000.0], "counts_per_rev": [256]},
+}
+FINGER = {
+    "inertia": None,
+    "damping": None,
+    "stiffness": None,
+    "finger": {"inertia": 3e-7, "damping": 3e-4, "stiffness": 0.5},
+    "fingerpad": {"damping": 1e-3, "stiffness": 20.0},
+}
+# How the base gets each part; what it has anyway takes nothing.
+CHANGES: dict[str, dict[str, Any]] = {
+    "bias": {},
+    "hand": {},
+    "grip": {"scene": {"hand": {"inertia": None, "damping": None, "stiffness": None, "table": 1, "grip_n": 0.71}}},
+    "knob_damping": {"scene": {"knob": {"damping": 1e-5}}},
+    "friction": {"scene": {"knob": {"coulomb_torque": 1e-5}}},
+    "hand_damping": {},
+    "hand_stiffness": {},
+    "finger": {"scene": {"hand": FINGER}},
+    "virtual_damping": {"scene": {"wall": {"damping": 2e-5}}},
+    "delay": {"scene": {"actuator": {"delay_samples": 0.5}}},
+    "lag": {"scene": {"actuator": {"time_constant": 1e-4}}},
+    "torque_limit": {"scene": {"actuator": {"torque_limit": 0.005}}},
+    "torque_step": {"scene": {"actuator": {"torque_step": 1e-4}}},
+    "rounding": {"scene": {"encoder": {"rounding": "nearest"}}},
+    "offset": {"scene": {"encoder": {"offset_counts": 0.3}}},
+    "bare": {"scene": {"encoder": "none"}, "grid": {"counts_per_rev": None}},
+    "unsampled": {"scene": {"sampling": "continuous"}, "grid": {"sample_rate_hz": None}},
+    "controller": {"scene": {"controller": {"kind": "bounded_lag"}}},
+    "speed_sensor": {"scene": {"controller": {"kind": "half_sample", "velocity": "sensor"}}},
+    "kalman": {"scene": {"controller": {"kind": "phase_damping", "estimate": "kalman"}}},
+    "undamped": {"scene": {"hand": {"damping": 0.0}}},
+    "unheld": {"scene": {"hand": {"stiffness": 0.0}}},
+    "unpushed": {"scene": {"bias": None}},
+    "handless": {"scene": {"hand": None, "knob": {"damping": 3.45e-4}}},
+}
+KINDS: dict[str, Any] = {
+    "phases": {"angle": 0.02, "phases": 2},
+    "one": {"angle": 0.02},
+    "ranges": {"angle": [-0.01, 0.01], "velocity": [-0.5, 0.5], "random": 2},
+    "anywhere": "anywhere",
+}
+
+
+def planned(part: str, **more: Any) -> Plan:
+    """The plan of the base with a part and with more keys; without those that are None."""
+    source = Source("spec.yaml")
+    values = {**merged(deepcopy(BASE), CHANGES[part]), **more}
+    source.value = {name: value for name, value in values.items() if value is not None}
+    return validate(source)
+
+
+def test_every_part_has_its_change() -> None:
+    assert set(CHANGES) == set(PARTS) - {"people"}
+    for part in CHANGES:
+        plan = planned(part)
+        assert isinstance(plan, SweepPlan)
+        assert part in parts_of(plan.scene)
+    assert set(WHY) <= set(VERDICTS)
+
+
+def _sweeps_as_the_table_says(part: str, starts: str) -> None:
+    engines = [one for one in STARTS[starts] if one != "bounces"]
+    try:
+        plan = planned(part, starts=KINDS[starts])
+    except SpecError:
+        assert all(VERDICTS[part, one] == REFUSED for one in engines)
+        return
+    assert isinstance(plan, SweepPlan)
+    assert not all(VERDICTS[part, one] == REFUSED for one in engines)
+    scene = scene_at(plan.scene, next(iter(cells_of(plan))))
+    engine = engine_of(scene, STARTS[starts])
+    verdict, _ = verdict_of(parts_of(scene), engine)
+    tables = SweepStage(plan, jobs=1).run()
+    cell = tables.cells.to_pylist()[0]
+    if verdict == PROVEN:
+        assert cell["certified_fraction"] == 1.0
+        assert cell.get("complete", engine in SETS) == (engine in SETS)
+    else:
+        assert verdict == EXACT
+        assert cell["certified_fraction"] < 1.0 or (engine in SETS and not cell["complete"])
+
+
+@pytest.mark.parametrize("part", CHANGES)
+def test_trials_are_proven_where_the_table_says(part: str) -> None:
+    _sweeps_as_the_table_says(part, "phases")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("starts", ["one", "ranges", "anywhere"])
+@pytest.mark.parametrize("part", CHANGES)
+def test_sets_of_starts_are_proven_where_the_table_says(part: str, starts: str) -> None:
+    _sweeps_as_the_table_says(part, starts)
+
+
+ASKED: dict[str, dict[str, Any]] = {
+    "basins": {"starts": KINDS["ranges"], "basins": {"points": 2}},
+    "record": {"starts": KINDS["one"], "record": {"duration": 0.01}},
+    "pulse": {"starts": KINDS["one"], "record": {"duration": 0.01, "pulse": {"torque": 0.01, "duration": 0.001}}},
+    "perceive": {"starts": KINDS["phases"], "perceive": {"knob_radius": 0.0089}},
+    "describing": {"kind": "dfa", "methods": ["df1", "tsypkin"]},
+    "relay": {"kind": "dfa", "methods": ["sampled"]},
+    "formulas": {"kind": "predict"},
+}
+
+
+@pytest.mark.parametrize("column", ASKED)
+@pytest.mark.parametrize("part", CHANGES)
+def test_specs_are_refused_where_the_table_says(part: str, column: str) -> None:
+    """One fault or more where the table refuses the part, none where it does not."""
+    try:
+        planned(part, **ASKED[column])
+        refused = False
+    except SpecError:
+        refused = True
+    base = parts_of(planned(part).scene)  # type: ignore[union-attr]
+    assert refused == (not takes(column, base))
+
+
+@pytest.mark.parametrize("part", CHANGES)
+def test_a_benchmark_refuses_what_the_table_says(part: str) -> None:
+    scene = merged(deepcopy(BASE), CHANGES[part])["scene"]
+    trial = {"scene": scene, "sample_rate_hz": 1000.0, "counts_per_rev": 256, "duration": 0.01}
+    try:
+        planned("bias", kind="bench", scene=None, grid=None, base=trial, scenes={"one": {}})
+        refused = False
+    except SpecError:
+        refused = True
+    assert refused == (VERDICTS[part, "bench"] == REFUSED)
+
+
+@pytest.mark.parametrize("part", CHANGES)
+def test_growth_refuses_what_the_table_says(part: str) -> None:
+    """Of a scene without a hand, which is the bouncing ball, and with the part."""
+    ball = {"scene": {"hand": CHANGES[part].get("scene", {}).get("hand")}}
+    values = merged(merged(deepcopy(BASE), CHANGES[part]), ball if part not in ("hand",) else {})
+    source = Source("spec.yaml")
+    source.value = {**values, "starts": KINDS["phases"], "growth": {"duration": 0.01}}
+    source.value["scene"].setdefault("knob", {}).pop("damping", None) if part == "handless" else None
+    try:
+        plan = validate(source)
+    except SpecError:
+        plain = {**source.value}
+        plain.pop("growth")
+        source.value = plain
+        found = validate(source)
+        assert isinstance(found, SweepPlan)
+        assert not takes("bounces", parts_of(found.scene))
+        return
+    assert isinstance(plan, SweepPlan)
+    assert takes("bounces", parts_of(plan.scene))
+
+
+@pytest.mark.parametrize(
+    ("part", "starts", "said"),
+    [
+        ("lag", "one", []),
+        ("bare", "phases", []),
+        (
+            "bare",
+            "ranges",
+            ["some starts will be followed, not all: sets of states are not followed with a continuous sensor"],
+        ),
+        (
+            "kalman",
+            "phases",
+            ["what is found will not be proven: the scene has a controller with a Kalman filter"],
+        ),
+    ],
+)
+def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]) -> None:
+    plan = planned(part, starts=KINDS[starts])
+    assert isinstance(plan, SweepPlan)
+    assert not_proven(plan) == said
+
+
+def test_friction_with_lag_is_told_as_what_hinders() -> None:
+    plan = planned("lag", starts=KINDS["one"])
+    assert isinstance(plan, SweepPlan)
+    rubbed = plan._replace(scene=plan.scene._replace(knob=plan.scene.knob._replace(coulomb_torque=1e-5)))
+    assert not_proven(rubbed) == [
+        "some phases of the start will be followed, not all: sets of states are not followed with Coulomb friction"
+    ]
+
+
+def test_every_column_has_a_title_of_its_own() -> None:
+    assert len({row.title for row in COLUMNS.values()}) == len(COLUMNS)
+
+
+def test_stored_page_is_current() -> None:
+    assert (ROOT / "docs" / "capabilities.md").read_text() == page(), "make schemas"
