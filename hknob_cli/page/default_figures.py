@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from hknob_cli.figures.campaign_samples import MOST
+from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
+from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.page.default_sysid import sysid_figures
-from hknob_cli.page.figures.campaign_samples import MOST
-from hknob_cli.page.figures.cell_dots import MOST as MOST_DOTS
-from hknob_cli.page.figures.what_matters import can_tell
 from hknob_cli.page.planned_figure import planned
 from hknob_cli.report.large import varying
 from hknob_cli.report.means import differs
