@@ -209,7 +209,7 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
 
         drawn = draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
     else:
-        from hknob_cli.figures.picture import draw_sweep
+        from hknob_cli.figures.plot import draw_sweep
 
         drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
     if drawn or not axes:

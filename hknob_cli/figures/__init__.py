@@ -9,6 +9,7 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.figures.theme import styled
 from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:
@@ -77,8 +78,8 @@ MODULES: dict[str, str] = {
 
 def drawing(function: Drawing) -> Drawing:
     """Register a drawing under its name."""
-    DRAWINGS[function.__name__] = function
-    return function
+    DRAWINGS[function.__name__] = styled(function)
+    return DRAWINGS[function.__name__]
 
 
 def drawing_of(name: str) -> Drawing:

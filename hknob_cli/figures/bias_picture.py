@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from hknob_cli.figures.estimators import COLOURS, MARKERS, NAMES
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.study import NUISANCES, PARAMETERS, Row
 
 if TYPE_CHECKING:

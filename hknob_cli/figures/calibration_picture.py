@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.matrix import short
 
 Row = dict[str, Any]

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.design import limits, name_of
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.plan import COUNTS, RATE

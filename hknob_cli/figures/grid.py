@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hknob_cli.figures.picture import axis_name
+from hknob_cli.figures.labels import axis_name
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.matrix import labels, short
 from hknob_cli.report.means import MEANS, mean_beside

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from hknob_cli.figures.estimators import COLOURS, MARKERS, NAMES
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.study import Row
 
 

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-from hknob_cli.figures.picture import axis_name, colour_map, save
+from hknob_cli.figures.colour_map import colour_map
+from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.hw_run import cells_of, quiet_text
 from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.specs.plan import COUNTS, RATE

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hknob_cli.figures.bars import draw_bars
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.dfa import nearest_cycles
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan

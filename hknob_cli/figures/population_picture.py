@@ -3,7 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.figures.picture import axis_name, colour_map, save
+from hknob_cli.figures.colour_map import colour_map
+from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.population import Row, by_cell, describe_people, pitches, sizes
 from hknob_cli.specs.plan import PERSON

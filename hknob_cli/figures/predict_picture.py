@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING, Any
 import pyarrow as pa
 
 from hknob_cli.figures.bars import draw_bars
-from hknob_cli.figures.picture import axis_name, colour_map, is_geometric, save
+from hknob_cli.figures.colour_map import colour_map
+from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.sheet import save
+from hknob_cli.figures.ticks import is_geometric
 from hknob_cli.report.matrix import is_whole
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from math import log2
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.remedies_over import over_axis, said
 
 REACH = 3.0  # of the colours: eight times smaller or larger

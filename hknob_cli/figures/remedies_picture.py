@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

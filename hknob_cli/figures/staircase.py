@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_label, tick_labels
-from hknob_cli.figures.picture import is_geometric
+from hknob_cli.figures.ticks import is_geometric
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 from hknob_cli.specs.plan import COUNTS, RATE
 

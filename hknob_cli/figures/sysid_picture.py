@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures.estimators import COLOURS, MARKERS, NAMES
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.recordings.columns import UNNAMED
 
 if TYPE_CHECKING:

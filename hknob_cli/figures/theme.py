@@ -1,4 +1,4 @@
-"""How figures look on the page, and their SVG: the same bytes for the same picture, readable on light and dark.
+"""How figures look, and their SVG: the same bytes for the same picture, readable on light and dark.
 
 Text and axes are black in matplotlib and `currentColor` in the SVG, so that they take the page's colour; text stays
 text.
@@ -6,6 +6,7 @@ Series differ in line style or marker beside colour, so that they survive grey p
 (2008) for colour-blind readers, those of them that stand out on white and on near-black. Maps use cividis.
 """
 
+import functools
 import io
 import re
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,8 @@ from hknob_cli.errors import printable
 from hknob_cli.figures.literal import literal
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from matplotlib.figure import Figure
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8C7A00", "#56B4E9", "#7F7F7F")
@@ -48,12 +51,23 @@ _SETTINGS: Any = {  # matplotlib types its settings one by one
 }
 
 
+def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":
+    """A function that draws in the kit's style, and leaves no trace of it."""
+
+    @functools.wraps(draw)
+    def styled_draw(*args: Any, **options: Any) -> "Figure":
+        import matplotlib as mpl
+
+        with mpl.rc_context(_SETTINGS):
+            return draw(*args, **options)
+
+    return styled_draw
+
+
 def figure(height: float = 3.2, width: float = WIDTH) -> "Figure":
     """An empty figure of the page's style, in inches."""
-    import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    mpl.rcParams.update(_SETTINGS)
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -38,3 +38,8 @@ def plain(value: float) -> str:
     mantissa = value / 10.0**power
     raised = f"10{str(power).translate(_RAISED)}"
     return raised if abs(mantissa - 1.0) < 1e-6 else f"{mantissa:g}\u00b7{raised}"
+
+
+def is_geometric(values: list[float]) -> bool:
+    """Whether axis values grow by a factor rather than by a step."""
+    return len(values) > 2 and values[-1] / values[-2] > 0.9 * values[1] / values[0] and values[1] > 1.2 * values[0]

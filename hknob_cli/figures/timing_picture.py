@@ -5,7 +5,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.hardware.order import period_ns
 from hknob_cli.hardware.timing import audit, histogram, jitter_of
 from hknob_cli.specs.plan import RATE

@@ -11,7 +11,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.report.matrix import short
 
 MOST_PANELS = 6

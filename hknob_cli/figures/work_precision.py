@@ -9,7 +9,7 @@ from math import ceil, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from hknob_cli.figures.picture import save
+from hknob_cli.figures.sheet import save
 from hknob_cli.figures.ticks import plain
 
 if TYPE_CHECKING:

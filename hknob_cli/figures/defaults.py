@@ -4,9 +4,9 @@ from typing import Any
 
 from hknob_cli.figures.campaign_samples import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
+from hknob_cli.figures.default_sysid import sysid_figures
+from hknob_cli.figures.planned_figure import planned
 from hknob_cli.figures.what_matters import can_tell
-from hknob_cli.page.default_sysid import sysid_figures
-from hknob_cli.page.planned_figure import planned
 from hknob_cli.report.large import varying
 from hknob_cli.report.means import differs
 from hknob_cli.report.perceived import perceived_levels
@@ -70,8 +70,17 @@ def _sweep(result: Result) -> list[FigurePlan]:
 
 
 def _grown(result: Result, wide: list[str]) -> list[FigurePlan]:
-    draw = "grid_map" if _is_map(result, wide) else "axis_lines" if len(wide) == 1 else "cell_dots"
-    return [planned(result, draw, "growth of energy", "Mean of the trials.", column="growth_j_per_s2")]
+    """Growth over the grid, and as lines with the standard error of the mean (Hasser, Figs 29, 30)."""
+    column = {"column": "growth_j_per_s2"}
+    figures = []
+    lines = len(wide) == 1 or _is_map(result, wide)
+    if len(wide) != 1:
+        draw = "grid_map" if lines else "cell_dots"
+        figures = [planned(result, draw, "growth of energy", "Mean of the trials.", **column)]
+    if lines:
+        error = {"error": "growth_std_j_per_s2", "trials": "growth_fits"}
+        figures.append(planned(result, "grid_lines", "growth by axis", "Bars are standard errors.", **column, **error))
+    return figures
 
 
 def _maps(result: Result, caption: str) -> list[FigurePlan]:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hknob_cli.page.planned_figure import planned
+from hknob_cli.figures.planned_figure import planned
 from hknob_cli.results.result_set import Result
 from hknob_cli.specs.page_plan import FigurePlan
 
