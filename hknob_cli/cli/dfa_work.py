@@ -57,7 +57,7 @@ class DfaWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Nyquist curves with the relay's rays, and sizes over the grid; over many axes what matters most."""
-        from hknob_cli.figures.nyquist_picture import draw_dfa
+        from hknob_cli.figures.plot import draw_dfa
 
         drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:

@@ -52,7 +52,7 @@ class PredictWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Every law over one axis or two; over more, or over a design, what matters most."""
-        from hknob_cli.figures.predict_picture import draw_predictions
+        from hknob_cli.figures.plot import draw_predictions
 
         axes, name = list(job.plan.axes), job.plan.name
         drawn = draw_predictions(tables[0], axes, title=name, path=paths[0])

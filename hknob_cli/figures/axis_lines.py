@@ -1,5 +1,6 @@
 """Size and pitch of the cells over the one axis that varies: a line for each method or law, or for each of a sweep."""
 
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
@@ -20,8 +21,8 @@ def axis_lines(evidence: ResultSet, of: str, *, column: str | None = None) -> "F
     """Peak to peak (mrad) and frequency (Hz) over the axis that varies, or one ``column``; a line a series.
 
     Series are the methods or laws of an analysis, with the sweep that it is compared with, or of a sweep the largest
-    attractor and the mean. Of several cycles of a method in a cell the line has the largest. A cell at rest is at 0.
-    Raises `MissingError` where no axis varies, or several do.
+    attractor and the mean. Of several cycles of a method in a cell the line has the largest. A cell at rest is at 0;
+    outside a method's domain a line is thin. Raises `MissingError` where no axis varies, or several do.
     """
     result = evidence[of]
     cells = cells_of(result, column=column)
@@ -45,12 +46,17 @@ def _draw(panels: "list[Axes]", series: Series, over: str, index: int) -> None:
         known = best.get(point.row[over])
         if known is None or (point.values[0] or 0.0) > (known[0] or 0.0):
             best[point.row[over]] = point.values
+    outside = {point.row[over] for point in series.points if series.by_domain and not point.row["in_domain"]}
     style = theme.series(index) | {"marker": theme.MARKERS[index % len(theme.MARKERS)], "markersize": 4.5}
     for i, panel in enumerate(panels):
         shown = [(x, y) for x, values in sorted(best.items()) if (y := values[i]) is not None]
         if i:  # at rest there is no pitch
             shown = [(x, y) for x, y in shown if y]
-        panel.plot([x for x, _ in shown], [y for _, y in shown], label=series.name or None, **style)
+        xs, ys = [x for x, _ in shown], [y for _, y in shown]
+        if outside:
+            panel.plot(xs, ys, **{**theme.series(index), "linewidth": 0.7, "alpha": 0.6})
+            ys = [nan if x in outside else y for x, y in shown]
+        panel.plot(xs, ys, label=series.name or None, **style)
 
 
 def _finish(panels: "list[Axes]", cells: Cells, over: str, label: str, *, signed: bool) -> None:

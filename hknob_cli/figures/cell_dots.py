@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.cell_series import Cells, Point, cells_of, place_of
-from hknob_cli.figures.population_picture import cumulative
+from hknob_cli.figures.population import cumulative
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -22,10 +22,11 @@ class Point(NamedTuple):
 
 
 class Series(NamedTuple):
-    """Points of one name."""
+    """Points of one name; ``by_domain``: of a method or law, which has a domain."""
 
     name: str
     points: list[Point]
+    by_domain: bool = False
 
 
 class Cells(NamedTuple):
@@ -68,7 +69,7 @@ def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
         found: dict[str, list[Point]] = {row[choice]: [] for row in rows}
         for point in mean:
             found[point.row[choice]].append(point)
-        series = [Series(name, points) for name, points in found.items()]
+        series = [Series(name, points, "in_domain" in names) for name, points in found.items()]
         if "sweep_p2p_rad" in names:
             cells = list({tuple(row[axis] for axis in result.axes): row for row in rows}.values())
             swept = (("sweep_p2p_rad", SIZE[1]), ("sweep_frequency_hz", PITCH[1]))

@@ -7,7 +7,6 @@ from hknob_cli.results.result_set import Result
 from hknob_cli.specs.page_plan import FigurePlan
 
 _WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
-_CURVES = ("least_squares", "output_error", "output_error_friction")  # estimators that a curve is drawn of by default
 _PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
 _VALUES = "Every condition by every estimator; bars are the deviations and errors of the table."
 _BIAS = "Mean estimate less truth, in per cent of the truth, over how much there is of each cause."
@@ -61,8 +60,7 @@ def _biases(result: Result) -> list[FigurePlan]:
             for name in dict.fromkeys(row["parameter"] for row in mine)
             if all((cause, name) in there for cause in causes)
         ]
-        estimators = [row["estimator"] for row in mine if row["estimator"] in _CURVES] or [mine[0]["estimator"]]
         options: dict[str, Any] = {"causes": causes, "parameters": parameters, "grip_n": grip}
-        options["estimators"] = list(dict.fromkeys(estimators))
+        options["estimators"] = list(dict.fromkeys(row["estimator"] for row in mine))
         figures.append(planned(result, "bias_curves", f"bias at {grip:g} N", _BIAS, **options))
     return figures

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+import pyarrow.compute as pc
+
 from hknob_cli.figures.campaign_samples import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
 from hknob_cli.figures.default_sysid import sysid_figures
@@ -151,20 +153,28 @@ def _analysis(result: Result, file: str, choice: str, caption: str) -> list[Figu
     for name in names:
         by = {"where": {choice: name}}
         figures.append(planned(result, "grid_map", f"peak to peak by {name}", caption, column="p2p_rad", **by))
+        if any(result.table(file).filter(pc.field(choice) == name)["frequency_hz"].is_valid().to_pylist()):
+            figures.append(planned(result, "grid_map", f"frequency by {name}", caption, column="frequency_hz", **by))
         if compared:
-            options = {"column": "p2p_difference", "scale": 100.0, "label": "difference, % of the sweep", "log": False}
-            figures.append(planned(result, "grid_map", f"{name} against the sweep", _AGAINST, **options, **by))
+            for what, column in (("", "p2p_difference"), ("frequency by ", "frequency_difference")):
+                options = {"column": column, "scale": 100.0, "label": "difference, % of the sweep", "log": False}
+                title = f"{what}{name} against the sweep"
+                figures.append(planned(result, "grid_map", title, _AGAINST if not what else _PITCHES, **options, **by))
     return figures
 
 
 def _remedies(result: Result) -> list[FigurePlan]:
+    return [*cases_of(result), planned(result, "remedy_grid", "over the grid", _REMEDIES)]
+
+
+def cases_of(result: Result) -> list[FigurePlan]:
+    """Pictures of the first cases of a trial of remedies. Raises `MissingError`."""
     cases = list(dict.fromkeys(result.table("cases").column("case").to_pylist()))
     felt = "touch_change_db" in result.columns("cases")
-    figures = [
+    return [
         planned(result, "remedy_dots", f"at {case}", _CASE, case=case, **({"felt": True} if felt else {}))
         for case in cases[:MOST_CASES]
     ]
-    return [*figures, planned(result, "remedy_grid", "over the grid", _REMEDIES)]
 
 
 def _design(result: Result) -> list[FigurePlan]:
@@ -206,6 +216,7 @@ _TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustain
 _MATTERS = "The axes, the one that explains most of the size of limit cycles first."
 _LARGEST = "Of several cycles in a cell the largest."
 _AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
+_PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
 _CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
 _REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
 _DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."

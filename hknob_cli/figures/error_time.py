@@ -5,20 +5,46 @@ line with small markers another treatment of friction. Runs without an error on 
 """
 
 from math import ceil
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.work_precision import LARGEST, LEAST, STYLES, Style
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+LEAST, LARGEST = 1e-17, 1e2  # errors between which the scale is
 _OTHER_FRICTION = ("smoothed", "soft")
 _ACCURATE = 1e-6
 _OFF = 1e5  # where runs off the scale stand
 _TEXTS = {1e-15: "10\u207b\u00b9\u2075", 1e-10: "10\u207b\u00b9\u2070", 1e-5: "10\u207b\u2075", 1.0: "1", _OFF: "none"}
+
+
+class Style(NamedTuple):
+    """How the points of a method look."""
+
+    marker: str
+    line: str
+    colour: str
+    label: str
+
+
+STYLES = {
+    "exact": Style("*", "-", "black", "hknob, exact"),
+    "rk23": Style("o", "-", "#0072B2", "SciPy RK23"),
+    "rk45": Style("s", "-", "#0072B2", "SciPy RK45"),
+    "dop853": Style("^", "-", "#0072B2", "SciPy DOP853"),
+    "lsoda": Style("D", "--", "#D55E00", "SciPy LSODA"),
+    "radau": Style("v", "--", "#D55E00", "SciPy Radau"),
+    "bdf": Style("p", "--", "#D55E00", "SciPy BDF"),
+    "euler": Style("<", ":", "#009E73", "semi-implicit Euler, compiled"),
+    "midpoint": Style(">", ":", "#009E73", "implicit midpoint, compiled"),
+    "rk4": Style("h", ":", "#009E73", "Runge-Kutta 4, compiled"),
+    "mujoco_euler": Style("X", "-.", "#7A7A7A", "MuJoCo Euler"),
+    "mujoco_implicitfast": Style("P", "-.", "#7A7A7A", "MuJoCo implicitfast"),
+    "mujoco_rk4": Style("8", "-.", "#7A7A7A", "MuJoCo RK4"),
+}
 
 
 @drawing

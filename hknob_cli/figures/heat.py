@@ -33,6 +33,14 @@ def norm_of(values: list[float], *, log: bool) -> "Normalize":
     return LogNorm(low, high) if log else Normalize(low, high)
 
 
+def about_zero(values: list[float]) -> "Normalize":
+    """Scale of colours of differences, as far to either side of 0 as the largest of them."""
+    from matplotlib.colors import Normalize
+
+    reach = max((abs(value) for value in values if isfinite(value)), default=0.0) or 1.0
+    return Normalize(-reach, reach)
+
+
 def ramp() -> "Colormap":
     """Colours of sizes."""
     import matplotlib as mpl

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Grid, Row, cell_text, column_label, grid, notes
-from hknob_cli.figures.heat import draw_key, draw_map, height_of, norm_of, ramp
+from hknob_cli.figures.heat import about_zero, diverging, draw_key, draw_map, height_of, norm_of, ramp
 from hknob_cli.figures.mesh import draw_mesh
 from hknob_cli.results.result_set import ResultSet
 
@@ -38,13 +38,15 @@ def grid_map(
     name, factor = column_label(result, column, scale, label)
     values = cells.values(column, factor)
     mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
-    norm = norm_of([value for line in values for value in line], log=log)
+    flat = [value for line in values for value in line]
+    signed = column.endswith("_difference")
+    norm, colours = (about_zero(flat), diverging()) if signed else (norm_of(flat, log=log), ramp())
     note = _note([cells], column)
     figure = theme.figure(height_of(cells, extra=(1.35 if mesh else 0.75) + (0.25 if note else 0.0)))
     outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.45, 1.0] if mesh else [1.0])
     axes = figure.add_subplot(outer[0])
-    draw_map(axes, cells, values, _texts(cells, values, column, digits), norm=norm, colours=ramp())
-    draw_key(figure, axes, norm, ramp(), name, below=mesh)
+    draw_map(axes, cells, values, _texts(cells, values, column, digits), norm=norm, colours=colours)
+    draw_key(figure, axes, norm, colours, name, below=mesh)
     if mesh:
         draw_mesh(figure, outer[1], cells, values, norm=norm, log=log)
     if note:

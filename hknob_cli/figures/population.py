@@ -4,13 +4,15 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_label, rows_of, tick_labels
-from hknob_cli.figures.population_picture import cumulative, thinned
 from hknob_cli.report.population import by_cell, pitches, sizes
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+MOST_CURVES = 7
 
 
 @drawing
@@ -50,3 +52,18 @@ def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: f
         title = ", ".join(axis_label(result, axis) for axis in wide)
         figure.legend(title=title, loc="outside upper center", ncols=min(len(cells), 4), handlelength=3.2)
     return figure
+
+
+def thinned(cells: list[tuple[Row, list[Row]]]) -> list[tuple[Row, list[Row]]]:
+    """Cells spread over all, few enough to tell apart as curves; the first and the last among them."""
+    last, most = len(cells) - 1, MOST_CURVES - 1
+    return cells if last <= most else [cells[round(i * last / most)] for i in range(MOST_CURVES)]
+
+
+def cumulative(values: list[float], scale: float) -> tuple[list[float], list[float]]:
+    """Corners of the steps of the distribution of ordered values: values times ``scale``, and % that have at most it.
+
+    A curve starts at 0 % at the least value, so that people who share it show as an upright line.
+    """
+    parts = [100.0 * (i + 1) / len(values) for i in range(len(values))]
+    return [scale * value for value in values[:1] + values], [0.0, *parts]

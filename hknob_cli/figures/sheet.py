@@ -1,7 +1,8 @@
 """What ``--plot`` writes: figures as one picture (PNG), whole or not at all, that says what it was drawn for."""
 
+import contextlib
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from hknob_cli.figures.held import One
 from hknob_cli.figures.literal import literal
 from hknob_cli.results.place import create
 from hknob_cli.results.png import KEYWORD, source_text
-from hknob_cli.results.result_set import Result
+from hknob_cli.results.result_set import MissingError, Result
 from hknob_cli.results.store import partial
 from hknob_cli.specs.page_plan import FigurePlan
 
@@ -20,19 +21,22 @@ if TYPE_CHECKING:
 
 DPI = 130
 _ACROSS = 2  # figures beside one another
+_TITLE = 40  # pixels of height
 
 
-def draw_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path) -> None:
-    """Draw figures of a result, each under its title, side by side into ``path`` (PNG).
+def write_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path) -> bool:
+    """Draw figures of a result, each under its title, two in a row, into ``path`` (PNG); False if it has none of them.
 
-    Raises `MissingError` where the result lacks what one needs, `ComputationError` if the file cannot be written.
+    Raises `ComputationError` if the file cannot be written.
     """
     drawn = []
     for one in planned:
-        figure = draw(one.draw, One(result), result.name, one.options)
-        figure.suptitle(one.title)
-        drawn.append(figure)
-    save(drawn[0] if len(drawn) == 1 else _beside(drawn), path, stage=result.stage, name=result.name)
+        with contextlib.suppress(MissingError):
+            drawn.append((one.title, draw(one.draw, One(result), result.name, one.options)))
+    if not drawn:
+        return False
+    save(_beside(drawn), path, stage=result.stage, name=result.name)
+    return True
 
 
 def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
@@ -56,8 +60,8 @@ def _render(figure: "Figure", stream: Any, **options: Any) -> None:
         figure.savefig(stream, dpi=DPI, format="png", facecolor="white", **options)
 
 
-def _beside(figures: Iterable["Figure"]) -> "Figure":
-    """Figures as one, in rows of two, each at its own size."""
+def _beside(figures: "Sequence[tuple[str, Figure]]") -> "Figure":
+    """Figures as one, in rows of two, each at its own size under its title."""
     from matplotlib.figure import Figure
     from matplotlib.image import imread
 
@@ -67,16 +71,18 @@ def _beside(figures: Iterable["Figure"]) -> "Figure":
         stream.seek(0)
         return imread(stream)
 
-    images = [pixels(figure) for figure in figures]
+    images = [(title, pixels(figure)) for title, figure in figures]
     rows = [images[i : i + _ACROSS] for i in range(0, len(images), _ACROSS)]
-    wide = max(sum(image.shape[1] for image in row) for row in rows)
-    tall = sum(max(image.shape[0] for image in row) for row in rows)
-    whole = Figure(figsize=(wide / DPI, tall / DPI))
-    top = tall
-    for row in rows:
+    wide = max(sum(image.shape[1] for _, image in row) for row in rows)
+    heights = [_TITLE + max(image.shape[0] for _, image in row) for row in rows]
+    top = sum(heights)
+    whole = Figure(figsize=(wide / DPI, top / DPI))
+    for row, height in zip(rows, heights, strict=True):
         left = 0
-        for image in row:
-            whole.figimage(image, left, top - image.shape[0])
+        for title, image in row:
+            whole.text((left + 0.5 * image.shape[1]) / wide, 1.0 - (sum(heights) - top + 0.5 * _TITLE) / sum(heights),
+                       title, ha="center", va="center", fontsize=10)  # fmt: skip
+            whole.figimage(image, left, top - _TITLE - image.shape[0])
             left += image.shape[1]
-        top -= max(image.shape[0] for image in row)
+        top -= height
     return whole

@@ -4,7 +4,7 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.work_precision import STYLES
+from hknob_cli.figures.error_time import STYLES
 from hknob_cli.report.bench import VERDICTS
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
