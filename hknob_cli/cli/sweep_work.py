@@ -101,7 +101,7 @@ class SweepWork(Work):
             draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])
             drawn.append(paths[1])
         if job.plan.basins:
-            from hknob_cli.figures.basins_picture import draw_basins
+            from hknob_cli.figures.plot import draw_basins
 
             draw_basins(tables[2], orbits, list(job.plan.axes), title=job.plan.name, path=paths[1])
             drawn.append(paths[1])

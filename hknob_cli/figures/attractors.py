@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import axes_of, number
+from hknob_cli.figures.grid import axes_of
+from hknob_cli.figures.numbers import number
 from hknob_cli.figures.panel import edges_between
 from hknob_cli.figures.trajectory_picture import Scale
 from hknob_cli.results.result_set import MissingError, ResultSet

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.cell_series import Cells, Series, cells_of
-from hknob_cli.figures.grid import axis_label, tick_labels
-from hknob_cli.figures.ticks import is_geometric
+from hknob_cli.figures.grid import axis_label
+from hknob_cli.figures.numbers import is_geometric, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, axis_label, column_label, grid, tick_labels
-from hknob_cli.figures.ticks import log_ticks
+from hknob_cli.figures.grid import Grid, axis_label, column_label, grid
+from hknob_cli.figures.numbers import log_ticks, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

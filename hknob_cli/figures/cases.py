@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Row, axes_of, number
+from hknob_cli.figures.grid import Row, axes_of
+from hknob_cli.figures.numbers import number
 from hknob_cli.report.matrix import short
 from hknob_cli.report.means import MEANS
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows

@@ -3,8 +3,9 @@
 from typing import Any, NamedTuple
 
 from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.numbers import number
 from hknob_cli.report.dfa import largest_cycles
-from hknob_cli.report.matrix import labels, short
+from hknob_cli.report.matrix import short
 from hknob_cli.report.means import MEANS, mean_beside
 from hknob_cli.results.result_set import MissingError, Result, Rows
 
@@ -157,27 +158,6 @@ def axis_label(result: Result, axis: str) -> str:
     """Name of a grid axis with its unit; empty for none."""
     name = axis_name(axis) if axis else ""
     return name if name != axis or not axis else _plain(result, axis)
-
-
-def tick_labels(values: list[Any]) -> list[str]:
-    """Values of an axis in a few digits; empty for none."""
-    texts = [""] if values == [None] else labels([float(value) for value in values])
-    return [text.replace("e-0", "e\u2212").replace("e-", "e\u2212").replace("-", "\u2212") for text in texts]
-
-
-def number(value: float, digits: int = 3, *, sign: bool = False, short: bool = False) -> str:
-    """A number in a cell, with a true minus sign: 0.0361, 3.6e-4, \u22125; ``short``: one digit and a power."""
-    if value != value:
-        return ""
-    if value == 0:
-        return "0"
-    text = f"{value:{'+' if sign else ''}#.{digits}g}".rstrip(".") if not short else f"{value:.0e}"
-    if "e+" in text:
-        text = f"{value:{'+' if sign else ''}.0f}"
-    elif "e-" in text:
-        mantissa, power = text.split("e-")
-        text = f"{mantissa.rstrip('.')}e\u2212{int(power)}"
-    return text.replace("-", "\u2212")
 
 
 def cell_text(cell: Row | None, value: float, column: str, digits: int = 3) -> str:

@@ -4,7 +4,8 @@ from statistics import fmean, stdev
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import grid, tick_labels
+from hknob_cli.figures.grid import grid
+from hknob_cli.figures.numbers import tick_labels
 from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:

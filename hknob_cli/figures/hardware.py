@@ -4,8 +4,9 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.difference import differences
-from hknob_cli.figures.grid import cell_text, column_label, grid, notes, number
+from hknob_cli.figures.grid import cell_text, column_label, grid, notes
 from hknob_cli.figures.heat import diverging, draw_key, draw_map, height_of, norm_of, ramp
+from hknob_cli.figures.numbers import number
 from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:

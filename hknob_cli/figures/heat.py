@@ -9,8 +9,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import theme
-from hknob_cli.figures.grid import MOST_WRITTEN, Grid, tick_labels
-from hknob_cli.figures.ticks import log_ticks
+from hknob_cli.figures.grid import MOST_WRITTEN, Grid
+from hknob_cli.figures.numbers import log_ticks, tick_labels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

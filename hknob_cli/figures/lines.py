@@ -5,8 +5,8 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, column_label, grid, number, tick_labels
-from hknob_cli.figures.ticks import log_ticks
+from hknob_cli.figures.grid import Grid, Row, column_label, grid
+from hknob_cli.figures.numbers import log_ticks, number, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -3,8 +3,9 @@
 from math import floor
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.figures.grid import Grid, tick_labels
+from hknob_cli.figures.grid import Grid
 from hknob_cli.figures.heat import ramp
+from hknob_cli.figures.numbers import tick_labels
 
 if TYPE_CHECKING:
     from matplotlib.colors import Normalize

@@ -26,6 +26,12 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
     return write_sheet(result, figures_of(result), path=path)
 
 
+def draw_basins(basins: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> None:
+    """Draw the maps of the first cells into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
+    result = Held(title, "sweep", {"basins": basins, "orbits": orbits}, axes)
+    write_sheet(result, [planned(result, "basins", "where each start ends, and the cycles it ends in", "")], path=path)
+
+
 def draw_dfa(plan: DfaPlan, rows: Rows, *, path: Path) -> bool:
     """Draw an analysis into ``path`` (PNG): the Nyquist curve, and what is found over the grid.
 

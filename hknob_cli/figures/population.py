@@ -3,7 +3,8 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Row, axes_of, axis_label, rows_of, tick_labels
+from hknob_cli.figures.grid import Row, axes_of, axis_label, rows_of
+from hknob_cli.figures.numbers import tick_labels
 from hknob_cli.report.population import by_cell, pitches, sizes
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.plan import PERSON

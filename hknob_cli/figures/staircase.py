@@ -4,8 +4,8 @@ from math import inf, pi
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Row, axes_of, axis_label, tick_labels
-from hknob_cli.figures.ticks import is_geometric
+from hknob_cli.figures.grid import Row, axes_of, axis_label
+from hknob_cli.figures.numbers import is_geometric, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 from hknob_cli.specs.plan import COUNTS, RATE
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.difference import differences
-from hknob_cli.figures.grid import grid, number
-from hknob_cli.figures.ticks import log_ticks
+from hknob_cli.figures.grid import grid
+from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

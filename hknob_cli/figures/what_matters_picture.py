@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 import pyarrow as pa
 
 from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.numbers import is_geometric, log_ticks
 from hknob_cli.figures.sheet import save
-from hknob_cli.figures.ticks import is_geometric, log_ticks
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.means import ONE
 from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in, what_matters

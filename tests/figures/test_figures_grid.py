@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.figures import draw
-from hknob_cli.figures.grid import grid, number, rows_of
-from hknob_cli.figures.ticks import log_ticks
+from hknob_cli.figures.grid import grid, rows_of
+from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.drawings import MODULES, theme
 from tests.conftest import EXPERIMENTS, HKNOB

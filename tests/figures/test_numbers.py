@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from hknob_cli.page.numeral import MINUS, numeral
+from hknob_cli.figures.numbers import MINUS, numeral
 
 TIMES = "\N{MULTIPLICATION SIGN}"
 
