@@ -43,7 +43,7 @@ def draw_dfa(plan: DfaPlan, rows: Rows, *, path: Path) -> bool:
     result = Held(plan.name, "dfa", {"dfa": pa.Table.from_pylist(rows)}, axes)
     result.scene = plan.scene
     curve = planned(result, "nyquist", "Nyquist curve of hand and knob, and the relay turned by the hold", "")
-    return write_sheet(result, [curve, *figures_of(result)], path=path)
+    return write_sheet(result, [*figures_of(result), curve], path=path)
 
 
 def draw_predictions(predictions: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
