@@ -30,6 +30,7 @@ ORDER = [
     "identify",
     "hardware",
     "report",
+    "figures",
     "stages",
     "page",
     "pipeline",

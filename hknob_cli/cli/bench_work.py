@@ -45,7 +45,7 @@ class BenchWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Error against time: all scenes on one sheet, and each on its own."""
-        from hknob_cli.report.work_precision import draw_scene, draw_sheet
+        from hknob_cli.figures.plot import draw_scene, draw_sheet
 
         rows = tables[0].to_pylist()
         scenes = {trial.name: [row for row in rows if row["scene"] == trial.name] for trial in job.plan.scenes}

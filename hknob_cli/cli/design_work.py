@@ -49,7 +49,7 @@ class DesignWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Cost against what is felt, and the grid of plain walls."""
-        from hknob_cli.report.design_picture import draw_design
+        from hknob_cli.figures.design_picture import draw_design
 
         draw_design(job.plan, tables[0].to_pylist(), path=paths[0])
         return paths

@@ -57,11 +57,11 @@ class DfaWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Nyquist curves with the relay's rays, and sizes over the grid; over many axes what matters most."""
-        from hknob_cli.report.nyquist import draw_dfa
+        from hknob_cli.figures.plot import draw_dfa
 
         drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:
-            from hknob_cli.report.what_matters_picture import draw_by
+            from hknob_cli.figures.what_matters_picture import draw_by
 
             axes, name = list(job.plan.axes), job.plan.name
             drawn = draw_by(

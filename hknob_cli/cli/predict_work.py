@@ -52,12 +52,12 @@ class PredictWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Every law over one axis or two; over more, or over a design, what matters most."""
-        from hknob_cli.report.predict_picture import draw_predictions
+        from hknob_cli.figures.plot import draw_predictions
 
         axes, name = list(job.plan.axes), job.plan.name
         drawn = draw_predictions(tables[0], axes, title=name, path=paths[0])
         if not drawn:
-            from hknob_cli.report.what_matters_picture import draw_by
+            from hknob_cli.figures.what_matters_picture import draw_by
 
             drawn = draw_by(tables[0], "law", axes, title=name, path=paths[0], stage=job.kind, points=job.plan.points)
         if not drawn:

@@ -95,13 +95,13 @@ class SweepWork(Work):
             )
             note(job, f"no {paths[0].name}: {why}")
         if job.plan.record:
-            from hknob_cli.report.trajectory_picture import draw_trajectories
+            from hknob_cli.figures.trajectory_picture import draw_trajectories
 
             stiffness = job.plan.scene.wall.stiffness
             draw_trajectories(tables[2], list(job.plan.axes), stiffness, title=job.plan.name, path=paths[1])
             drawn.append(paths[1])
         if job.plan.basins:
-            from hknob_cli.report.basins_picture import draw_basins
+            from hknob_cli.figures.plot import draw_basins
 
             draw_basins(tables[2], orbits, list(job.plan.axes), title=job.plan.name, path=paths[1])
             drawn.append(paths[1])
@@ -205,11 +205,11 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         _draw_one(job, cells, orbits, path)
         return True
     if PERSON in axes:
-        from hknob_cli.report.population_picture import draw_population
+        from hknob_cli.figures.population_picture import draw_population
 
         drawn = draw_population(cells.to_pylist(), axes, title=job.plan.name, path=path)
     else:
-        from hknob_cli.report.picture import draw_sweep
+        from hknob_cli.figures.plot import draw_sweep
 
         drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
     if drawn or not axes:
@@ -225,7 +225,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     """The motion of the one cell on its orbits."""
     from math import pi
 
-    from hknob_cli.report.one_cell_picture import draw_one_cell
+    from hknob_cli.figures.one_cell_picture import draw_one_cell
     from hknob_cli.stages.record import record_one
 
     rows = orbits.to_pylist()
@@ -236,7 +236,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:
-    from hknob_cli.report.what_matters_picture import draw_matters
+    from hknob_cli.figures.what_matters_picture import draw_matters
 
     scales = job.plan.points.scales if job.plan.points else {}
     return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales, total=total)

@@ -104,14 +104,14 @@ class SysidWork(Work):
         if job.plan.study:
             _draw_studies(job, tables, paths)
         elif job.plan.what in CALIBRATED:
-            from hknob_cli.report.calibration_picture import draw_calibration
+            from hknob_cli.figures.plot import draw_calibration
 
             quantities, points = (table.to_pylist() for table in tables)
             if not draw_calibration(quantities, points, title=title, path=paths[0]):
                 note(job, "no picture: no set of readings has a line through it")
                 return []
         else:
-            from hknob_cli.report.sysid_picture import draw_hands
+            from hknob_cli.figures.sysid_picture import draw_hands
 
             if not draw_hands(tables[1].to_pylist(), title=title, path=paths[0]):
                 note(job, "no picture: none of the parameters that it shows can be told")
@@ -147,8 +147,7 @@ def _studies(job: Job) -> tuple[str, ...]:
 
 
 def _draw_studies(job: Job, tables: Tables, paths: list[Path]) -> None:
-    from hknob_cli.report.bias_picture import draw_bias
-    from hknob_cli.report.hidden_picture import draw_hidden
+    from hknob_cli.figures.plot import draw_bias, draw_hidden
 
     for name, table, path in zip(_studies(job), tables, paths, strict=True):
         draw = draw_bias if name == "bias" else draw_hidden

@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.errors import MISSHAPEN, UsageError
-from hknob_cli.page import theme
+from hknob_cli.figures import draw, drawing_of, theme
 from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source, Table
 from hknob_cli.page.claims.checks import argument_fault, check_fault, compute
 from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
-from hknob_cli.page.figures import draw, drawing_of
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan

@@ -6,7 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 from hknob_cli.errors import MISSHAPEN, UsageError
-from hknob_cli.page.default_figures import figures_of
+from hknob_cli.figures.defaults import figures_of
 from hknob_cli.page.default_tables import tables_of
 from hknob_cli.report.means import SAME, WORST
 from hknob_cli.report.what_matters import columns_of

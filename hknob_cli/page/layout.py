@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from hknob_cli.figures.numbers import MINUS, numeral
 from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
-from hknob_cli.page.numeral import MINUS, numeral
 from hknob_cli.page.tables import UPRIGHT
 
 GLOSSARY = {

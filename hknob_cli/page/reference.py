@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterator
 from inspect import Parameter, cleandoc, signature
 from typing import Any
 
+from hknob_cli.figures import drawing_of
 from hknob_cli.page.claims.checks import known
-from hknob_cli.page.figures import MODULES, drawing_of
+from hknob_cli.specs.drawings import MODULES
 
 _HEAD = """\
 # What a page can draw and compute

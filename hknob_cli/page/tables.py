@@ -5,9 +5,9 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
+from hknob_cli.figures.numbers import numeral
 from hknob_cli.page.book import Head, Table
 from hknob_cli.page.columns import Shown, shown_as
-from hknob_cli.page.numeral import numeral
 from hknob_cli.report.means import WORST, differs
 from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.parted import Parted

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
+from hknob_cli.specs.drawings import Draw
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.named_file import read_named
 from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
@@ -17,60 +18,6 @@ from hknob_cli.specs.sweep import Name
 Text = Annotated[str, Field(min_length=1)]
 Anchor = Annotated[str, Field(pattern=r"^fig-[a-z0-9.-]+$", max_length=40)]
 Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
-Draw = Literal[
-    "all_persons",
-    "attractors",
-    "axis_lines",
-    "basins",
-    "bias_curves",
-    "block_diagram",
-    "campaign_lines",
-    "campaign_thumbnails",
-    "campaign_trial",
-    "cases",
-    "cell_dots",
-    "contact_energy",
-    "cycle_spectra",
-    "design_costs",
-    "equal_loudness",
-    "error_time",
-    "fourth_beside_second",
-    "grasp_parameters",
-    "grid_difference",
-    "grid_lines",
-    "grid_map",
-    "grid_pair",
-    "grip_cell",
-    "grip_forces",
-    "hardware_grid",
-    "hidden_inertia",
-    "identified_terms",
-    "identified_values",
-    "law_lines",
-    "models_beside_data",
-    "motor_calibration",
-    "nonlinearity",
-    "normalised_grasp",
-    "nyquist",
-    "one_person",
-    "phase_plane",
-    "population",
-    "pulse_terms",
-    "pulse_vectors",
-    "remedy_dots",
-    "remedy_grid",
-    "saturated_map",
-    "schematic",
-    "stability_table",
-    "staircase",
-    "surface",
-    "time_response",
-    "torque_reach",
-    "touch_thresholds",
-    "trial_thumbnails",
-    "what_explains",
-    "what_matters",
-]
 
 
 class ValueSpec(Part):

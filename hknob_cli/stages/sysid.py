@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from hknob_cli.apparatus.bench_rigs import record_apparatus
 from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.virtual_rig import virtual_rig
 from hknob_cli.errors import ComputationError, UsageError
 from hknob_cli.identify.combine import over_blocks, over_subjects
 from hknob_cli.identify.fit import Estimate, Fit
@@ -26,7 +27,6 @@ from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
-from hknob_cli.stages.sysid_rig import virtual_rig
 
 DERIVATIVES = ("least_squares", "least_squares_friction")
 Progress = Callable[[int, int], None]

@@ -10,9 +10,9 @@ import pytest
 from hknob_cli.apparatus import spoil
 from hknob_cli.apparatus.experiment import record_experiments, truths
 from hknob_cli.apparatus.rig import Rig
+from hknob_cli.figures.sysid_picture import draw_hands
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import write_csv
-from hknob_cli.report.sysid_picture import draw_hands
 from tests.conftest import SPEC
 
 VIRTUAL = """\

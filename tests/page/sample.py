@@ -4,7 +4,7 @@ import base64
 import math
 from typing import Any
 
-from hknob_cli.page import theme
+from hknob_cli.figures import theme
 from hknob_cli.page.book import Chapter, Clip, Drawn, Head, Page, Source, Table
 from hknob_cli.page.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED
 from hknob_cli.page.tables import UPRIGHT

@@ -10,11 +10,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import SpecError
-from hknob_cli.page import theme
+from hknob_cli.figures import draw, theme
+from hknob_cli.figures.settled import settled_period
 from hknob_cli.page.clips import DURATION_S, MOST_BYTES, RATE_HZ, clips
-from hknob_cli.page.figures import draw
 from hknob_cli.page.layout import lay_out
-from hknob_cli.page.settled import settled_period
 from hknob_cli.recordings.harmonics import recorded_harmonics
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet

@@ -8,8 +8,8 @@ import pyarrow as pa
 import pytest
 
 from hknob_cli.errors import UsageError
+from hknob_cli.figures.what_matters import what_matters
 from hknob_cli.page.defaults import chapters_of, sentences_of
-from hknob_cli.page.figures.what_matters import what_matters
 from hknob_cli.results.layout import as_file
 from hknob_cli.results.parted import Parted, put_part
 from hknob_cli.results.parting import Parting

@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.page.numeral import numeral
+from hknob_cli.figures.numbers import numeral
 from hknob_cli.page.tables import WHOLE
 from tests.page.shapes import SHAPES, make_report, make_result
 

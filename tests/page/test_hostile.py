@@ -7,7 +7,7 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.page import theme
+from hknob_cli.figures import theme
 from tests.page.test_layout import Tree
 
 PIECES = (

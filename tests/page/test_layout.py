@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.figures.numbers import MINUS
 from hknob_cli.page.book import Chapter, Drawn, Page, Source
 from hknob_cli.page.layout import lay_out, part_of
-from hknob_cli.page.numeral import MINUS
 from tests.page.sample import MARK, claim, page
 
 VOID = {"meta", "input", "link", "br", "img"}

@@ -6,7 +6,7 @@ from typing import Any
 import pyarrow as pa
 import pytest
 
-from hknob_cli.report import what_matters_picture
+from hknob_cli.figures import what_matters_picture
 from hknob_cli.report.dfa import largest_cycles, nearest_cycles
 from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.population import pitches, sizes

@@ -2,7 +2,8 @@
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import Where, matching, one_number, percent, rows_of
+from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
+from hknob_cli.results.matching import Where, matching
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, ResultSet, Rows
 
 QUANTITIES = {

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import Where, one_number, rows_of
+from hknob_cli.page.claims.checks.rows import one_number, rows_of
+from hknob_cli.results.matching import Where
 from hknob_cli.results.result_set import ResultSet
 
 if TYPE_CHECKING:

@@ -7,7 +7,8 @@ from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.motion import motion
-from hknob_cli.page.claims.checks.rows import Where, one_number, rows_of
+from hknob_cli.page.claims.checks.rows import one_number, rows_of
+from hknob_cli.results.matching import Where
 from hknob_cli.results.result_set import ResultSet, Rows
 
 PARTS = ("late_entry_j", "late_exit_j", "staircase_j")

@@ -2,7 +2,8 @@
 
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.edge import edge_of
-from hknob_cli.page.claims.checks.rows import Where, matching, percent, rows_of
+from hknob_cli.page.claims.checks.rows import percent, rows_of
+from hknob_cli.results.matching import Where, matching
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 

@@ -5,7 +5,8 @@ from math import floor, pi
 from typing import NamedTuple
 
 from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import Where, one_number, percent, rows_of
+from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
+from hknob_cli.results.matching import Where
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.plan import COUNTS, RATE
 

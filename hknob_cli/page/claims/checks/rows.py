@@ -5,19 +5,12 @@ from math import isfinite, nan, sqrt
 from typing import Any
 
 from hknob_cli.errors import UsageError
+from hknob_cli.results.matching import Where, matching
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
-Where = dict[str, Any]
 Line = list[tuple[float, float]]
 
-SAME = 5e-3  # texts round: 2154 Hz is 2154.43
 _SIZES = ("p2p_rad", "p2p_counts", "rms_rad")  # of a cell's cycles
-_BOUNDS: dict[str, Callable[[float, float], bool]] = {
-    "at_least": lambda value, bound: value >= bound * (1.0 - 1e-9),
-    "at_most": lambda value, bound: value <= bound * (1.0 + 1e-9),
-    "above": lambda value, bound: value > bound * (1.0 + 1e-9),
-    "below": lambda value, bound: value < bound * (1.0 - 1e-9),
-}
 
 
 def rows_of(evidence: ResultSet, result: str, file: str, where: Where | None = None, *, needs: Iterable[str]) -> Rows:
@@ -44,23 +37,6 @@ def rests(row: dict[str, Any]) -> bool:
 
 def _sized(row: dict[str, Any]) -> dict[str, Any]:
     return {**row, **{name: 0.0 for name in _SIZES if name in row and row[name] is None}} if rests(row) else row
-
-
-def matching(rows: Rows, asked: Where) -> Rows:
-    """Those of the rows that have what is asked. Raises `UsageError` for an unknown bound."""
-    return [row for row in rows if all(_is(row[name], value) for name, value in asked.items())]
-
-
-def _is(value: Any, asked: Any) -> bool:
-    if isinstance(asked, list):
-        return any(_is(value, one) for one in asked)
-    if isinstance(asked, dict):
-        if unknown := sorted(set(asked) - set(_BOUNDS)):
-            raise UsageError(f"where: unknown {', '.join(unknown)}; there are {', '.join(_BOUNDS)}")
-        return value is not None and all(_BOUNDS[name](value, bound) for name, bound in asked.items())
-    if isinstance(asked, str | bool) or value is None:
-        return bool(value == asked)
-    return bool(abs(value - asked) <= SAME * abs(asked))
 
 
 def one_number(values: Iterable[float | None], statistic: str) -> float | None:

@@ -1,0 +1,39 @@
+"""Figures by name: each draws one kind of picture from finished results.
+
+A drawing takes the `ResultSet`, the name ``of`` the result (or a list of names), and options of its own as keywords; it
+returns a matplotlib Figure, made by `ink.figure`, without a title: the page has titles and captions. It raises
+`MissingError` where a result lacks what it needs.
+"""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.figures.theme import styled
+from hknob_cli.results.result_set import ResultSet
+from hknob_cli.specs.drawings import MODULES
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+Drawing = Callable[..., "Figure"]
+
+DRAWINGS: dict[str, Drawing] = {}
+
+
+def drawing(function: Drawing) -> Drawing:
+    """Register a drawing under its name."""
+    DRAWINGS[function.__name__] = styled(function)
+    return DRAWINGS[function.__name__]
+
+
+def drawing_of(name: str) -> Drawing:
+    """The drawing of a name, its module loaded."""
+    if name not in DRAWINGS:
+        import_module(f"{__name__}.{MODULES[name]}")
+    return DRAWINGS[name]
+
+
+def draw(name: str, evidence: ResultSet, of: Any, options: dict[str, Any]) -> "Figure":
+    """Draw a figure. Raises `MissingError`, and `TypeError` for options it does not take."""
+    return drawing_of(name)(evidence, of, **options)

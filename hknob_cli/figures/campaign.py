@@ -1,0 +1,130 @@
+"""The trials of a campaign as thumbnails, and one of them in full (Hasser, Fig. 54, App. D)."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from hknob_cli.figures import drawing, theme
+from hknob_cli.figures.campaign_samples import MOST, Held, held_trials, one_trial
+from hknob_cli.figures.panel import edges_between, scale_of
+from hknob_cli.report.matrix import short
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LEAST_COUNTS = 3  # of the device's own encoder: less is not drawn larger, to either side
+_STILL_S = 0.1  # of a trial at rest
+_MARKED = 250  # samples up to which each has its dot
+
+
+@drawing
+def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0) -> "Figure":
+    """The end of the steady part of each cell's first trial: ``cycles`` of them, angle (mrad) about its mean.
+
+    Rates rise to the right, resolutions downward, as in the print; a row has one scale. Trials without a sustained buzz
+    are grey, their last 0.1 s. Raises `MissingError` where no samples were kept, or for more than 6 rates or
+    resolutions.
+    """
+    trials = held_trials(evidence, of)
+    rates, counts = sorted({one.row[RATE] for one in trials}), sorted({one.row[COUNTS] for one in trials})
+    if max(len(rates), len(counts)) > MOST:
+        raise MissingError(f"'{of}' has {len(counts)} resolutions at {len(rates)} rates, too many for thumbnails")
+    drawn = theme.figure(0.85 * len(counts) + 0.9)
+    panels = drawn.subplots(len(counts), len(rates), sharey="row", squeeze=False)
+    for trial in trials:
+        panel = panels[counts.index(trial.row[COUNTS])][rates.index(trial.row[RATE])]
+        _thumbnail(panel, trial, cycles)
+    for j, rate in enumerate(rates):
+        panels[0][j].set_title(f"{short(rate, 6)} Hz")
+    for i, count in enumerate(counts):
+        panels[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
+    drawn.supxlabel(f"time, ms: the last {cycles:g} cycles of the buzz;  grey: at rest, 0.1 s", fontsize=8)
+    return drawn
+
+
+def _thumbnail(panel: "Axes", trial: Held, cycles: float) -> None:
+    buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
+    shown = trial.last(cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
+    panel.tick_params(labelsize=7)
+    panel.locator_params(axis="both", nbins=4)
+    if not shown.any():
+        return
+    time, angle = 1e3 * trial.time[shown], 1e3 * trial.angle[shown]
+    panel.plot(
+        time - time[0], angle - angle.mean(), linewidth=0.9, color=theme.COLOURS[0] if buzzes else theme.COLOURS[6]
+    )
+    least = 1e3 * LEAST_COUNTS * 2.0 * np.pi / trial.row["native_counts"]
+    low, high = panel.get_ylim()
+    panel.set_ylim(min(low, -least), max(high, least))
+    panel.margins(x=0.0)
+
+
+@drawing
+def campaign_trial(
+    evidence: ResultSet,
+    of: str,
+    *,
+    sample_rate_hz: float,
+    counts_per_rev: int,
+    cycles: float = 8.0,
+    from_s: float | None = None,
+    to_s: float | None = None,
+    grip: bool = True,
+) -> "Figure":
+    """One trial: angle by the device's own encoder, below it the torque, with the angle that the wall sees, and grip.
+
+    The last ``cycles`` of the steady part, or from ``from_s`` to ``to_s`` (s from when the wall came on). Angles in
+    mrad, or µrad if small, torque in mN·m, grip in N. Raises `MissingError` where there is no such trial, or nothing in
+    that window.
+    """
+    trial = one_trial(evidence, of, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
+    shown = trial.last(cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
+    if from_s is not None or to_s is not None:
+        shown = (trial.time >= (from_s or 0.0)) & (trial.time <= (float(trial.time[-1]) if to_s is None else to_s))
+    if shown.sum() < 2:
+        raise MissingError(f"'{of}' has no samples there, at {trial.place}")
+    heights = [2.2, 1.1, *([0.9] if grip else [])]
+    drawn = theme.figure(0.9 + sum(heights))
+    panels = drawn.subplots(len(heights), 1, height_ratios=heights)
+    begin = float(trial.time[shown][0])
+    unit = scale_of(trial.angle[shown])
+    time, angle = 1e3 * (trial.time[shown] - begin), unit.factor * trial.angle[shown]
+    marks = {"marker": "o", "markersize": 2.6} if shown.sum() <= _MARKED else {}
+    panels[0].plot(time, angle, color=theme.COLOURS[0], **marks)
+    low, high = panels[0].get_ylim()
+    panels[0].axhspan(min(low, 0.0), 0.0, color="black", alpha=0.06, linewidth=0)
+    panels[0].axhline(0.0, color="black", linewidth=0.8, linestyle=(0, (4, 2)))
+    for edge in edges_between(low, high, unit.factor * trial.quantum):
+        panels[0].axhline(edge, color="black", linewidth=0.5, alpha=0.35, linestyle=(0, (1, 2)))
+    panels[0].set_ylim(low, high)
+    panels[0].set_ylabel(f"angle, {unit.prefix}rad")
+    panels[1].plot(time, 1e3 * trial.torque[shown], drawstyle="steps-post", color=theme.COLOURS[1])
+    panels[1].set_ylabel("torque, mN\u00b7m")
+    if trial.wall_stiffness > 0.0:
+        per = -1.0 / trial.wall_stiffness
+        own = panels[1].secondary_yaxis("right", functions=(lambda torque: per * torque, lambda angle: angle / per))
+        own.set_ylabel("angle seen, mrad")
+        own.spines["right"].set_visible(True)
+    for panel in panels[:2]:
+        panel.set_xlim(time[0], time[-1])
+    panels[0].tick_params(labelbottom=False)
+    panels[1].set_xlabel(f"time, ms, from {begin:.3g} s after the wall came on" if begin else "time, ms")
+    if grip:
+        _draw_grip(panels[2], trial, shown)
+    drawn.align_ylabels(list(panels))
+    return drawn
+
+
+def _draw_grip(panel: "Axes", trial: Held, shown: np.ndarray) -> None:
+    """Grip force of the whole trial; the part that is shown above is shaded."""
+    step = max(1, trial.time.size // 400)
+    panel.plot(trial.time[::step], trial.grip[::step], color=theme.COLOURS[2])
+    panel.axvspan(*trial.time[shown][[0, -1]], color="black", alpha=0.12, linewidth=0)
+    panel.set_ylim(0.0, 1.2 * float(trial.grip.max()))
+    panel.set_xlim(0.0, float(trial.time[-1]))
+    panel.set_ylabel("grip, N")
+    panel.set_xlabel("time with the wall on, s; shaded: shown above")

@@ -1,0 +1,140 @@
+"""The picture of a search for a design: cost against what is felt, and the grid of plain walls beside it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.figures.sheet import save
+from hknob_cli.report.design import limits, name_of
+from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.plan import COUNTS, RATE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+Row = dict[str, Any]
+MARKS = "osD^vPX<>"
+
+
+def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:
+    """Draw design.parquet's rows into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
+    from matplotlib.figure import Figure
+
+    plain = [row for row in rows if row["notional"] is not None]
+    wide = min(len({row[RATE] for row in plain}), len({row[COUNTS] for row in plain})) > 1 if plain else False
+    figure = Figure(figsize=(15.0 if wide else 9.0, 7.2), layout="constrained")
+    if wide:
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.6, 1.0))
+        axes = figure.add_subplot(grid[:, 0])
+        upper, lower = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+        _map(
+            upper,
+            plain,
+            "touch_db",
+            "plain walls: touch, dB above threshold (frame: rate and counts of the answer)",
+            chosen=_one(rows, "chosen"),
+        )
+        _map(lower, plain, "notional", "plain walls: Hasser's notional surface (Fig. 70); small is good")
+    else:
+        axes = figure.add_subplot()
+    _scatter(axes, plan, rows)
+    figure.suptitle(f"{plan.name}: what a quiet knob costs\n{'; '.join(limits(plan)) or 'no limits'}", fontsize=10)
+    save(figure, path, stage="design", name=plan.name)
+
+
+def _one(rows: list[Row], flag: str) -> Row | None:
+    return next((row for row in rows if row[flag]), None)
+
+
+def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
+    known = [row["touch_db"] for row in rows if row["touch_db"] is not None]
+    low, high = min(known, default=0.0), max(known, default=1.0)
+    room = 0.08 * max(1.0, high - low)
+    rest, unknown = low - room, high + room
+
+    def height(row: Row) -> float:
+        return row["touch_db"] if row["touch_db"] is not None else unknown if row["unknown"] else rest
+
+    for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
+        for good in (False, True):
+            mine = [row for row in rows if row["remedy"] == name and row["feasible"] == good]
+            fill = f"C{i}" if good else "none"
+            axes.scatter(
+                [row["cost"] for row in mine],
+                [height(row) for row in mine],
+                marker=MARKS[i % len(MARKS)],
+                s=34,
+                edgecolors=f"C{i}",
+                facecolors=fill,
+                linewidths=0.9,
+                alpha=0.85,
+            )
+        axes.scatter([], [], marker=MARKS[i % len(MARKS)], color=f"C{i}", label=name)
+    front = sorted((row for row in rows if row["front"]), key=lambda row: row["cost"])
+    axes.step([row["cost"] for row in front], [height(row) for row in front], where="post", color="0.4", zorder=0)
+    for flag, mark, size, text in (("present", "s", 190, "present"), ("chosen", "*", 420, "chosen")):
+        row = _one(rows, flag)
+        if row is None:
+            continue
+        colour = "crimson" if flag == "chosen" else "black"
+        face = colour if flag == "chosen" else "none"
+        axes.scatter([row["cost"]], [height(row)], marker=mark, s=size, edgecolors=colour, facecolors=face, zorder=3)
+        said = name_of(plan, row).replace(", ", "\n")
+        unproven = "" if row["certified"] else " (not proven for all)"
+        axes.annotate(
+            f"{text}{unproven}: cost {row['cost']:g}\n{said}",
+            (row["cost"], height(row)),
+            xytext=(14, 12),
+            textcoords="offset points",
+            fontsize=8,
+            va="bottom",
+            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
+            zorder=4,
+        )
+    if any(row["touch_db"] is None and not row["unknown"] for row in rows):
+        axes.axhspan(low - 2 * room, low - 0.5 * room, color="0.93", zorder=-1)
+        axes.text(0.99, rest, "at rest ", ha="right", va="center", transform=axes.get_yaxis_transform(), color="0.4")
+    if any(row["unknown"] for row in rows):
+        axes.text(
+            0.99, unknown, "not known ", ha="right", va="bottom", transform=axes.get_yaxis_transform(), color="0.4"
+        )
+    if plan.touch:
+        limit, off = _touch_limit(plan, rows), plan.uncertainty_db
+        axes.axhspan(limit - off, limit + off, color="C3", alpha=0.1, linewidth=0.0, zorder=-1)
+        axes.axhline(limit, color="C3", linewidth=0.9, linestyle="--")
+    axes.set_xlabel("cost (open: fails a limit, filled: meets all; line: front)")
+    axes.set_ylabel(
+        "touch, dB above threshold, of all but the allowed share of people\n"
+        "(dashed: allowed; band: how well that is known)"
+    )
+    axes.grid(alpha=0.3)
+    axes.legend(loc="best", fontsize=8, frameon=True)
+
+
+def _touch_limit(plan: DesignPlan, rows: list[Row]) -> float:
+    """What is allowed; of a limit above the present design, that of its level."""
+    assert plan.touch
+    there = _one(rows, "present") or {}
+    return plan.touch.most_db + ((there.get("touch_db") or 0.0) if plan.touch.above_present else 0.0)
+
+
+def _map(axes: "Axes", rows: list[Row], column: str, title: str, chosen: Row | None = None) -> None:
+    rates = sorted({row[RATE] for row in rows})
+    counts = sorted({row[COUNTS] for row in rows})
+    at = {(row[RATE], row[COUNTS]): row[column] for row in rows}
+    values = [
+        [float("nan") if at.get((rate, count)) is None else at[rate, count] for count in counts] for rate in rates
+    ]
+    image = axes.imshow(values, origin="lower", aspect="auto", cmap="viridis")
+    middle = sum(image.get_clim()) / 2.0
+    for i, line in enumerate(values):
+        for j, value in enumerate(line):
+            text = "rest" if value != value else f"{value:.3g}"
+            axes.text(j, i, text, ha="center", va="center", fontsize=8, color="black" if value > middle else "white")
+    if chosen and chosen[RATE] in rates and chosen[COUNTS] in counts:
+        place = counts.index(chosen[COUNTS]), rates.index(chosen[RATE])
+        axes.scatter(*place, marker="s", s=900, facecolors="none", edgecolors="crimson", linewidths=1.6)
+    axes.set_xticks(range(len(counts)), [f"{count:g}" for count in counts])
+    axes.set_yticks(range(len(rates)), [f"{rate:g}" for rate in rates])
+    axes.set_xlabel("encoder, counts per revolution")
+    axes.set_ylabel("sample rate, Hz")
+    axes.set_title(title, fontsize=9)

@@ -1,0 +1,116 @@
+"""What a hand adds to a knob, over grip force: as printed, and as identified beside it (Hasser, Figs 11, 12, 18-21)."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from hknob_cli.figures import drawing, theme
+from hknob_cli.figures.grasp_panels import (
+    QUANTITIES,
+    draw_bars,
+    draw_identified,
+    finish,
+    identified_rows,
+    label_of,
+    printed_rows,
+    scale_of,
+    told,
+)
+from hknob_cli.results.result_set import ResultSet
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Of = str | Sequence[str]
+
+
+@drawing
+def grasp_parameters(
+    evidence: ResultSet,
+    of: Of = (),
+    *,
+    tables: Sequence[int] = (1, 2, 3, 4, 5),
+    translational: bool = False,
+    estimator: str = "output_error",
+    bars: bool = False,
+) -> "Figure":
+    """Inertia, damping, stiffness and damping ratio over grip force, of Tables 1-5: mean and standard deviation.
+
+    Inertia is of hand and apparatus; a line marks the apparatus alone (Table 10). ``translational``: over the radius
+    squared, as the fingertips meet it: kg, N·s/m, N/m. ``of`` an identification: its means over persons by
+    ``estimator`` are crosses beside the printed ones, with standard deviations if ``bars``. Raises `MissingError` for
+    any other table, and where there are no such fits.
+    """
+    drawn = theme.figure(5.6)
+    panels = list(drawn.subplots(2, 2, sharex=True).ravel())
+    identified = {number: _means(evidence, of, number, estimator) for number in tables} if of else {}
+    for panel, quantity in zip(panels, QUANTITIES, strict=True):
+        for i, number in enumerate(tables):
+            rows = printed_rows(number)
+            scale = scale_of(quantity, number, translational=translational)
+            # A little apart, so that error bars do not hide one another.
+            aside = 1.025 ** (i - 0.5 * (len(tables) - 1))
+            values = [row[quantity.column] for row in rows], [row[quantity.printed_std] for row in rows]
+            draw_bars(panel, [row["grip_n"] * aside for row in rows], *values, scale, number)
+            if number in identified:
+                draw_identified(panel, identified[number], quantity.column, scale, bars=bars, beside=1.07 * aside)
+        if quantity.column == "inertia_kg_m2":
+            _rule_apparatus(panel, tables, translational=translational)
+        panel.set_ylabel(label_of(quantity, translational=translational))
+    finish(drawn, panels)
+    return drawn
+
+
+def _means(evidence: ResultSet, of: Of, number: int, estimator: str) -> list[dict[str, float]]:
+    result = evidence[of if isinstance(of, str) else of[0]]
+    return identified_rows(result, level="all", experiment=str(number), estimator=estimator)
+
+
+def _rule_apparatus(panel: "Axes", tables: Sequence[int], *, translational: bool) -> None:
+    from hknob_cli.printed.hands import apparatus_inertia
+
+    inertia = QUANTITIES[0]
+    scales = {number: scale_of(inertia, number, translational=translational) for number in tables}
+    for i, own in enumerate(dict.fromkeys(scales[number] * apparatus_inertia(number) for number in tables)):
+        label = None if i else "apparatus alone"
+        panel.axhline(own, color="black", linewidth=0.9, alpha=0.7, linestyle=(0, (6, 3)), label=label)
+
+
+@drawing
+def normalised_grasp(
+    evidence: ResultSet, of: Of = (), *, tables: Sequence[int] = (1,), estimator: str = "output_error"
+) -> "Figure":
+    """Damping and stiffness over grip force, each divided by the middle of its range, mean and standard deviation.
+
+    The middle is the mean of the least and the largest value, as in Fig. 12, whose other curves (Hajian, 1997) are not
+    printed as numbers. ``of`` an identification: its means are crosses, over the middles of the printed ones. Raises
+    `MissingError` for any table but 1-5.
+    """
+    drawn = theme.figure(3.0)
+    panels = drawn.subplots(1, 2, sharex=True, sharey=True)
+    for panel, quantity in zip(panels, QUANTITIES[1:3], strict=True):
+        for number in tables:
+            rows = printed_rows(number)
+            force, values, spread = (
+                [row[name] for row in rows] for name in ("grip_n", quantity.column, quantity.printed_std)
+            )
+            middle = [x / _middle(force) for x in force]
+            draw_bars(panel, middle, values, spread, 1.0 / _middle(values), number)
+            if of:
+                found = _means(evidence, of, number, estimator)
+                beside = 1.02 / _middle(force)
+                draw_identified(panel, found, quantity.column, 1.0 / _middle(values), bars=True, beside=beside)
+        # What the same share of force and of the parameter would be.
+        panel.axline((0.0, 0.0), slope=1.0, color="black", linewidth=0.8, alpha=0.6, linestyle=(0, (4, 2)))
+        panel.annotate("in proportion", (1.0, 0.85), xytext=(4, -6), textcoords="offset points", fontsize=8)
+        panel.set_xlabel("grip force / its middle, 1")
+        panel.set_ylabel(f"{quantity.symbol} / its middle, 1")
+        panel.set_xlim(0.0, 2.1)
+        panel.set_ylim(0.0, 2.1)
+    if len(tables) > 1 or of:
+        drawn.legend(*told(panels[0]), loc="outside upper left", ncols=3)
+    return drawn
+
+
+def _middle(values: list[float]) -> float:
+    return 0.5 * (min(values) + max(values))

@@ -1,0 +1,155 @@
+"""The picture of a campaign: size and pitch over the grid, the grip of every trial, and thumbnails of the motion."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+
+from hknob_cli.figures.colour_map import colour_map
+from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.sheet import save
+from hknob_cli.report.hw_run import cells_of, quiet_text
+from hknob_cli.report.means import differs, mean_beside
+from hknob_cli.specs.plan import COUNTS, RATE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import SubFigure
+
+Row = dict[str, Any]
+THUMBNAIL_CYCLES = 8
+LEAST_COUNTS = 3  # of the device's own encoder, to either side: less is not drawn larger
+_MOST_THUMBNAILS = 8  # of rows, and of columns
+_MOST_TICKS = 40
+
+
+def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: str, path: Path) -> None:
+    """Draw a campaign into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
+    from matplotlib.figure import Figure
+
+    cells = cells_of(trials)
+    rates, counts = sorted({cell[RATE] for cell in cells}), sorted({cell[COUNTS] for cell in cells})
+    small = len(rates) <= _MOST_THUMBNAILS and len(counts) <= _MOST_THUMBNAILS
+    top = 0.5 * len(counts) + 2.2
+    bottom = 1.1 * len(counts) + 0.9 if small else 0.0
+    figure = Figure(figsize=(13.5, top + 2.6 + bottom), layout="constrained")
+    parts: Any = figure.subfigures(3 if small else 2, 1, height_ratios=[top, 2.6, bottom][: 3 if small else 2])
+    _maps(parts[0], cells, rates, counts)
+    _grips(parts[1], trials, target_n)
+    if small:
+        _thumbnails(parts[2], samples, trials, rates, counts)
+    buzzing = sum(row["sustained"] for row in trials)
+    figure.suptitle(f"{name}: trials against a virtual wall, {buzzing} of {len(trials)} with sustained buzz")
+    save(figure, path, stage="hw-run", name=name)
+
+
+def _maps(figure: "SubFigure", cells: list[Row], rates: list[float], counts: list[int]) -> None:
+    import numpy as np
+
+    grid = {(cell[COUNTS], cell[RATE]): cell for cell in cells}
+    axes = figure.subplots(1, 2, sharey=True)
+    panels = (
+        (
+            "p2p_max_rad",
+            1e3,
+            "peak to peak, mrad" if differs(cells) else "peak to peak, mrad (mean peak minus mean trough)",
+        ),
+        ("frequency_at_max_hz", 1.0, "frequency, Hz"),
+    )
+    of = ", of the trial that buzzes most (mean of those that buzz)" if differs(cells) else ""
+    for ax, (column, scale, label) in zip(axes, panels, strict=True):
+        values = np.array(
+            [[scale * (grid.get((count, rate), {}).get(column) or np.nan) for rate in rates] for count in counts],
+            dtype=float,
+        )
+        inks = colour_map(ax, values, label + of)
+        ax.set_xticks(range(len(rates)), [f"{rate:.6g}" for rate in rates])
+        ax.set_xlabel(axis_name(RATE))
+        for i, j in np.ndindex(*values.shape):
+            cell = grid.get((counts[i], rates[j]))
+            if cell is None:  # none of its trials could be measured
+                ax.text(j, i, "not measured", ha="center", va="center", fontsize=8, color=inks[i][j])
+                continue
+            mean = mean_beside(cell, column)
+            texts = ["" if np.isnan(values[i, j]) else f"{values[i, j]:.3g}", f"({scale * mean:.3g})" if mean else ""]
+            text = "\n".join(filter(None, [" ".join(filter(None, texts)), quiet_text(cell)]))
+            ax.text(j, i, text, ha="center", va="center", fontsize=8, color=inks[i][j])
+    axes[0].set_yticks(range(len(counts)), [f"{count}" for count in counts])
+    axes[0].set_ylabel(axis_name(COUNTS))
+
+
+def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
+    """Grip of each trial in the order they were run, with its standard deviation within the trial."""
+    ax = figure.subplots()
+    shown = [row for row in trials if row["grip_mean_n"] is not None]
+    if not shown:
+        ax.text(0.5, 0.5, "the knob has no grip cell", ha="center", va="center", transform=ax.transAxes)
+        ax.set_axis_off()
+        return
+    ax.axhline(target_n, color="0.4", linewidth=1.0, linestyle="--", label=f"target {target_n:g} N")
+    ax.errorbar(
+        [row["order"] for row in shown],
+        [row["grip_mean_n"] for row in shown],
+        yerr=[row["grip_std_n"] for row in shown],
+        fmt="o",
+        markersize=4,
+        capsize=2,
+        color="C0",
+        label="mean and standard deviation of a trial",
+    )
+    ax.set_ylim(0.0, 1.2 * max([target_n, *(row["grip_mean_n"] + row["grip_std_n"] for row in shown)]))
+    ax.set_xlim(0.5, len(trials) + 0.5)
+    if len(trials) <= _MOST_TICKS:
+        ax.set_xticks([row["order"] for row in trials])
+    ax.set_ylabel("grip force, N")
+    ax.set_xlabel("trial, in the order they were run")
+    ax.grid(alpha=0.3)
+    ax.legend(fontsize=8, loc="lower right", ncols=2)
+
+
+def _thumbnails(
+    figure: "SubFigure", samples: pa.Table, trials: list[Row], rates: list[float], counts: list[int]
+) -> None:
+    """The end of the steady part of each cell's first trial: some cycles on one scale of angle in a row (Fig. 54)."""
+    import numpy as np
+
+    first = {}
+    for row in reversed(trials):
+        first[row[COUNTS], row[RATE]] = row
+    ends = np.flatnonzero(np.diff(samples["trial"].to_numpy(), append=-1) != 0) + 1
+    starts = np.concatenate([[0], ends[:-1]])
+    places = {
+        int(samples["trial"][int(start)].as_py()): (int(start), int(end))
+        for start, end in zip(starts, ends, strict=True)
+    }
+    axes = figure.subplots(len(counts), len(rates), sharey="row", squeeze=False)
+    for i, count in enumerate(counts):
+        reach = 0.0
+        for j, rate in enumerate(rates):
+            ax, row = axes[i][j], first[count, rate]
+            start, end = places[row["order"]]
+            reach = max(reach, _thumbnail(ax, samples.slice(start, end - start), row))
+            if i == 0:
+                ax.set_title(f"{rate:g} Hz", fontsize=9)
+        axes[i][0].set_ylabel(f"{count}\nmrad", fontsize=8)
+        axes[i][0].set_ylim(-1.1 * reach, 1.1 * reach)
+    figure.supxlabel(f"time, ms: {THUMBNAIL_CYCLES} cycles, or the last 0.1 s; angle about its mean", fontsize=8)
+
+
+def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
+    """Draw one; how far its scale must reach, mrad."""
+    import numpy as np
+
+    running = samples["running"].to_numpy(zero_copy_only=False)
+    time_s, angle = samples["time_s"].to_numpy()[running], samples["angle_rad"].to_numpy()[running]
+    ax.tick_params(labelsize=7)
+    ax.grid(alpha=0.2)
+    least = float(1e3 * LEAST_COUNTS * 2.0 * np.pi / row["native_counts"])
+    if not time_s.size:
+        return least
+    long = THUMBNAIL_CYCLES / row["frequency_hz"] if row["sustained"] and row["frequency_hz"] else 0.1
+    end = float(samples["time_s"][row["steady_last"]].as_py())
+    shown = (time_s >= end - long) & (time_s <= end)
+    values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
+    ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
+    return float(max(least, np.abs(values).max(initial=0.0)))

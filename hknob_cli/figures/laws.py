@@ -1,0 +1,78 @@
+"""A closed law beside the simulation: lines and points over one axis (Hasser, sec. 9.3, Figs 62-65)."""
+
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+from hknob_cli.figures import drawing, theme
+from hknob_cli.figures.grid import Grid, Row, column_label, grid
+from hknob_cli.figures.numbers import is_geometric, log_ticks, tick_labels
+from hknob_cli.results.result_set import MissingError, ResultSet
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+_LAWS = {"quantum_period": "the law C \u0394\u03b8 T"}
+
+
+@drawing
+def law_lines(
+    evidence: ResultSet,
+    of: str | list[str],
+    *,
+    law: str = "quantum_period",
+    column: str = "p2p_rad",
+    over: str | None = None,
+    lines: str | None = None,
+    at: Row | None = None,
+    height: float = 3.8,
+) -> "Figure":
+    """A law of a prediction as lines over the axis ``over``, and the simulated values as points.
+
+    ``of``: the prediction, and the sweep, unless the prediction has one beside it. Lines are faint outside the law's
+    domain. Mean over the trials that cycle. Raises `MissingError`.
+    """
+    names = [of] if isinstance(of, str) else list(of)
+    result = evidence[names[0]]
+    beside = column if len(names) > 1 else f"sweep_{column}"
+    cells = grid(result, across=over, down=lines, at=at, where={"law": law}, columns=(column,))
+    there: Grid | None = cells
+    if len(names) > 1:
+        there = grid(evidence[names[1]], across=cells.across or None, down=cells.down or None, at=at, columns=(column,))
+    elif cells.rows and beside not in cells.rows[0]:
+        there = None
+    name, factor = column_label(result, column)
+    figure = theme.figure(height)
+    axes = figure.subplots()
+    found = False
+    for i, (line, text) in enumerate(zip(cells.values(column, factor), tick_labels(cells.downs), strict=True)):
+        style = theme.series(i)
+        found |= any(value == value for value in line)
+        inside = [
+            value if cell is not None and cell["in_domain"] else float("nan")
+            for value, cell in zip(line, cells.cells[i], strict=True)
+        ]
+        axes.plot(cells.acrosses, line, **{**style, "linewidth": 0.8, "alpha": 0.6})
+        axes.plot(cells.acrosses, inside, **style)
+        axes.plot([], [], **style, marker=theme.points(i)["marker"], markersize=5, label=text)
+    if not found:
+        raise MissingError(f"'{names[0]}' has no value of {column} by the law {law}")
+    if there is not None:
+        for i, line in enumerate(there.values(beside, factor)):
+            shown = [(x, y) for x, y in zip(there.acrosses, line, strict=True) if y == y and y > 0]
+            axes.plot(*zip(*shown, strict=True) if shown else ([], []), markersize=5, **theme.points(i))
+    values = [value for value in cells.acrosses if value is not None]
+    if values and values[0] > 0 and is_geometric(values):
+        axes.set_xscale("log")
+    if len(values) <= 10:
+        axes.set_xticks(values, tick_labels(values))
+        axes.set_xticks([], minor=True)
+    axes.set_yscale("log")
+    axes.set_yticks(*log_ticks(*axes.get_ylim()))
+    axes.set_yticks([], minor=True)
+    axes.set_xlabel(cells.names[0])
+    axes.set_ylabel(name)
+    what = [f"lines: {_LAWS.get(law, law.replace('_', ' '))}, thin outside its domain"]
+    figure.supxlabel(";  ".join(what + (["points: simulated"] if there is not None else [])), fontsize=8)
+    if cells.down:
+        figure.legend(title=fill(cells.names[1], 20), loc="outside right upper", handlelength=3.4)
+    return figure

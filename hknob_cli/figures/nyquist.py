@@ -1,0 +1,91 @@
+"""Nyquist curve of hand and knob, with the describing function turned by each hold's delay (Hasser, Figs 45, 46)."""
+
+from typing import TYPE_CHECKING
+
+from hknob_cli.figures import drawing, theme
+from hknob_cli.report.matrix import short
+from hknob_cli.results.result_set import MissingError, Result, ResultSet
+from hknob_cli.specs.plan import COUNTS, RATE
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from hknob_cli.scene.sampled_knob import SampledKnob
+    from hknob_cli.theory.nyquist import Crossing
+
+_REACH = 1.35  # of a ray, beyond its crossing
+
+
+@drawing
+def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, zoom: bool | None = None) -> "Figure":
+    """The plant's curve in rad/(N m), a ray a sample rate (Hz, by default all the result has), circles where they meet.
+
+    The key gives each rate and the pitch where its ray meets the curve. Dashed: the inverse of the describing function
+    without delay. ``zoom``: a second panel for the crossings near the origin, by default with three rates or more.
+    Raises `MissingError` where the scene has no sample clock.
+    """
+    from hknob_cli.scene.sampled_knob import sample_knob
+    from hknob_cli.theory.nyquist import crossing
+
+    result = evidence[of]
+    scene = result.scene
+    if not scene.sampled:
+        raise MissingError(f"'{of}' has no sample clock")
+    chosen = [float(rate) for rate in rates] if rates else _values(result, RATE)
+    counts = int(_values(result, COUNTS)[0])
+    knobs = [sample_knob(scene, sample_rate_hz=rate, counts_per_rev=counts) for rate in chosen]
+    found = [one for one in map(crossing, knobs) if one is not None]
+    if not found:
+        raise MissingError(f"'{of}' has no crossing below the Nyquist frequency")
+    both = len(found) > 2 if zoom is None else zoom
+    figure = theme.figure(4.6 if both else 3.9)
+    figure.set_layout_engine("constrained", h_pad=0.08)
+    panels = figure.subplots(1, 2 if both else 1, squeeze=False)[0]
+    _panel(panels[0], knobs[0], found, found)
+    if both:
+        near = sorted(found, key=lambda one: abs(one.point))
+        _panel(panels[1], knobs[0], found, near[: (len(near) + 1) // 2])
+        panels[1].set_title("the same, near the origin")
+    handles, texts = panels[0].get_legend_handles_labels()
+    figure.legend(handles, texts, loc="outside lower center", ncols=3, handlelength=3.4)
+    return figure
+
+
+def _values(result: Result, axis: str) -> list[float]:
+    """Values of an axis in the order of the grid. Raises `MissingError`."""
+    file = {"sweep": "cells", "dfa": "dfa", "predict": "predict"}.get(result.stage, "cells")
+    table = result.table(file)
+    if axis not in table.column_names:
+        raise MissingError(f"'{result.name}' has no axis {axis}")
+    return sorted({float(value) for value in table.column(axis).to_pylist()})
+
+
+def _panel(axes: "Axes", knob: "SampledKnob", found: "list[Crossing]", shown: "list[Crossing]") -> None:
+    """One panel, with room for the crossings ``shown``."""
+    import numpy as np
+
+    from hknob_cli.theory.nyquist import plant_curve
+
+    right = max(-one.point.real for one in shown)
+    down = max(0.5 * right, *(-one.point.imag for one in shown))
+    reach = abs(complex(right, down))
+    fastest, slowest = max(one.omega for one in found), min(one.omega for one in found)
+    curve = plant_curve(knob, np.geomspace(0.3 * slowest, 6.0 * fastest, 300))
+    curve = curve[np.abs(curve) < 4.0 * reach]
+    axes.plot(curve.real, curve.imag, color="black", linewidth=1.6, label="hand and knob")
+    axes.plot(
+        [-2.0 * reach, 0.0], [0.0, 0.0], color="black", linestyle="--", linewidth=1.0, label="relay without delay"
+    )
+    for i, one in enumerate(found):
+        far = max(_REACH * abs(one.point), 0.1 * reach) / abs(one.point)
+        style = theme.series(i)
+        label = f"rate {short(one.rate_hz)} Hz: {short(one.frequency_hz, 3)} Hz"
+        axes.plot([0.0, far * one.point.real], [0.0, far * one.point.imag], marker="o", markevery=[], **style)
+        axes.plot([one.point.real], [one.point.imag], marker="o", markersize=6, markerfacecolor="none",
+                  markeredgewidth=1.4, label=label, **style)  # fmt: skip
+    axes.set_xlim(-1.3 * right, 0.12 * right)
+    axes.set_ylim(-1.25 * down, 0.12 * down)
+    axes.set_aspect("equal")
+    axes.set_xlabel("Re G, rad/(N\u00b7m)")
+    axes.set_ylabel("Im G, rad/(N\u00b7m)")

@@ -1,0 +1,88 @@
+"""What ``--plot`` writes: figures as one picture (PNG), whole or not at all, that says what it was drawn for."""
+
+import contextlib
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.figures import draw
+from hknob_cli.figures.held import One
+from hknob_cli.figures.literal import literal
+from hknob_cli.results.place import create
+from hknob_cli.results.png import KEYWORD, source_text
+from hknob_cli.results.result_set import MissingError, Result
+from hknob_cli.results.store import partial
+from hknob_cli.specs.page_plan import FigurePlan
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+DPI = 130
+_ACROSS = 2  # figures beside one another
+_TITLE = 40  # pixels of height
+
+
+def write_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path) -> bool:
+    """Draw figures of a result, each under its title, two in a row, into ``path`` (PNG); False if it has none of them.
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    drawn = []
+    for one in planned:
+        with contextlib.suppress(MissingError):
+            drawn.append((one.title, draw(one.draw, One(result), result.name, one.options)))
+    if not drawn:
+        return False
+    save(_beside(drawn), path, stage=result.stage, name=result.name)
+    return True
+
+
+def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
+    """Write a figure, whole or not at all, with what it was drawn for (PNG).
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    half = partial(path)
+    try:
+        with create(half) as stream:
+            _render(figure, stream, metadata={KEYWORD: source_text(stage, name)})
+        half.replace(path)
+    except OSError as error:
+        raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
+    finally:
+        half.unlink(missing_ok=True)
+
+
+def _render(figure: "Figure", stream: Any, **options: Any) -> None:
+    with literal(figure):
+        figure.savefig(stream, dpi=DPI, format="png", facecolor="white", **options)
+
+
+def _beside(figures: "Sequence[tuple[str, Figure]]") -> "Figure":
+    """Figures as one, in rows of two, each at its own size under its title."""
+    from matplotlib.figure import Figure
+    from matplotlib.image import imread
+
+    def pixels(figure: "Figure") -> Any:
+        stream = io.BytesIO()
+        _render(figure, stream)
+        stream.seek(0)
+        return imread(stream)
+
+    images = [(title, pixels(figure)) for title, figure in figures]
+    rows = [images[i : i + _ACROSS] for i in range(0, len(images), _ACROSS)]
+    wide = max(sum(image.shape[1] for _, image in row) for row in rows)
+    heights = [_TITLE + max(image.shape[0] for _, image in row) for row in rows]
+    top = sum(heights)
+    whole = Figure(figsize=(wide / DPI, top / DPI))
+    for row, height in zip(rows, heights, strict=True):
+        left = 0
+        for title, image in row:
+            whole.text((left + 0.5 * image.shape[1]) / wide, 1.0 - (sum(heights) - top + 0.5 * _TITLE) / sum(heights),
+                       title, ha="center", va="center", fontsize=10)  # fmt: skip
+            whole.figimage(image, left, top - _TITLE - image.shape[0])
+            left += image.shape[1]
+        top -= height
+    return whole

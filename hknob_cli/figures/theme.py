@@ -1,0 +1,107 @@
+"""How figures look, and their SVG: the same bytes for the same picture, readable on light and dark.
+
+Text and axes are black in matplotlib and `currentColor` in the SVG, so that they take the page's colour; text stays
+text.
+Series differ in line style or marker beside colour, so that they survive grey printing; the colours are Okabe and Ito's
+(2008) for colour-blind readers, those of them that stand out on white and on near-black. Maps use cividis.
+"""
+
+import functools
+import io
+import re
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.errors import printable
+from hknob_cli.figures.literal import literal
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8C7A00", "#56B4E9", "#7F7F7F")
+STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
+MARKERS = ("o", "s", "^", "D", "v", "x", "+")
+MAP = "cividis"
+ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whatever the page's colours
+_TAG = re.compile("<[^>]+>")  # not what is written between them
+_BLACK = re.compile(r'(?<=[" ;])(fill|stroke): ?#000000')
+_ID = re.compile(r'\b(id="|href="#|url\(#)')
+WIDTH = 7.2  # inches, of a full-width figure
+
+_SETTINGS: Any = {  # matplotlib types its settings one by one
+    "font.family": ["DejaVu Sans", "sans-serif"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.color": "black",
+    "grid.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.3,
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+    "savefig.facecolor": "none",
+    "svg.fonttype": "none",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+
+
+def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":
+    """A function that draws in the kit's style, and leaves no trace of it."""
+
+    @functools.wraps(draw)
+    def styled_draw(*args: Any, **options: Any) -> "Figure":
+        import matplotlib as mpl
+
+        with mpl.rc_context(_SETTINGS):
+            return draw(*args, **options)
+
+    return styled_draw
+
+
+def figure(height: float = 3.2, width: float = WIDTH) -> "Figure":
+    """An empty figure of the page's style, in inches."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def series(index: int) -> dict[str, Any]:
+    """Colour and line style of the nth series of a plot."""
+    return {"color": COLOURS[index % len(COLOURS)], "linestyle": STYLES[index % len(STYLES)]}
+
+
+def points(index: int) -> dict[str, Any]:
+    """Colour and marker of the nth series of points."""
+    return {"color": COLOURS[index % len(COLOURS)], "marker": MARKERS[index % len(MARKERS)], "linestyle": "none"}
+
+
+def svg(drawn: "Figure", *, name: str, title: str, mark: str = "") -> str:
+    """SVG text of a figure: its ids are its own (``name``), ``title`` is its accessible name."""
+    import matplotlib as mpl
+
+    stream = io.StringIO()
+    with mpl.rc_context({**_SETTINGS, "svg.hashsalt": name, "svg.id": None}), literal(drawn):
+        drawn.savefig(stream, format="svg", metadata={"Date": None, "Creator": None, "Format": None, "Type": None})
+    text = stream.getvalue()
+    text = text[text.index("<svg") :]
+    text = re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+    text = _TAG.sub(lambda tag: _own(tag[0], name), text)
+    # Without a colour, text is black by default, and so takes the page's colour by inheritance.
+    text = text.replace("<svg ", f'<svg fill="currentColor" role="img" aria-label="{_escaped(title)}" ', 1)
+    return f"{mark}{text}"
+
+
+def _own(tag: str, name: str) -> str:
+    """A tag of a figure's own: ids of a page are shared by its figures, and black is the page's colour of text."""
+    tag = _BLACK.sub(r"\1: currentColor", tag)
+    return _ID.sub(rf"\g<1>{name}-", tag)
+
+
+def _escaped(text: str) -> str:
+    return printable(text).replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")

@@ -1,0 +1,63 @@
+"""The figures that a report may name, each with its module in `figures`: a new figure is entered here."""
+
+from typing import TYPE_CHECKING, Literal
+
+MODULES: dict[str, str] = {
+    "all_persons": "persons",
+    "attractors": "attractors",
+    "axis_lines": "axis_lines",
+    "basins": "basins",
+    "bias_curves": "bias",
+    "block_diagram": "relay_loop",
+    "campaign_lines": "campaign_lines",
+    "campaign_thumbnails": "campaign",
+    "campaign_trial": "campaign",
+    "cases": "cases",
+    "cell_dots": "cell_dots",
+    "contact_energy": "contact",
+    "cycle_spectra": "spectra",
+    "design_costs": "design_costs",
+    "equal_loudness": "senses",
+    "error_time": "error_time",
+    "fourth_beside_second": "fourth_fit",
+    "grasp_parameters": "grasp",
+    "grid_difference": "difference",
+    "grid_lines": "lines",
+    "grid_map": "maps",
+    "grid_pair": "maps",
+    "grip_cell": "bench_lines",
+    "grip_forces": "grip",
+    "hardware_grid": "hardware",
+    "hidden_inertia": "hidden",
+    "identified_terms": "contributions",
+    "identified_values": "identified_values",
+    "law_lines": "laws",
+    "models_beside_data": "refit",
+    "motor_calibration": "bench_lines",
+    "nonlinearity": "relay_loop",
+    "normalised_grasp": "grasp",
+    "nyquist": "nyquist",
+    "one_person": "persons",
+    "phase_plane": "phase",
+    "population": "population",
+    "pulse_terms": "pulse",
+    "pulse_vectors": "recorded",
+    "remedy_dots": "remedies",
+    "remedy_grid": "remedy_grid",
+    "saturated_map": "saturated",
+    "schematic": "schematic",
+    "stability_table": "verdicts",
+    "staircase": "staircase",
+    "surface": "surface",
+    "time_response": "motion",
+    "torque_reach": "torque_reach",
+    "touch_thresholds": "senses",
+    "trial_thumbnails": "recorded",
+    "what_explains": "what_explains",
+    "what_matters": "what_matters",
+}
+
+if TYPE_CHECKING:
+    Draw = str
+else:
+    Draw = Literal[tuple(MODULES)]

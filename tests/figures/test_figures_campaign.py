@@ -1,0 +1,121 @@
+"""Drawings of campaigns on a knob, on a small one: what they say, and that they say it the same twice."""
+
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from hknob_cli.figures import draw, theme
+from hknob_cli.figures.campaign_samples import one_trial
+from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.results.result_set import MissingError, ResultSet
+from tests.conftest import EXPERIMENTS, HKNOB
+
+GRID = "grid={sample_rate_hz: [1000, 4000], counts_per_rev: [256, 2048]}"
+SHORT = "trial={zero: 0.1, settle: 0.1, buzz: [1, 1], longest: 3}"
+STARTS = "starts={angle: 0.02, phases: 4}"
+RUNS = {
+    "plain": ("hw-run", "ch8_hardware_plain", GRID, SHORT),
+    "friction": ("hw-run", "ch8_hardware", GRID, SHORT),
+    "row": ("hw-run", "ch8_hardware_plain", "grid={sample_rate_hz: [1000], counts_per_rev: [256]}", SHORT),
+    "sweep": ("sweep", "chapter8", GRID, STARTS, "scene.bias={torque: 0.001}"),
+    "predict": ("predict", "predict_chapter8", GRID),
+    "whine": ("sweep", "whine", "starts={angle: 1.0e-4, phases: 4}", "record={duration: 0.01, interval: 2.0e-5}"),
+}
+ONE: dict[str, Any] = {"sample_rate_hz": 1000, "counts_per_rev": 256}
+PRINTED = {"frequency_hz": {"mean": 2.0}, "p2p_rad": {"mean": 1.2, "least": 0.26, "largest": 2.5}}
+CASES: list[tuple[str, object, dict[str, Any], tuple[str, ...]]] = [
+    ("grid_map", "friction", {"column": "frequency_hz"}, ("frequency, Hz", "rest: trials that come to rest")),
+    ("grid_map", "plain", {"column": "wall_torque_nm", "log": False}, ("wall torque nm, N·m",)),
+    ("hardware_grid", ["sweep", "friction"], {"names": ("swept", "tried")}, ("swept", "tried", "2 cells")),
+    ("grid_difference", ["friction", "sweep"], {}, ("rest", "2 cells")),
+    ("grip_forces", None, {}, ("0.64", "mean 0.72 ± 0.05 N")),
+    ("grip_forces", "friction", {}, ("printed, Table 8", "a virtual person", "mean 0.72 ± 0.05 N", "2048")),
+    ("campaign_thumbnails", "friction", {}, ("1000 Hz", "4000 Hz", "256", "2048", "8 cycles")),
+    ("campaign_thumbnails", "row", {"cycles": 4}, ("1000 Hz", "4 cycles")),
+    ("campaign_trial", "friction", ONE, ("angle, mrad", "torque, mN·m", "angle seen, mrad", "grip, N")),
+    ("campaign_trial", "plain", {**ONE, "grip": False, "from_s": 0, "to_s": 0.1}, ("angle, mrad", "time, ms")),
+    ("campaign_trial", "friction", {**ONE, "counts_per_rev": 2048}, ("grip, N",)),
+    ("campaign_lines", ["sweep", "plain"], {"names": ["swept", "tried"]}, ("swept", "tried", "2048 counts")),
+    (
+        "campaign_lines",
+        ["predict", "sweep", "friction"],
+        {"law": "quantum_period"},
+        ("predict", "friction", "256 counts", "peak to peak, mrad"),
+    ),
+    (
+        "what_explains",
+        ["plain", "friction"],
+        {"over": "sweep", "names": ["nothing", "all"], "printed": PRINTED},
+        ("nothing", "all", "4 of 4", "2 of 4", "printed", "pitch over the simulated", "2048"),
+    ),
+    (
+        "torque_reach",
+        ["whine", "row"],
+        {"printed_hz": 2200, "printed_rad": 0.0014},
+        ("101-fold", "whine", "row", "printed", "peak to peak, mrad"),
+    ),
+    ("torque_reach", ["whine"], {}, ("no losses",)),
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
+    base = tmp_path_factory.mktemp("campaigns")
+    folders: dict[str, Path] = {}
+    for name, (stage, spec, *sets) in RUNS.items():
+        folders[name] = base / name
+        more = [part for value in sets for part in ("--set", value)]
+        command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", "-o", folders[name], "-q", *more]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+        assert done.returncode == 0, done.stderr
+    return ResultSet(folders)
+
+
+@pytest.mark.parametrize(("name", "of", "options", "says"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
+def test_what_a_figure_says(
+    evidence: ResultSet, name: str, of: object, options: dict[str, Any], says: tuple[str, ...]
+) -> None:
+    text, again = (theme.svg(draw(name, evidence, of, dict(options)), name="f", title="t") for _ in range(2))
+    assert text == again
+    for words in says:
+        assert words in text, words
+
+
+@pytest.mark.parametrize(
+    ("name", "of", "options", "says"),
+    [
+        ("campaign_thumbnails", "sweep", {}, r"no trials\.parquet of 'sweep'"),
+        ("campaign_trial", "plain", {**ONE, "counts_per_rev": 300}, "no trial at 1000 Hz and 300 counts"),
+        ("campaign_trial", "plain", {**ONE, "from_s": 90}, "no samples there, at 1000 Hz, 256 counts"),
+        ("campaign_lines", ["sweep", "row"], {}, "1 resolutions at 1 rates"),
+        ("what_explains", ["row"], {"over": "whine"}, "no cell in common"),
+        ("torque_reach", ["plain"], {}, "of several cells"),
+    ],
+)
+def test_what_is_not_there_is_said(
+    evidence: ResultSet, name: str, of: object, options: dict[str, Any], says: str
+) -> None:
+    with pytest.raises(MissingError, match=says):
+        draw(name, evidence, of, options)
+
+
+def test_pitch_is_that_of_cycles(evidence: ResultSet) -> None:
+    """A cycle across the wall's edge switches its torque on once; a part of one may be missed at either end."""
+    trial = one_trial(evidence, "friction", **ONE)
+    (cell,) = (row for row in evidence["friction"].rows("cells") if all(row[name] == ONE[name] for name in ONE))
+    torque = trial.torque[trial.steady]
+    switched = int(((torque[1:] > 0.0) & (torque[:-1] == 0.0)).sum())
+    assert switched > 20
+    assert cell["frequency_hz"] == pytest.approx(switched / trial.row["steady_s"], abs=2.0 / trial.row["steady_s"])
+
+
+def test_a_page_of_its_own(evidence: ResultSet) -> None:
+    """A campaign has pictures and a sentence where a report's spec lists neither."""
+    one = ResultSet({"friction": evidence["friction"].folder})
+    (chapter,) = chapters_of(one)
+    assert [figure.draw for figure in chapter.figures] == ["grid_map", "grid_map", "campaign_thumbnails"]
+    (sentence,) = sentences_of(one)
+    assert "friction: 4 cells" in sentence
+    assert "at rest in 2; recorded." in sentence
