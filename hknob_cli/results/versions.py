@@ -17,12 +17,12 @@ from hknob_cli.specs.unit_points import RANDOM
 ROOT = Path(__file__).parent.parent
 COMPUTING = (
     "printed",
-    "spec",
+    "specs",
     "scene",
     "engine",
-    "remedies",
+    "controllers",
     "theory",
-    "rivals",
+    "baselines",
     "measure",
     "perception",
     "results",
@@ -31,7 +31,7 @@ COMPUTING = (
     "identify",
     "stages",
 )
-SHOWING = ("claims", "report", "page", "cli/report_work.py")
+SHOWING = ("report", "page", "cli/report_work.py")
 
 
 @cache
