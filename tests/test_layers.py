@@ -14,6 +14,7 @@ PACKAGE = ROOT / "hknob_cli"
 # Each layer may use the ones before it.
 ORDER = [
     "errors",
+    "stage_table",
     "printed",
     "specs",
     "engine",

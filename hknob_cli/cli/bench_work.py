@@ -8,7 +8,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, counted, note
 from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.stages.bench import BenchStage
 
@@ -17,6 +17,10 @@ RIVALS = ("scipy", "numba", "mujoco", "mpmath")
 
 class BenchWork(Work):
     """Methods beside one another."""
+
+    def size(self, plan: Any) -> str:
+        """Scenes."""
+        return counted(len(plan.scenes), "scene")
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """One sheet, and one picture a scene."""

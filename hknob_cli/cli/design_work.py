@@ -7,7 +7,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, counted, note
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.design import describe_design, design_text
 from hknob_cli.stages.design import DesignStage
@@ -16,6 +16,10 @@ from hknob_cli.stages.lag_domain import domain_warning
 
 class DesignWork(Work):
     """The cheapest design whose limit cycles nobody minds."""
+
+    def size(self, plan: Any) -> str:
+        """Designs to choose from."""
+        return counted(plan.size, "design")
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Every design that was evaluated."""
@@ -30,9 +34,9 @@ class DesignWork(Work):
         """The published thresholds."""
         return threshold_inputs(job.plan.perceive)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The files of those thresholds, too."""
-        return (*super().reads(job), *threshold_files(job.plan.perceive))
+        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """The table of `files`."""

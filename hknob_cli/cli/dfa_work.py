@@ -24,13 +24,13 @@ class DfaWork(Work):
         """Cycles by method, and their differences from a sweep where there is one."""
         return "dfa.parquet", *(["differences.parquet"] if job.plan.against else [])
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """Differences, where there is no sweep to compare with."""
         return () if job.plan.against else ("differences.parquet",)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The sweep it is compared with, if any."""
-        return *super().reads(job), *([Path(job.plan.against)] if job.plan.against else [])
+        return *super().input_files(job), *([Path(job.plan.against)] if job.plan.against else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep it is compared with, if any."""

@@ -14,12 +14,10 @@ from collections.abc import Callable
 from importlib import import_module
 from typing import BinaryIO, Protocol
 
-from hknob_cli.specs.kinds import STAGES
+from hknob_cli.stage_table import STAGES
 
-# What the work of a subcommand needs, to be loaded ahead.
-AHEAD = {
-    kind: (f"hknob_cli.cli.{kind.replace('-', '_')}_work", "hknob_cli.cli.stage_run", "filelock") for kind in STAGES
-}
+# What the work of every stage needs beside its own module.
+_ALSO = ("hknob_cli.cli.stage_run", "filelock")
 
 _pipe: BinaryIO | None = None
 
@@ -45,7 +43,7 @@ def submit(job: Runnable) -> None:
 
 def pays(arguments: list[str]) -> bool:
     """Whether this command line is worth two processes."""
-    if not arguments or arguments[0] not in AHEAD or not hasattr(os, "fork"):
+    if not arguments or arguments[0] not in STAGES or not hasattr(os, "fork"):
         return False
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return cores > 1 and not {"-h", "--help"} & set(arguments)
@@ -62,7 +60,7 @@ def parse_and_run(parse: Callable[[], object], command: str) -> int:
         with reporting():
             child, read = _fork(parse)
             try:
-                handed = _load_and_wait(AHEAD[command], read)
+                handed = _load_and_wait((STAGES[command].work.partition(":")[0], *_ALSO), read)
                 if not handed:
                     _, status = os.waitpid(child, 0)
                     child = 0

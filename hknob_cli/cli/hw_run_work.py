@@ -5,12 +5,13 @@ import signal
 import sys
 import time
 from functools import partial
+from math import prod
 from pathlib import Path
 from typing import Any
 
 from hknob_cli.cli.console import interrupt, say
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
+from hknob_cli.cli.stage_run import Tables, Work, counted, note, stamp_of
 from hknob_cli.cli.strip import watching
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
@@ -29,6 +30,10 @@ HARDWARE = "hardware"
 class HwRunWork(Work):
     """Trials on a knob. Recordings of a real device are sources: gone on with, never made again unasked."""
 
+    def size(self, plan: Any) -> str:
+        """Trials."""
+        return counted(prod(len(values) for values in plan.axes.values()) * plan.repeats, "trial")
+
     def files(self, _job: Job) -> tuple[str, ...]:
         """Samples, trials, and the audit of the sample clock."""
         return RESULTS
@@ -37,7 +42,7 @@ class HwRunWork(Work):
         """The campaign, and its sample clock."""
         return "hw_run.png", "timing.png"
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """Recordings to replay; a folder stands for its samples."""
         return tuple(inside(path, RESULTS[0]) for path in job.plan.device.recordings)
 
@@ -102,11 +107,11 @@ class HwRunWork(Work):
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
         return campaign_tables(done, job.plan.course)
 
-    def scaffold(self, job: Job) -> list[Path]:
+    def partial_results(self, job: Job) -> list[Path]:
         """Single trials of a simulation."""
         return self._archive(job).scaffold()
 
-    def finish(self, job: Job) -> None:
+    def clear_partial(self, job: Job) -> None:
         """Remove those, once all are in the results."""
         self._archive(job).leave()
 

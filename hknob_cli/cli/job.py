@@ -1,18 +1,14 @@
 """A stage as asked for on the command line: small enough to hand from one process to another."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from hknob_cli.specs.kinds import STAGES
-
-# Where the work of each kind is; loaded ahead, while the command line is parsed.
-WORK = {kind: f"hknob_cli.cli.{kind.replace('-', '_')}_work" for kind in STAGES}
+from hknob_cli.stage_table import STAGES, loaded
 
 
 def work_of(kind: str) -> Any:
     """The `stage_run.Work` of a kind; loads it."""
-    return import_module(WORK[kind]).WORK
+    return loaded(STAGES[kind].work)
 
 
 class Job(NamedTuple):

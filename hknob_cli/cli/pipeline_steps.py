@@ -182,7 +182,7 @@ def _step(
         stage.name,
         reads=(
             *((stage.spec,) if stage.spec else ()),
-            *(path for path in work.reads(job) if path not in linked),
+            *(path for path in work.input_files(job) if path not in linked),
             *measured,
         ),
         needs=needs,

@@ -23,14 +23,14 @@ class PredictWork(Work):
         """Predictions, stability limits, and differences from a sweep where there is one."""
         return "predict.parquet", "passivity.parquet", *(["differences.parquet"] if job.plan.against else [])
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """Differences, where there is no sweep to compare with."""
         return () if job.plan.against else ("differences.parquet",)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The sweep it is compared with, and the known case that the constant is taken from, if any."""
         against = [Path(job.plan.against)] if job.plan.against else []
-        return *super().reads(job), *against, *([job.plan.case_file] if job.plan.case_file else [])
+        return *super().input_files(job), *against, *([job.plan.case_file] if job.plan.case_file else [])
 
     def inputs(self, job: Job) -> dict[str, str]:
         """The sweep that the laws are compared with, and the known case, if any."""

@@ -5,7 +5,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note
+from hknob_cli.cli.stage_run import Tables, Work, counted, note
 from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.remedies import describe_trial, trial_text
 from hknob_cli.stages.lag_domain import domain_warning
@@ -14,6 +14,10 @@ from hknob_cli.stages.remedies import RemediesStage
 
 class RemediesWork(Work):
     """Remedies against the buzz, tried over a grid, hands and cases."""
+
+    def size(self, plan: Any) -> str:
+        """Remedies to try."""
+        return counted(len(plan.remedies), "remedy", "remedies")
 
     def files(self, job: Job) -> tuple[str, ...]:
         """The grid, and the cases."""
@@ -24,9 +28,9 @@ class RemediesWork(Work):
         """The published thresholds, where levels above them are asked for."""
         return threshold_inputs(job.plan.perceive)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The files of those thresholds, too."""
-        return (*super().reads(job), *threshold_files(job.plan.perceive))
+        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The cases, and how much each remedy helps over each further axis of the grid."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from hknob_cli.cli.console import progress_bar
 from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work
+from hknob_cli.cli.stage_run import Tables, Work, counted
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
@@ -28,6 +28,10 @@ _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')
 class ReportWork(Work):
     """One page of results, and the claims judged by them."""
 
+    def size(self, plan: Any) -> str:
+        """Results to show."""
+        return counted(len(plan.results), "result")
+
     def verify(self, job: Job) -> None:
         """Drawings, computations and their arguments."""
         if wrong := plan_faults(job.plan):
@@ -44,12 +48,12 @@ class ReportWork(Work):
         figures = [figure.id for chapter in job.plan.chapters for figure in chapter.figures]
         return "report.html", *(f"figures/{name}.svg" for name in figures)
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """Claims, where there is no ledger; figures of an earlier page."""
         figures = {f"figures/{path.name}" for path in (job.out / "figures").glob("*.svg")} - set(self.texts(job))
         return *sorted(figures), *(() if job.plan.claims else ("claims.parquet",))
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The results, the ledger, and the printed tables that its claims read."""
         ledger = (Path(job.plan.claims), *map(file_of, NUMBERS)) if job.plan.claims else ()
         return *map(Path, job.plan.results.values()), *ledger
@@ -67,7 +71,7 @@ class ReportWork(Work):
             if not tables:
                 raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
             digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
-        for path in self.reads(job)[len(job.plan.results) :]:
+        for path in self.input_files(job)[len(job.plan.results) :]:
             digests[path.name] = _sha256(path)
         return digests
 

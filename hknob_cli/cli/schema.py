@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from hknob_cli.cli.console import reporting
-from hknob_cli.specs.kinds import CLAIMS, SCHEMAS
+from hknob_cli.stage_table import CLAIMS, SCHEMAS
 
 
 def schema(

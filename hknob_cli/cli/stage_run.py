@@ -22,11 +22,22 @@ from hknob_cli.specs.usual import unusual
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 
 
+def counted(count: int, what: str, many: str = "") -> str:
+    """A number of things, as ``1 cell`` or ``2 cells``; ``many`` is another plural than with s."""
+    return f"{count} {what if count == 1 else many or what + 's'}"
+
+
 class Work:
     """What differs between stages. This is the base: a stage that has nothing but tables."""
 
     def verify(self, job: Job) -> None:
         """Look for what only the stage can tell is wrong with a plan. Raises `UsageError`."""
+
+    def size(self, plan: Any) -> str:
+        """How much there is to do, in a few words: here the cells of a grid."""
+        from hknob_cli.specs.cells import cells_of
+
+        return counted(len(cells_of(plan)), "cell")
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Names of the result files, one a table."""
@@ -40,11 +51,11 @@ class Work:
         """Names of the pictures that `draw` may draw."""
         return ()
 
-    def others(self, _job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, _job: Job) -> tuple[str, ...]:
         """Names of files that this stage writes for other specs, and that would be stale beside these results."""
         return ()
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """Files, and folders of results, that the result depends on beside the spec."""
         return provenance.tables_of(job.plan.values)
 
@@ -67,7 +78,7 @@ class Work:
         """Result tables. Raises `ComputationError`."""
         raise NotImplementedError
 
-    def scaffold(self, _job: Job) -> list[Path]:
+    def partial_results(self, _job: Job) -> list[Path]:
         """What is there of that which is needed only until the results are in place."""
         return []
 
@@ -75,7 +86,7 @@ class Work:
         """What an earlier run that was cut short has finished, from which the next goes on; empty if there is none."""
         return ""
 
-    def finish(self, job: Job) -> None:
+    def clear_partial(self, job: Job) -> None:
         """Clear it away."""
 
     def folders(self, _job: Job) -> tuple[str, ...]:
@@ -158,8 +169,8 @@ def make(job: Job, work: Work) -> Made:
     for text in hand_notes(job.plan):
         note(job, text)
     pictures = [job.out / file for file in work.pictures(job)]
-    ours = [*paths, *pictures, *(job.out / file for file in work.others(job))]
-    if current is not None and not job.plot and not store.leftovers(ours) and not work.scaffold(job):
+    ours = [*paths, *pictures, *(job.out / file for file in work.stale_outputs(job))]
+    if current is not None and not job.plot and not store.leftovers(ours) and not work.partial_results(job):
         return Made(current, paths, computed=False, changed=changed)
     with store.hold(job.out, ours):
         # Once more: another run may have been here since.
@@ -173,8 +184,8 @@ def make(job: Job, work: Work) -> Made:
             for stale in set(ours[len(paths) :]) - set(composed):
                 stale.unlink(missing_ok=True)  # it would show what the files no longer hold
             tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
-        if current is None or work.scaffold(job):  # a run may have been killed just before it cleared up
-            work.finish(job)
+        if current is None or work.partial_results(job):  # a run may have been killed just before it cleared up
+            work.clear_partial(job)
         with _as_written(job, computed=current is None):
             drawn = work.draw(job, tables, pictures) if job.plot else []
     return Made(tables, [*paths, *drawn], computed=current is None, changed=changed)
@@ -209,7 +220,7 @@ def _state(job: Job, work: Work) -> _State:
     stamp = stamp_of(job, work)
     tables = [job.out / file for file in work.files(job)]
     texts = [job.out / file for file in work.texts(job)]
-    for_others = [job.out / file for file in (*work.pictures(job), *work.others(job))]
+    for_others = [job.out / file for file in (*work.pictures(job), *work.stale_outputs(job))]
     store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
     refuse_mixed(job.out, stage=job.kind, name=job.plan.name)
     work.refuse(job)
@@ -243,7 +254,7 @@ def _say_plan(job: Job, work: Work, state: _State) -> None:
     missing = [path.name for path in paths if not path.exists()]
     changed = f"the spec or the program has changed since: {in_a_line(state.changed)}".removesuffix(": ")
     why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
-    there = work.finished(job) if not current and work.scaffold(job) else ""
+    there = work.finished(job) if not current and work.partial_results(job) else ""
     if job.as_json:
         reasons: dict[str, Any] = {"why": why, **({"finished": there} if there else {})}
         reasons |= {"changed": as_data(state.changed)} if state.changed else {}

@@ -32,7 +32,7 @@ class SweepWork(Work):
         more = {"trajectories.parquet": job.plan.record, "basins.parquet": job.plan.basins}
         return "cells.parquet", "orbits.parquet", *(name for name, asked in more.items() if asked)
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """Recordings and maps of basins, where none are asked for."""
         recorded = () if job.plan.record else ("trajectories.parquet", "trajectories.png")
         return *recorded, *(() if job.plan.basins else ("basins.parquet", "basins.png"))
@@ -41,9 +41,9 @@ class SweepWork(Work):
         """The published thresholds, where levels above them are asked for."""
         return threshold_inputs(job.plan.perceive)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The files of those thresholds, too."""
-        return (*super().reads(job), *threshold_files(job.plan.perceive))
+        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""
@@ -63,7 +63,7 @@ class SweepWork(Work):
             note(job, f"{stage.cell_count} cells, {result.samples} trial-samples, {how}, {seconds:.2f} s")
         return result.cells, result.orbits, *_recorded(job)
 
-    def scaffold(self, job: Job) -> list[Path]:
+    def partial_results(self, job: Job) -> list[Path]:
         """Finished pieces and parts."""
         return staged(job.out)
 
@@ -77,7 +77,7 @@ class SweepWork(Work):
         there = 0 if job.force else finished(Staging(job.out, stamp), Parting(total, stamp))
         return f"{there} of {total} cells" if there else ""
 
-    def finish(self, job: Job) -> None:
+    def clear_partial(self, job: Job) -> None:
         """Remove what this run, or one of another spec that was cut short, had finished."""
         clear_staged(job.out)
 

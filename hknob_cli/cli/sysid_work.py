@@ -34,6 +34,10 @@ EVERYTHING = (
 class SysidWork(Work):
     """The hand on the knob, or a part of the apparatus, identified."""
 
+    def size(self, plan: Any) -> str:
+        """What is identified."""
+        return "study" if plan.study else str(plan.what).replace("_", " ")
+
     def files(self, job: Job) -> tuple[str, ...]:
         """Fits of every motion, of every condition, and the recordings where they are kept; or a calibration."""
         if job.plan.study:
@@ -48,12 +52,12 @@ class SysidWork(Work):
             return tuple(f"{name}.png" for name in _studies(job))
         return ("calibration.png",) if job.plan.what in CALIBRATED else ("sysid.png",)
 
-    def others(self, job: Job) -> tuple[str, ...]:
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """What another spec of this name may have left."""
         ours = {*self.files(job), *self.pictures(job)}
         return tuple(name for name in EVERYTHING if name not in ours)
 
-    def reads(self, job: Job) -> tuple[Path, ...]:
+    def input_files(self, job: Job) -> tuple[Path, ...]:
         """The recordings, or the printed tables that virtual people are drawn from."""
         if job.plan.virtual is None and not job.plan.study:
             return tuple(job.plan.recordings)
@@ -64,7 +68,7 @@ class SysidWork(Work):
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name; files of one name in several folders by their order, too."""
         found: dict[str, str] = {}
-        for path in self.reads(job):
+        for path in self.input_files(job):
             name = path.name if path.name not in found else f"{path.name} ({len(found) + 1})"
             found[name] = _digest(path)
         return found
