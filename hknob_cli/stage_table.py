@@ -97,7 +97,7 @@ _ROWS = (
         "No effect: the page has figures.",
         model="hknob_cli.specs.report:ReportSpec",
         validate="hknob_cli.specs.report:validate_report",
-        work="hknob_cli.cli.report_work:WORK",
+        work="hknob_cli.page.work:WORK",
     ),
 )
 

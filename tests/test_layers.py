@@ -15,6 +15,7 @@ PACKAGE = ROOT / "hknob_cli"
 ORDER = [
     "errors",
     "stage_table",
+    "terminal",
     "printed",
     "specs",
     "engine",

@@ -6,8 +6,8 @@ from typing import get_args
 
 import pytest
 
-from hknob_cli.cli.stage_run import Work
 from hknob_cli.stage_table import SCHEMAS, SPECS, STAGES, loaded
+from hknob_cli.stages.work import Work
 from tests.conftest import HKNOB, ROOT
 
 

@@ -6,11 +6,11 @@ from pathlib import Path
 from platform import machine
 from typing import Any
 
-from hknob_cli.cli.console import progress_bar
-from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, counted, note
 from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.stages.bench import BenchStage
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.work import Tables, Work, counted, note
+from hknob_cli.terminal.console import progress_bar
 
 RIVALS = ("scipy", "numba", "mujoco", "mpmath")
 

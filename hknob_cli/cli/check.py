@@ -5,22 +5,22 @@ from typing import Annotated
 
 import typer
 
-from hknob_cli.cli.console import reporting, say, tell
-from hknob_cli.cli.job import Job
 from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
 from hknob_cli.stage_table import PIPELINE
+from hknob_cli.stages.job import Job
+from hknob_cli.terminal.console import reporting, say, tell
 
 
 def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
     """What a valid spec says, in a few words. Raises `UsageError`."""
-    from hknob_cli.cli.job import work_of
-    from hknob_cli.cli.stage_run import counted
     from hknob_cli.specs.load import is_ledger, kind_of, load, load_pipeline
+    from hknob_cli.stages.job import work_of
+    from hknob_cli.stages.work import counted
 
     kind = kind_of(path)
     if kind == PIPELINE:
-        from hknob_cli.cli.pipeline_steps import chosen, jobs_of
+        from hknob_cli.pipeline.steps import chosen, jobs_of
 
         pipeline = load_pipeline(path, sets)
         for job in jobs_of(chosen(pipeline, None), Path("results") / pipeline.name, quiet=quiet).values():

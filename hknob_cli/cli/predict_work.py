@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import progress_bar
-from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
+from hknob_cli.stages.job import Job
 from hknob_cli.stages.predict import predict
+from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
+from hknob_cli.terminal.console import progress_bar
 
 
 class PredictWork(Work):

@@ -3,13 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import progress_bar
-from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, counted, note
-from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.remedies import describe_trial, trial_text
+from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies import RemediesStage
+from hknob_cli.stages.work import Tables, Work, counted, note
+from hknob_cli.terminal.console import progress_bar
 
 
 class RemediesWork(Work):

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import typer
 
-from hknob_cli.cli.console import reporting
 from hknob_cli.cli.handover import submit
 from hknob_cli.cli.options import (
     DryRun,
@@ -25,6 +24,7 @@ from hknob_cli.cli.options import (
 )
 from hknob_cli.errors import UsageError
 from hknob_cli.stage_table import STAGES, loaded
+from hknob_cli.terminal.console import reporting
 
 
 def submit_stage(
@@ -34,8 +34,8 @@ def submit_stage(
     with reporting():
         if refuse:
             raise UsageError(refuse)
-        from hknob_cli.cli.job import Job
         from hknob_cli.specs.load import load
+        from hknob_cli.stages.job import Job
 
         plan = load(spec, tuple(sets or ()), kind=kind)
         where = out or Path("results") / plan.name

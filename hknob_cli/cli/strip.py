@@ -6,9 +6,9 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.cli.console import heed
-from hknob_cli.cli.keys import Keys, keys
 from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
+from hknob_cli.terminal.console import heed
+from hknob_cli.terminal.keys import Keys, keys
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-from hknob_cli.cli.console import heed, spread_progress
-from hknob_cli.cli.job import Job
 from hknob_cli.errors import unwritable
 from hknob_cli.report.matrix import short
 from hknob_cli.results.parting import Parting
@@ -15,8 +13,10 @@ from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
 from hknob_cli.spread.ranges import Range, Ranges
 from hknob_cli.stages.assembly import Assembly
+from hknob_cli.stages.job import Job
 from hknob_cli.stages.piece import PieceFinder, unit_of
 from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.terminal.console import heed, spread_progress
 
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:

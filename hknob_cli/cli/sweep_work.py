@@ -5,16 +5,17 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import progress_bar
-from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, note, stamp_of
-from hknob_cli.cli.threshold_files import threshold_files, threshold_inputs
 from hknob_cli.report.completeness import completeness_text, describe_completeness
 from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON
+from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.work import Tables, Work, note
+from hknob_cli.terminal.console import progress_bar
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 

@@ -31,7 +31,7 @@ COMPUTING = (
     "identify",
     "stages",
 )
-SHOWING = ("report", "page", "cli/report_work.py")
+SHOWING = ("report", "page")
 
 
 @cache

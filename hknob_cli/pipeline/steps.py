@@ -7,9 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.hand_origin import hand_files
-from hknob_cli.cli.job import Job, work_of
-from hknob_cli.cli.stage_run import Work, make
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.pipeline.step import Step
 from hknob_cli.results.place import refuse_link
@@ -19,6 +16,10 @@ from hknob_cli.specs.named_file import open_named
 from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.specs.plan import Plan
+from hknob_cli.stages.input_files import hand_files
+from hknob_cli.stages.job import Job, work_of
+from hknob_cli.stages.make import make
+from hknob_cli.stages.work import Work
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one

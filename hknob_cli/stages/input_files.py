@@ -1,4 +1,4 @@
-"""The files that hands of a stage are from: what its results depend on, and what must be said of them."""
+"""Files that results depend on beside the spec: those that hands are from, and the published thresholds."""
 
 import json
 from collections.abc import Iterator
@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.specs.origin import Origin
+from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import Hand
 
 
@@ -18,7 +19,7 @@ def _measured(plan: Any) -> Iterator[tuple[Hand, Origin]]:
 
 
 def hand_files(plan: Any) -> tuple[Path, ...]:
-    """The files, each once."""
+    """Files that the hands of a plan are from, each once."""
     return tuple(dict.fromkeys(origin.file for _, origin in _measured(plan) if origin.file))
 
 
@@ -48,3 +49,21 @@ def _digests(plan: Any) -> dict[str, str]:
 def hand_notes(plan: Any) -> tuple[str, ...]:
     """Messages, each once."""
     return tuple(dict.fromkeys(text for _, origin in _measured(plan) for text in origin.notes))
+
+
+def threshold_inputs(how: Perceive | None) -> dict[str, str]:
+    """Digest of the published thresholds by name; none where no levels are asked for."""
+    if how is None:
+        return {}
+    from hknob_cli.perception.published import data_digest
+
+    return {"perception_sha256": data_digest()}
+
+
+def threshold_files(how: Perceive | None) -> tuple[Path, ...]:
+    """Files of the published thresholds; none where no levels are asked for."""
+    if how is None:
+        return ()
+    from hknob_cli.perception.published import data_files
+
+    return data_files()

@@ -6,9 +6,6 @@ from html import escape, unescape
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.console import progress_bar
-from hknob_cli.cli.job import Job
-from hknob_cli.cli.stage_run import Tables, Work, counted
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
@@ -20,6 +17,9 @@ from hknob_cli.results.digest import digest
 from hknob_cli.results.marked import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.work import Tables, Work, counted
+from hknob_cli.terminal.console import progress_bar
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')
 _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')

@@ -27,9 +27,3 @@ class Job(NamedTuple):
     verbose: bool = False
     unattended: bool = False  # nobody is there to press keys
     scheduler: str | None = None  # of a Dask cluster that does the work
-
-    def run(self) -> None:
-        """Do it; print results on stdout. Raises `RefusedError` or `ComputationError`."""
-        from hknob_cli.cli.stage_run import run_stage
-
-        run_stage(self, work_of(self.kind))
