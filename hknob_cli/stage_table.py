@@ -89,7 +89,7 @@ _ROWS = (
         "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",
         model="hknob_cli.specs.bench:BenchSpec",
         validate="hknob_cli.specs.bench:validate_bench",
-        work="hknob_cli.cli.bench_work:WORK",
+        work="hknob_cli.stages.bench.work:WORK",
     ),
     Stage(
         "report",

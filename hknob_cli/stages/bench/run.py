@@ -19,10 +19,10 @@ from hknob_cli.baselines.catalogue import Setting, settings
 from hknob_cli.baselines.controller import Controller
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.bench_columns import RUNS
 from hknob_cli.specs.plan import BenchPlan, BenchScene
-from hknob_cli.stages.bench_run import Reference, Run, exact_settings, reference, timed_run
-from hknob_cli.stages.verdict import judge, measure
+from hknob_cli.stages.bench.columns import RUNS
+from hknob_cli.stages.bench.timed import Reference, Run, exact_settings, reference, timed_run
+from hknob_cli.stages.bench.verdict import judge, measure
 
 Progress = Callable[[int, int], None]
 

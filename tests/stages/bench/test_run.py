@@ -8,8 +8,8 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import BenchPlan
-from hknob_cli.stages import bench_run
-from hknob_cli.stages.bench import BenchStage
+from hknob_cli.stages.bench import timed as bench_run
+from hknob_cli.stages.bench.run import BenchStage
 from tests.conftest import EXPERIMENTS
 
 STIFF = "base.scene.hand.stiffness=1e12"  # turns 2e5 times in a sample interval

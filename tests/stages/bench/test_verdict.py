@@ -5,7 +5,7 @@ from math import inf, pi, sin
 import pytest
 
 from hknob_cli.specs.plan import BenchScene
-from hknob_cli.stages.verdict import judge, measure
+from hknob_cli.stages.bench.verdict import judge, measure
 from tests.baselines.trials import trial
 
 CASE: BenchScene = trial(samples=29)
