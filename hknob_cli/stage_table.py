@@ -49,7 +49,7 @@ _ROWS = (
         "Predict limit cycles from the frequency response: describing functions, Tsypkin's locus, the sampled relay.",
         "Draw Nyquist curves, sizes and differences into dfa.png beside the results.",
         model="hknob_cli.specs.analysis:DfaSpec",
-        work="hknob_cli.cli.dfa_work:WORK",
+        work="hknob_cli.stages.dfa.work:WORK",
     ),
     Stage(
         "predict",

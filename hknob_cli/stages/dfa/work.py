@@ -6,8 +6,9 @@ from typing import Any
 
 from hknob_cli.report.dfa import describe_dfa, dfa_text, nearest_cycles
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.stages import compare, listed
-from hknob_cli.stages.dfa import DfaStage
+from hknob_cli.stages import compare
+from hknob_cli.stages.dfa import listed
+from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.terminal.console import progress_bar

@@ -12,7 +12,8 @@ from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan, scene_at
-from hknob_cli.stages import compare, listed
+from hknob_cli.stages import compare
+from hknob_cli.stages.dfa import listed
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
 
