@@ -56,7 +56,7 @@ _ROWS = (
         "Estimate limit cycles by closed laws, say how far to trust them, and which stability limit binds.",
         "Draw every law into predict.png beside the results.",
         model="hknob_cli.specs.analysis:PredictSpec",
-        work="hknob_cli.cli.predict_work:WORK",
+        work="hknob_cli.stages.predict.work:WORK",
     ),
     Stage(
         "remedies",

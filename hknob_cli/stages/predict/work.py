@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.report.predict_summary import describe_predictions, predictions_text
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.predict import predict
+from hknob_cli.stages.predict.run import predict
+from hknob_cli.stages.predict.text import describe_predictions, predictions_text
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
 from hknob_cli.terminal.console import progress_bar
 

@@ -10,10 +10,10 @@ import pyarrow as pa
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import axis_column
-from hknob_cli.results.predict_columns import PASSIVITY, PREDICTIONS, WITH_HAND
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, Cell, PredictPlan, scene_at
 from hknob_cli.stages import compare
+from hknob_cli.stages.predict.columns import PASSIVITY, PREDICTIONS, WITH_HAND
 from hknob_cli.theory.laws import (
     RMS_ARCS,
     RMS_SINE,

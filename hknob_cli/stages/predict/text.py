@@ -3,10 +3,10 @@
 from collections import Counter
 from typing import Any
 
-from hknob_cli.report.limits_text import describe_limits, limits_text
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.overlap import overlap_text
 from hknob_cli.report.table import table
+from hknob_cli.stages.predict.limits_text import describe_limits, limits_text
 
 _DIFFERENCES = {
     "p2p_difference": "p2p",
