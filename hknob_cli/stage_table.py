@@ -64,7 +64,7 @@ _ROWS = (
         "Draw every case, and remedies over every further axis, into PNG files beside the results.",
         model="hknob_cli.specs.remedies:RemediesSpec",
         validate="hknob_cli.specs.remedies:validate_remedies",
-        work="hknob_cli.cli.remedies_work:WORK",
+        work="hknob_cli.stages.remedies.work:WORK",
     ),
     Stage(
         "design",

@@ -9,7 +9,7 @@ from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.record import record_sweep
-from hknob_cli.stages.remedy_levels import level_columns
+from hknob_cli.stages.remedies.levels import level_columns
 from hknob_cli.stages.sweep import SweepStage
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction")

@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.attractor_sizes import End, sizes_of
-from hknob_cli.stages.remedies import RemediesStage
+from hknob_cli.stages.remedies.run import RemediesStage
 
 Row = dict[str, Any]
 
@@ -90,7 +90,7 @@ def test_a_remedy_at_a_rate_of_its_own_is_compared_where_the_base_has_one_rate()
 
 
 def test_a_remedy_that_diverges_is_the_worst_and_one_that_buzzes_alone_too() -> None:
-    from hknob_cli.stages.remedies import _ratios
+    from hknob_cli.stages.remedies.run import _ratios
 
     rest = {"p2p_max_rad": 0.0, "p2p_rad": None, "diverged_fraction": 0.0}
     moves = {"p2p_max_rad": 2.0, "p2p_rad": 1.0, "diverged_fraction": 0.0}

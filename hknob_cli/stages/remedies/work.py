@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.report.remedies import describe_trial, trial_text
 from hknob_cli.stages.input_files import threshold_files, threshold_inputs
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
-from hknob_cli.stages.remedies import RemediesStage
+from hknob_cli.stages.remedies.run import RemediesStage
+from hknob_cli.stages.remedies.text import describe_trial, trial_text
 from hknob_cli.stages.work import Tables, Work, counted, note
 from hknob_cli.terminal.console import progress_bar
 

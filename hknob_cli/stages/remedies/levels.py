@@ -3,8 +3,8 @@
 from typing import Any
 
 from hknob_cli.results.columns import Column
-from hknob_cli.results.remedy_columns import felt_columns
 from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.stages.remedies.columns import felt_columns
 
 Row = dict[str, Any]
 

@@ -9,7 +9,7 @@ from math import inf
 
 from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.remedies_plan import Remedy
-from hknob_cli.stages.remedy_trial import Row, Rows
+from hknob_cli.stages.remedies.trial import Row, Rows
 
 
 def ways(remedy: Remedy) -> list[Remedy]:
