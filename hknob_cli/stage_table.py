@@ -72,7 +72,7 @@ _ROWS = (
         "Draw cost against level, and the grid, into design.png beside the results.",
         model="hknob_cli.specs.design:DesignSpec",
         validate="hknob_cli.specs.design_check:validate_design",
-        work="hknob_cli.cli.design_work:WORK",
+        work="hknob_cli.stages.design.work:WORK",
     ),
     Stage(
         "hw-run",

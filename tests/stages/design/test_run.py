@@ -8,10 +8,10 @@ import pytest
 
 from hknob_cli.specs.design_plan import DesignPlan, Limit
 from hknob_cli.specs.plan import COUNTS, RATE
-from hknob_cli.stages.design import DesignStage
-from hknob_cli.stages.design_evaluate import Evaluator, Rows, _pushes
-from hknob_cli.stages.design_people import above, exceeded_by, judge, level
-from hknob_cli.stages.design_space import Design, designs, present, relaxed, surface
+from hknob_cli.stages.design.evaluate import Evaluator, Rows, _pushes
+from hknob_cli.stages.design.people import above, exceeded_by, judge, level
+from hknob_cli.stages.design.run import DesignStage
+from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from tests.designs import DESIGN, planned
 
 Found = dict[Design, tuple[Rows, float]]

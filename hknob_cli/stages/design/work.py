@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.report.design import describe_design, design_text
-from hknob_cli.stages.design import DesignStage
+from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.input_files import threshold_files, threshold_inputs
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning

@@ -6,8 +6,8 @@ from math import inf
 import numpy as np
 
 from hknob_cli.perception.doubt import REDRAWS, Doubt
-from hknob_cli.stages.design_people import Judged, exceeded_by
-from hknob_cli.stages.design_space import Design
+from hknob_cli.stages.design.people import Judged, exceeded_by
+from hknob_cli.stages.design.space import Design
 
 SENSES = ("touch", "hearing")
 

@@ -7,10 +7,10 @@ import pytest
 
 from hknob_cli.perception.doubt import Doubt, doubts, other_sets
 from hknob_cli.specs.design_plan import Limit
-from hknob_cli.stages.design import DesignStage
-from hknob_cli.stages.design_people import Judged, judge
-from hknob_cli.stages.design_space import Design
-from hknob_cli.stages.design_sure import answer_if, meets, redrawn
+from hknob_cli.stages.design.certainty import answer_if, meets, redrawn
+from hknob_cli.stages.design.people import Judged, judge
+from hknob_cli.stages.design.run import DesignStage
+from hknob_cli.stages.design.space import Design
 from tests.designs import DESIGN, planned
 
 ABOVE = Limit(most_db=0.0, people=0.0, above_present=True)
@@ -97,7 +97,7 @@ def test_a_cycle_without_a_level_beside_one_with_a_level_is_not_known() -> None:
     from hknob_cli.engine.outcome import Outcome, Reason
     from hknob_cli.measure.orbit import OrbitMeasures
     from hknob_cli.stages.cell import CellResult
-    from hknob_cli.stages.design_evaluate import Evaluator
+    from hknob_cli.stages.design.evaluate import Evaluator
     from hknob_cli.stages.perceived import Perceived
 
     plan = planned()

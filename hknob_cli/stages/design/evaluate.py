@@ -10,7 +10,7 @@ from hknob_cli.specs.design_plan import Candidate, DesignPlan
 from hknob_cli.specs.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
 from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.cell import CellResult
-from hknob_cli.stages.design_space import Design, cell_of
+from hknob_cli.stages.design.space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.sweep import SweepStage

@@ -8,12 +8,12 @@ import pyarrow as pa
 
 from hknob_cli.perception.doubt import doubts
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.design_columns import design_columns
 from hknob_cli.specs.design_plan import DesignPlan
-from hknob_cli.stages.design_evaluate import Evaluator, Rows
-from hknob_cli.stages.design_people import Judged, judge
-from hknob_cli.stages.design_space import Design, designs, present, relaxed, surface
-from hknob_cli.stages.design_sure import answer_if, redrawn
+from hknob_cli.stages.design.certainty import answer_if, redrawn
+from hknob_cli.stages.design.columns import design_columns
+from hknob_cli.stages.design.evaluate import Evaluator, Rows
+from hknob_cli.stages.design.people import Judged, judge
+from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
 
 BATCH = 12  # designs evaluated at once
