@@ -34,7 +34,7 @@ _ROWS = (
         "Draw the hand over grip force, a calibration or studies into sysid.png, calibration.png, bias.png, ...",
         model="hknob_cli.specs.sysid:SysidSpec",
         validate="hknob_cli.specs.sysid:validate_sysid",
-        work="hknob_cli.cli.sysid_work:WORK",
+        work="hknob_cli.stages.sysid.work:WORK",
     ),
     Stage(
         "sweep",

@@ -10,7 +10,7 @@ from hknob_cli.recordings.trial import Trial
 from hknob_cli.results.result_set import MissingError, Result, Rows
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sysid import validate_sysid
-from hknob_cli.stages.sysid import SysidStage
+from hknob_cli.stages.sysid.run import SysidStage
 
 APPARATUS = "apparatus_inertia_kg_m2"
 COLUMNS = {"inertia": "inertia_kg_m2", "damping": "damping_nm_s_per_rad", "stiffness": "stiffness_nm_per_rad"}

@@ -8,12 +8,12 @@ import pyarrow as pa
 
 from hknob_cli.errors import UsageError
 from hknob_cli.report.study import study_text
-from hknob_cli.report.sysid import describe_sysid, sysid_text
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sysid import SysidStage, kept_recordings
-from hknob_cli.stages.sysid_calibration import calibrate
-from hknob_cli.stages.sysid_study import levels_of, study_bias, study_hidden
+from hknob_cli.stages.sysid.calibration import calibrate
+from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
+from hknob_cli.stages.sysid.study import levels_of, study_bias, study_hidden
+from hknob_cli.stages.sysid.text import describe_sysid, sysid_text
 from hknob_cli.stages.work import Tables, Work, note
 from hknob_cli.terminal.console import progress_bar
 

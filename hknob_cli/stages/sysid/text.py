@@ -11,8 +11,8 @@ from hknob_cli.identify.quality import MISFIT, ODDS
 from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.matrix import short
 from hknob_cli.report.table import table
+from hknob_cli.stages.sysid.remarks import DISAGREE
 
-DISAGREE = "estimators disagree"
 MOST_REMARKS = 6
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 _COLUMNS = (

@@ -22,11 +22,11 @@ from hknob_cli.recordings.health import WRONG_SIGN
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import table as recordings_table
-from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
-from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
-from hknob_cli.stages.sysid_rig import virtual_rig
+from hknob_cli.stages.sysid import columns
+from hknob_cli.stages.sysid.calibration import virtual_rig
+from hknob_cli.stages.sysid.remarks import disagreements, first_reasons
 
 DERIVATIVES = ("least_squares", "least_squares_friction")
 Progress = Callable[[int, int], None]

@@ -4,10 +4,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from hknob_cli.recordings.health import WRONG_SIGN
-from hknob_cli.report.sysid import DISAGREE
 
 Row = Mapping[str, Any]
 MOST_SAID = 6
+DISAGREE = "estimators disagree"
 # Of reasons why nothing comes out, those that count come first; what is said of a trial besides is last.
 COUNTS = (
     " left out: ",

@@ -1,17 +1,18 @@
 """The calibration of the motor or of the grip cell: readings taken or made, lines through them."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import pyarrow as pa
 
 from hknob_cli.apparatus.bench_rigs import record_grip_cell, record_motor_calibration
+from hknob_cli.apparatus.rig import Rig
 from hknob_cli.identify import calibration
 from hknob_cli.recordings.calibration import GRIP_CELL, MOTOR, read_columns
-from hknob_cli.results import sysid_columns as columns
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import SysidPlan
-from hknob_cli.stages.sysid_rig import virtual_rig
+from hknob_cli.stages.sysid import columns
 
 
 def calibrate(plan: SysidPlan) -> tuple[pa.Table, pa.Table]:
@@ -41,3 +42,10 @@ def calibrate(plan: SysidPlan) -> tuple[pa.Table, pa.Table]:
         for x, y, fitted in zip(one.line.x, one.line.y, one.line.fitted, strict=True)
     ]
     return build_table(columns.CALIBRATION, quantities), build_table(columns.CALIBRATION_POINTS, points)
+
+
+def virtual_rig(plan: SysidPlan) -> Rig:
+    """The apparatus: as printed, or ideal, but for what is given. Raises `UsageError` for a number out of range."""
+    assert plan.virtual is not None
+    given: dict[str, Any] = dict(plan.virtual.rig)
+    return replace(Rig.ideal() if plan.virtual.ideal else Rig(), **given)

@@ -8,10 +8,10 @@ from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.identify.bias_study import NUISANCES, UNITS, bias_study
 from hknob_cli.identify.fourth_study import hidden_inertia
 from hknob_cli.printed.hands import apparatus_inertia
-from hknob_cli.results import study_columns as columns
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.sysid_columns import PARAMETERS
 from hknob_cli.specs.identification import BiasPlan, HiddenPlan
+from hknob_cli.stages.sysid import columns
+from hknob_cli.stages.sysid.columns import PARAMETERS
 
 Progress = Callable[[int, int], None]
 
