@@ -80,7 +80,7 @@ _ROWS = (
         "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png.",
         model="hknob_cli.specs.hw_run:HwRunSpec",
         validate="hknob_cli.specs.hw_run:validate_hw_run",
-        work="hknob_cli.cli.hw_run_work:WORK",
+        work="hknob_cli.stages.hw_run.work:WORK",
         command="hknob_cli.cli.hw_run:hw_run",
     ),
     Stage(

@@ -9,7 +9,6 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.cli.strip import watching
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
@@ -20,6 +19,7 @@ from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
 from hknob_cli.results.versions import source_digest
 from hknob_cli.specs.campaign import REPLAY, SERIAL
 from hknob_cli.specs.named_file import digest_of, inside
+from hknob_cli.stages.hw_run.strip import watching
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.work import Tables, Work, counted, note
