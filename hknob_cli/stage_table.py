@@ -41,7 +41,7 @@ _ROWS = (
         "Find every limit cycle of a grid of sample rates and encoder resolutions, with its size, pitch and share.",
         "Draw the grid into grid.png beside the results.",
         model="hknob_cli.specs.sweep:SweepSpec",
-        work="hknob_cli.cli.sweep_work:WORK",
+        work="hknob_cli.stages.sweep.work:WORK",
         spread=True,
     ),
     Stage(

@@ -24,7 +24,7 @@ def is_cheap(path: Path, sets: tuple[str, ...]) -> bool:
 
 
 def _sweep(plan: Any) -> bool:
-    from hknob_cli.stages.sweep import HEAVIER, SweepStage
+    from hknob_cli.stages.sweep.run import HEAVIER, SweepStage
 
     stage = SweepStage(plan, jobs=1)
     if stage.cell_count > 9 or _rows(plan) > ROWS:

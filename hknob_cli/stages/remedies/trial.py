@@ -8,9 +8,9 @@ from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.ranged import extent, one_start
-from hknob_cli.stages.record import record_sweep
 from hknob_cli.stages.remedies.levels import level_columns
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.record import record_sweep
+from hknob_cli.stages.sweep.run import SweepStage
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction")
 

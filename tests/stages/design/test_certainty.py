@@ -96,9 +96,9 @@ def test_a_cycle_without_a_level_beside_one_with_a_level_is_not_known() -> None:
     from hknob_cli.engine.attractors import Attractor
     from hknob_cli.engine.outcome import Outcome, Reason
     from hknob_cli.measure.orbit import OrbitMeasures
-    from hknob_cli.stages.cell import CellResult
     from hknob_cli.stages.design.evaluate import Evaluator
-    from hknob_cli.stages.perceived import Perceived
+    from hknob_cli.stages.sweep.cell import CellResult
+    from hknob_cli.stages.sweep.perceived import Perceived
 
     plan = planned()
     evaluator = Evaluator(plan, jobs=1, notify=lambda _text: None)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.stages.cell import CellResult
+from hknob_cli.stages.sweep.cell import CellResult
 
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]

@@ -13,8 +13,8 @@ from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.stages.cell import CellFinder, CellResult, expected_samples
-from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult, expected_samples
+from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
 LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
@@ -102,7 +102,7 @@ class SweepStage:
     @cached_property
     def plain(self) -> bool:
         """Whether every cell is plain, so that runs of them are found whole by compiled code."""
-        from hknob_cli.stages.plain_chunk import takes_plain
+        from hknob_cli.stages.sweep.plain_chunk import takes_plain
 
         return takes_plain(self.plan)
 
@@ -113,7 +113,7 @@ class SweepStage:
 
     def compile(self) -> None:
         """Compile what pieces of the sweep will take, where it is not compiled yet."""
-        from hknob_cli.stages.plain_chunk import chunk_group
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group
 
         for group in [chunk_group(self.plan)] if self.plain else self.expected:
             self._compile(group)
@@ -134,14 +134,14 @@ class SweepStage:
 
     def find_plain(self, start: int, stop: int) -> SweepTables:
         """The tables of cells ``start`` to ``stop``, all `plain`. Raises `ComputationError`."""
-        from hknob_cli.stages.plain_chunk import chunk_group, plain_chunk
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group, plain_chunk
 
         columns = cells_of(self.plan).columns(start, stop)
         return plain_chunk(self.plan, columns, self.functions(chunk_group(self.plan)), self.stopped)
 
     def _run_plain(self, progress: Progress) -> SweepTables:
         """All cells, a run of them to a thread at a time."""
-        from hknob_cli.stages.plain_chunk import chunk_group
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group
 
         self._compile(chunk_group(self.plan))
         size = min(MANY, ceil(self.cell_count / (4 * self.jobs)))
@@ -227,7 +227,7 @@ class SweepStage:
     def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:
         """Results in the order of the cells; compiled kernels leave the interpreter to the other threads."""
         if self.plan.scene.controller:
-            from hknob_cli.stages.remedied import remedied_results
+            from hknob_cli.stages.sweep.controlled import remedied_results
 
             yield from remedied_results(self.plan, some)
             return

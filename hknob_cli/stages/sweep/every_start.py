@@ -31,7 +31,7 @@ class StartsFinder:
         stopped: Callable[[], bool],
         patience: Callable[[str], Patience],
     ) -> None:
-        """Make ready; arguments as those of `stages.cell.CellFinder`."""
+        """Make ready; arguments as those of `stages.sweep.cell.CellFinder`."""
         self.functions = functions
         self.stopped = stopped
         self.patience = patience

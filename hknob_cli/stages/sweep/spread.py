@@ -12,10 +12,10 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Workers, gather
 from hknob_cli.spread.ranges import Range, Ranges
-from hknob_cli.stages.assembly import Assembly
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.piece import PieceFinder, unit_of
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.assembly import Assembly
+from hknob_cli.stages.sweep.piece import PieceFinder, unit_of
+from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.terminal.console import heed, spread_progress
 
 

@@ -19,9 +19,9 @@ from hknob_cli.perception.touch import detection_threshold
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.schema import json_schema
-from hknob_cli.stages.perceived import Perceived, cell_row, orbit_row, perceive
-from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import SweepTables
+from hknob_cli.stages.sweep.perceived import Perceived, cell_row, orbit_row, perceive
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.tables import SweepTables
 from tests.conftest import SPEC, loaded
 
 BLOCK = "perceive: {knob_radius: 8.9 mm}\n"

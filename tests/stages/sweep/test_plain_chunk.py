@@ -19,10 +19,10 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load, validate
 from hknob_cli.specs.plan import SweepPlan, scene_at
 from hknob_cli.specs.source import Source
-from hknob_cli.stages.cell import CellFinder, group_of
-from hknob_cli.stages.plain_chunk import EVERY_PHASE_GROUP, GROUP, plain_chunk, takes_plain
-from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import SweepTables, cells_table, orbits_table
+from hknob_cli.stages.sweep.cell import CellFinder, group_of
+from hknob_cli.stages.sweep.plain_chunk import EVERY_PHASE_GROUP, GROUP, plain_chunk, takes_plain
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.tables import SweepTables, cells_table, orbits_table
 from tests.conftest import EXPERIMENTS, SPEC, loaded
 
 Functions = dict[str, Callable[..., Any]]
@@ -337,7 +337,7 @@ def test_tables_are_those_of_the_interpreter(functions: Functions, text: str) ->
 def test_many_cells_are_found_in_runs(
     functions: Functions, arc_functions: Functions, jobs: int, phases: int | None, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    monkeypatch.setattr("hknob_cli.stages.sweep.run.MANY", 4)
     plan = planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 3e-4, 1e-3], starts={"phases": phases})
     told: list[tuple[int, int]] = []
     monkeypatch.setattr(SweepStage, "run_cell", None)
@@ -348,7 +348,7 @@ def test_many_cells_are_found_in_runs(
 
 
 def test_runs_of_many_cells_give_up_when_interrupted(functions: Functions, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("hknob_cli.stages.sweep.MANY", 4)
+    monkeypatch.setattr("hknob_cli.stages.sweep.run.MANY", 4)
     stage = SweepStage(
         planned(sample_rate_hz=[215, 464, 1000], hand__damping=[1e-4, 1e-3], starts={"phases": 400}), jobs=2
     )

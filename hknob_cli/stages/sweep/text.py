@@ -6,13 +6,13 @@ import pyarrow as pa
 
 from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
 from hknob_cli.report.means import differs
-from hknob_cli.report.one_cell import describe_one, one_cell_text
 from hknob_cli.report.perceived import Level, perceived_levels, perceived_text
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.table import table
 from hknob_cli.report.undecided import undecided_in, undecided_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.specs.plan import PERSON
+from hknob_cli.stages.sweep.one_cell_text import describe_one, one_cell_text
 
 
 def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:

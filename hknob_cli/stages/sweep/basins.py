@@ -14,7 +14,7 @@ from hknob_cli.results.columns import BASINS, axis_column
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.cells import WHOLE, cells_of
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at
-from hknob_cli.stages.cell import CellFinder
+from hknob_cli.stages.sweep.cell import CellFinder
 
 MOST_SAMPLES = 5000  # of an orbit that are shown
 

@@ -13,7 +13,7 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, is_plain, sample_knob
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Bias, Cell, Hand, Scene, SweepPlan, scene_at
-from hknob_cli.stages.every_start import StartsFinder, why_open
+from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
@@ -274,7 +274,7 @@ def _perceived(plan: SweepPlan, measurer: Any, result: CellResult) -> CellResult
     """The result with what is felt and heard of its cycles, if the plan asks for it; no ``measurer``: it has none."""
     if plan.perceive is None:
         return result
-    from hknob_cli.stages.perceived import HIGHEST_HZ, Perceived, perceive
+    from hknob_cli.stages.sweep.perceived import HIGHEST_HZ, Perceived, perceive
 
     return result._replace(
         perceived=tuple(

@@ -5,15 +5,15 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.report.completeness import completeness_text, describe_completeness
-from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON
 from hknob_cli.stages.input_files import threshold_files, threshold_inputs
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import Tables, Work, note
 from hknob_cli.terminal.console import progress_bar
 
@@ -53,7 +53,7 @@ class SweepWork(Work):
         _warn_of_lag(job)
         stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
         if stage.spreads or job.scheduler:
-            from hknob_cli.cli.sweep_spread import spread_sweep
+            from hknob_cli.stages.sweep.spread import spread_sweep
 
             return (*spread_sweep(job, stage, stamp_of(job, self), partial(note, job)), *_recorded(job))
         with progress_bar(stage.cell_count, show=not job.quiet and stage.long) as progress:
@@ -72,7 +72,7 @@ class SweepWork(Work):
         """Cells of a long sweep."""
         from hknob_cli.results.parting import Parting
         from hknob_cli.specs.cells import cells_of
-        from hknob_cli.stages.assembly import finished
+        from hknob_cli.stages.sweep.assembly import finished
 
         stamp, total = stamp_of(job, self), len(cells_of(job.plan))
         there = 0 if job.force else finished(Staging(job.out, stamp), Parting(total, stamp))
@@ -184,11 +184,11 @@ def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
 def _recorded(job: Job) -> Tables:
     """Trajectories, or maps of basins, where they are asked for: never both, a recording begins at one start."""
     if job.plan.record:
-        from hknob_cli.stages.record import record_sweep
+        from hknob_cli.stages.sweep.record import record_sweep
 
         return (record_sweep(job.plan),)
     if job.plan.basins:
-        from hknob_cli.stages.basins import map_basins
+        from hknob_cli.stages.sweep.basins import map_basins
 
         return (map_basins(job.plan),)
     return ()
@@ -227,7 +227,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     from math import pi
 
     from hknob_cli.report.one_cell_picture import draw_one_cell
-    from hknob_cli.stages.record import record_one
+    from hknob_cli.stages.sweep.record import record_one
 
     rows = orbits.to_pylist()
     counts = cells.to_pylist()[0].get(COUNTS)

@@ -14,9 +14,9 @@ from hknob_cli.results.parted import Parted
 from hknob_cli.results.parting import Parting
 from hknob_cli.results.staging import Staging, clear_staged
 from hknob_cli.results.versions import grid_versions
-from hknob_cli.stages.assembly import Assembly, finished
-from hknob_cli.stages.piece import PieceFinder, decode, encode, find_piece, unit_of
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.assembly import Assembly, finished
+from hknob_cli.stages.sweep.piece import PieceFinder, decode, encode, find_piece, unit_of
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC, loaded
 
 STAMP = b'{"stage":"sweep","name":"x"}'
@@ -201,7 +201,7 @@ def test_a_worker_draws_a_design_with_the_same_scipy() -> None:
 )
 def test_controlled_cells_stay_with_those_beside_them(controller: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """What rounding makes of a cell depends on those found beside it, so that pieces are cut between such groups."""
-    monkeypatch.setattr("hknob_cli.stages.remedied.MOST_LANES", 7)
+    monkeypatch.setattr("hknob_cli.stages.sweep.controlled.MOST_LANES", 7)
     text = SPEC.replace("[1000]", "[500, 1000]").replace("[1024]", "[128, 512, 700]").replace("phases: 8", "phases: 3")
     stage = SweepStage(loaded(text.replace("wall:", f"controller: {{{controller}}}\n  wall:")), jobs=1)
     assert unit_of(stage.plan) == 2

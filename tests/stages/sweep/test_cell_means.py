@@ -12,10 +12,10 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
-from hknob_cli.stages.cell import CellFinder, CellResult
-from hknob_cli.stages.found import in_columns
-from hknob_cli.stages.plain_chunk import GROUP, plain_chunk
-from hknob_cli.stages.sweep_tables import cells_table
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult
+from hknob_cli.stages.sweep.found import in_columns
+from hknob_cli.stages.sweep.plain_chunk import GROUP, plain_chunk
+from hknob_cli.stages.sweep.tables import cells_table
 from tests.conftest import EXPERIMENTS, loaded
 
 PUSHED = ("grid.sample_rate_hz=455", "grid.counts_per_rev=256", "scene.bias.torque=0.007")

@@ -20,8 +20,8 @@ from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at
-from hknob_cli.stages.cell import CellResult
-from hknob_cli.stages.every_start import why_open
+from hknob_cli.stages.sweep.cell import CellResult
+from hknob_cli.stages.sweep.every_start import why_open
 
 MOST_LANES = 4096  # side by side
 
@@ -116,7 +116,7 @@ def _perceived(plan: SweepPlan, knob: SampledKnob, parts: tuple[float, ...], one
     """What is felt and heard of an orbit, if the plan asks for it; of what does not repeat nothing is said."""
     if plan.perceive is None:
         return None
-    from hknob_cli.stages.perceived import HIGHEST_HZ, Perceived, perceive
+    from hknob_cli.stages.sweep.perceived import HIGHEST_HZ, Perceived, perceive
 
     if one.outcome is not Outcome.CYCLE:
         return Perceived()

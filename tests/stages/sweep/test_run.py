@@ -3,9 +3,9 @@
 import pytest
 
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.stages import sweep
-from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import cells_table
+from hknob_cli.stages.sweep import run as sweep
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.tables import cells_table
 from tests.conftest import SPEC, loaded
 
 FRICTION = SPEC.replace("{inertia: 1.9e-6}", "{inertia: 1.9e-6, coulomb_torque: 1.0e-4}")

@@ -14,8 +14,8 @@ from hknob_cli.results.layout import as_file
 from hknob_cli.results.parting import Parting
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import SweepTables, cells_table, joined, orbits_table
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
 _HEAD = 8  # bytes, that say how long the first file is
 _MOST = 32_768  # cells found at a time, which bounds the memory that a piece takes
@@ -65,7 +65,7 @@ def unit_of(plan: SweepPlan) -> int:
     """Cells that stay together, however a sweep is cut."""
     if plan.scene.controller is None:
         return 1
-    from hknob_cli.stages.remedied import block_of
+    from hknob_cli.stages.sweep.controlled import block_of
 
     return block_of(plan)
 

@@ -27,9 +27,9 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.specs.cells import WHOLE
 from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, scene_at
-from hknob_cli.stages.cell import CellResult, may_bounce
-from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
-from hknob_cli.stages.found import Array, AttractorColumns, in_columns
+from hknob_cli.stages.sweep.cell import CellResult, may_bounce
+from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
+from hknob_cli.stages.sweep.found import Array, AttractorColumns, in_columns
 
 NEEDS_COUNTS = ("p2p_counts", "margin_counts")
 _OUTCOMES = [outcome.name.lower() for outcome in Outcome]
@@ -76,7 +76,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
             }
     if plan.perceive:
         from hknob_cli.results.perceived_columns import cell_columns
-        from hknob_cli.stages.perceived import cell_row
+        from hknob_cli.stages.sweep.perceived import cell_row
 
         columns = (*columns, *cell_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
         rows = []
@@ -97,7 +97,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         more = _contact(results)
     if plan.perceive:
         from hknob_cli.results.perceived_columns import orbit_columns
-        from hknob_cli.stages.perceived import orbit_row
+        from hknob_cli.stages.sweep.perceived import orbit_row
 
         columns = (*columns, *orbit_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
         more |= _turned(
@@ -204,7 +204,7 @@ def _is_counted(plan: SweepPlan) -> bool:
 
 def _step_db(plan: SweepPlan, result: CellResult) -> float:
     """Level of the torque step of a cell's counts."""
-    from hknob_cli.stages.perceived import step_db
+    from hknob_cli.stages.sweep.perceived import step_db
 
     if plan.perceive is None or not _is_counted(plan):
         return nan

@@ -1,6 +1,6 @@
 """A run of plain cells of a sweep, whole in compiled code: from axis values to tables without a Python step a cell.
 
-The tables are those that `stages.cell` and `stages.sweep_tables` give for the same cells, to the last bit.
+The tables are those that `stages.sweep.cell` and `stages.sweep.tables` give for the same cells, to the last bit.
 """
 
 from collections.abc import Callable, Mapping
@@ -19,10 +19,10 @@ from hknob_cli.scene.sampled_cells import sample_cells
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import GRIP, PERSON, SweepPlan, scene_at
-from hknob_cli.stages.cell import group_of
-from hknob_cli.stages.every_start import INCOMPLETE, why_incomplete
-from hknob_cli.stages.found import AttractorColumns
-from hknob_cli.stages.sweep_tables import SweepTables, lay_out_cells, lay_out_orbits
+from hknob_cli.stages.sweep.cell import group_of
+from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
+from hknob_cli.stages.sweep.found import AttractorColumns
+from hknob_cli.stages.sweep.tables import SweepTables, lay_out_cells, lay_out_orbits
 
 GROUP = "cells"  # of compiled functions, `engine.jit`
 EVERY_PHASE_GROUP = "arc_cells"

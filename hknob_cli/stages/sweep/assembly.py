@@ -10,7 +10,7 @@ from hknob_cli.results.parted import is_written, part_numbers, put_part, read_pa
 from hknob_cli.results.parting import Parting
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.staging import Staging
-from hknob_cli.stages.piece import decode, files_of
+from hknob_cli.stages.sweep.piece import decode, files_of
 
 TABLES = ("cells", "orbits")
 
