@@ -6,12 +6,12 @@ from typing import Any
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.perception.doubt import other_sets
+from hknob_cli.results.ranged import extent, one_start
 from hknob_cli.specs.design_plan import Candidate, DesignPlan
 from hknob_cli.specs.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
 from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.design.space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain
-from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.sweep.cell import CellResult
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import cells_table

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from math import inf, isfinite, nan
 from typing import Any, NamedTuple
 
-from hknob_cli.report.ranged import together
+from hknob_cli.results.ranged import together
 from hknob_cli.specs.design_plan import DesignPlan, Limit
 
 Rows = Sequence[dict[str, Any]]

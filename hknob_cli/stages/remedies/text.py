@@ -7,9 +7,9 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.matrix import short
-from hknob_cli.report.ranged import from_where, together
 from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 from hknob_cli.report.table import table
+from hknob_cli.results.ranged import from_where, together
 from hknob_cli.stages.remedies.grid_text import grid_text
 
 Row = dict[str, Any]

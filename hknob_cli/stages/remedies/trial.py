@@ -3,11 +3,11 @@
 from math import nan
 from typing import Any
 
+from hknob_cli.results.ranged import extent, one_start
 from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
-from hknob_cli.stages.ranged import extent, one_start
 from hknob_cli.stages.remedies.levels import level_columns
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
