@@ -72,7 +72,7 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/mypy
 
 schemas: $(VENV)/.run ## regenerate schemas/, docs/page.md and docs/capabilities.md from the program
-	@for kind in sysid sweep dfa predict remedies design hw-run bench report pipeline claims; do \
+	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
 	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/page.md
 	@$(BIN)/python -c 'from hknob_cli.specs.capabilities_page import page; print(page(), end="")' > docs/capabilities.md

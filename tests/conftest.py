@@ -14,8 +14,8 @@ from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, validate
 from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.sweep import SweepStage
-from hknob_cli.stages.sweep_tables import SweepTables
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.tables import SweepTables
 
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"

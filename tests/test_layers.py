@@ -14,6 +14,8 @@ PACKAGE = ROOT / "hknob_cli"
 # Each layer may use the ones before it.
 ORDER = [
     "errors",
+    "stage_table",
+    "terminal",
     "printed",
     "specs",
     "engine",

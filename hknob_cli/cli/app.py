@@ -6,10 +6,10 @@ import typer
 
 from hknob_cli import __version__
 from hknob_cli.cli.check import check
-from hknob_cli.cli.hw_run import hw_run
 from hknob_cli.cli.run import run
 from hknob_cli.cli.schema import schema
-from hknob_cli.cli.stages import STAGES, stage_command
+from hknob_cli.cli.stages import stage_command
+from hknob_cli.stage_table import STAGES
 
 app = typer.Typer(
     name="hknob",
@@ -18,9 +18,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for kind in STAGES:
-    app.command(kind)(stage_command(kind))
-app.command("hw-run")(hw_run)
+for kind, stage in STAGES.items():
+    app.command(kind, help=stage.summary)(stage_command(kind))
 app.command()(run)
 app.command()(check)
 app.command()(schema)

@@ -12,29 +12,25 @@ import signal
 import sys
 from collections.abc import Callable
 from importlib import import_module
-from typing import BinaryIO, Protocol
+from typing import TYPE_CHECKING, BinaryIO
 
-from hknob_cli.specs.kinds import STAGES
+from hknob_cli.stage_table import STAGES
 
-# What the work of a subcommand needs, to be loaded ahead.
-AHEAD = {
-    kind: (f"hknob_cli.cli.{kind.replace('-', '_')}_work", "hknob_cli.cli.stage_run", "filelock") for kind in STAGES
-}
+if TYPE_CHECKING:
+    from hknob_cli.stages.job import Job
+
+# What the work of every stage needs beside its own module.
+_ALSO = ("hknob_cli.cli.stage_run", "filelock")
 
 _pipe: BinaryIO | None = None
 
 
-class Runnable(Protocol):
-    """A validated piece of work, which can be pickled."""
-
-    def run(self) -> None:
-        """Do it; print results on stdout. Raises `HknobError`."""
-
-
-def submit(job: Runnable) -> None:
+def submit(job: "Job") -> None:
     """Run a job: here, or in the process that waits for it."""
     if _pipe is None:
-        job.run()
+        from hknob_cli.cli.stage_run import run_stage
+
+        run_stage(job)
         return
     import pickle
 
@@ -45,7 +41,7 @@ def submit(job: Runnable) -> None:
 
 def pays(arguments: list[str]) -> bool:
     """Whether this command line is worth two processes."""
-    if not arguments or arguments[0] not in AHEAD or not hasattr(os, "fork"):
+    if not arguments or arguments[0] not in STAGES or not hasattr(os, "fork"):
         return False
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return cores > 1 and not {"-h", "--help"} & set(arguments)
@@ -56,20 +52,20 @@ def parse_and_run(parse: Callable[[], object], command: str) -> int:
 
     The child is this process's own copy: its pickle is as trustworthy as a variable.
     """
-    from hknob_cli.cli.console import reporting
+    from hknob_cli.terminal.console import reporting
 
     try:
         with reporting():
             child, read = _fork(parse)
             try:
-                handed = _load_and_wait(AHEAD[command], read)
+                handed = _load_and_wait((STAGES[command].work.partition(":")[0], *_ALSO), read)
                 if not handed:
                     _, status = os.waitpid(child, 0)
                     child = 0
                     return _ended(os.waitstatus_to_exitcode(status))
             finally:
                 _end(child)
-            _unpickled(handed).run()
+            _run(handed)
     except SystemExit as leaving:
         return int(leaving.code or 0)
     return 0
@@ -115,8 +111,8 @@ def _ended(code: int) -> int:
     Raises `KeyboardInterrupt` where it, or this process, was told to stop (of a signal to both it may hear first, and
     an import may lose this one's), and `ComputationError` where it was ended otherwise.
     """
-    from hknob_cli.cli.console import heed
     from hknob_cli.errors import ComputationError
+    from hknob_cli.terminal.console import heed
 
     heed()
     if code == -signal.SIGTERM:
@@ -130,7 +126,7 @@ def _ended(code: int) -> int:
 
 def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
     """Load what the work needs, then read what the child hands over; nothing if it found no work."""
-    from hknob_cli.cli.console import uninterrupted
+    from hknob_cli.terminal.console import uninterrupted
 
     for module in modules:
         with uninterrupted():
@@ -139,8 +135,9 @@ def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
         return pipe.read()
 
 
-def _unpickled(handed: bytes) -> Runnable:
+def _run(handed: bytes) -> None:
     import pickle
 
-    job: Runnable = pickle.loads(handed)
-    return job
+    from hknob_cli.cli.stage_run import run_stage
+
+    run_stage(pickle.loads(handed))

@@ -17,8 +17,9 @@ from hknob_cli.cli.options import (
     Verbose,
 )
 from hknob_cli.cli.stages import submit_stage
+from hknob_cli.stage_table import STAGES
 
-PICTURE = "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png."
+STAGE = STAGES["hw-run"]
 UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
 
 JOBS = "As for every stage; without effect, for trials follow one another."
@@ -30,7 +31,7 @@ def hw_run(
     out: Out = None,
     sets: Sets = None,
     unattended: Annotated[bool, typer.Option("--unattended", help=UNATTENDED)] = False,
-    plot: Annotated[bool, typer.Option("--plot", help=PICTURE)] = False,
+    plot: Annotated[bool, typer.Option("--plot", help=STAGE.picture)] = False,
     jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help=JOBS)] = None,
     executor: Executor = ExecutorName.local,
     scheduler: Scheduler = None,
@@ -40,10 +41,10 @@ def hw_run(
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
-    """Run trials over a grid on a knob, real or simulated: record them, and measure how it buzzes."""
+    """Submit the trials; ``unattended``: nobody is there."""
     spread = executor is ExecutorName.dask or bool(scheduler)
     submit_stage(
-        "hw-run",
+        STAGE.name,
         spec,
         out,
         sets,

@@ -6,6 +6,8 @@ from typing import Annotated
 
 import typer
 
+from hknob_cli.stage_table import STAGES
+
 
 class ExecutorName(str, Enum):
     """How work is spread."""
@@ -49,7 +51,8 @@ Json = Annotated[bool, typer.Option("--json", help="Print the summary as one JSO
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no messages, only results and errors.")]
 Verbose = Annotated[bool, typer.Option("--verbose", "-v", help="Say how the work was done.")]
 
-SPREAD = ("sweep", "run")  # commands whose work a cluster can do; of a pipeline its sweeps
+# Commands whose work a cluster can do; of a pipeline those stages.
+SPREAD = (*(stage.name for stage in STAGES.values() if stage.spread), "run")
 
 
 def unspreadable(kind: str, executor: ExecutorName, scheduler: str | None) -> str:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from hknob_cli.cli.console import heed, reporting, say, tell
 from hknob_cli.cli.options import (
     DryRun,
     Executor,
@@ -22,11 +21,12 @@ from hknob_cli.cli.options import (
     unspreadable,
 )
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
+from hknob_cli.terminal.console import heed, reporting, say, tell
 
 if TYPE_CHECKING:
-    from hknob_cli.cli.job import Job
     from hknob_cli.pipeline.build import Outcome
     from hknob_cli.results.changes import Change
+    from hknob_cli.stages.job import Job
 
 Stage = dict[str, Any]
 
@@ -64,8 +64,8 @@ def run(
             if done is not None:
                 _report(done["name"], root, done["stages"], as_json=as_json)
                 return
-        from hknob_cli.cli.pipeline_steps import chosen, jobs_of, steps_of
         from hknob_cli.pipeline.build import Fate, build
+        from hknob_cli.pipeline.steps import chosen, jobs_of, steps_of
         from hknob_cli.results import store
         from hknob_cli.specs.load import load_pipeline
 
@@ -139,9 +139,9 @@ def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> Non
 
 def _changed(outcomes: "list[Outcome]", work: "dict[str, Job]") -> "dict[str, list[Change]]":
     """By stage that would run, what in its spec and of the program has changed since its results were made."""
-    from hknob_cli.cli.job import work_of
-    from hknob_cli.cli.stage_run import changes_in_spec
     from hknob_cli.pipeline.build import Fate
+    from hknob_cli.stages.job import work_of
+    from hknob_cli.stages.make import changes_in_spec
 
     jobs = {one.name: work[one.name] for one in outcomes if one.fate is Fate.WOULD_RUN}
     return {name: changes_in_spec(job, work_of(job.kind)) for name, job in jobs.items()}

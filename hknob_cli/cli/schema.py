@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
-from hknob_cli.cli.console import reporting
-from hknob_cli.specs.kinds import CLAIMS, SCHEMAS
+from hknob_cli.stage_table import CLAIMS, SCHEMAS
+from hknob_cli.terminal.console import reporting
 
 
 def schema(

@@ -6,7 +6,6 @@ from typing import Annotated, Any
 
 import typer
 
-from hknob_cli.cli.console import reporting
 from hknob_cli.cli.handover import submit
 from hknob_cli.cli.options import (
     DryRun,
@@ -24,42 +23,8 @@ from hknob_cli.cli.options import (
     unspreadable,
 )
 from hknob_cli.errors import UsageError
-
-# Kind, what it does, what it draws.
-STAGES = {
-    "sysid": (
-        "Identify the hand that holds a knob, with error bars, from recordings of torque pulses.",
-        "Draw the hand over grip force, a calibration or studies into sysid.png, calibration.png, bias.png, ...",
-    ),
-    "sweep": (
-        "Find every limit cycle of a grid of sample rates and encoder resolutions, with its size, pitch and share.",
-        "Draw the grid into grid.png beside the results.",
-    ),
-    "dfa": (
-        "Predict limit cycles from the frequency response: describing functions, Tsypkin's locus, the sampled relay.",
-        "Draw Nyquist curves, sizes and differences into dfa.png beside the results.",
-    ),
-    "predict": (
-        "Estimate limit cycles by closed laws, say how far to trust them, and which stability limit binds.",
-        "Draw every law into predict.png beside the results.",
-    ),
-    "remedies": (
-        "Try remedies against the buzz: how much smaller, at what pitch, and what stiffness is left.",
-        "Draw every case, and remedies over every further axis, into PNG files beside the results.",
-    ),
-    "design": (
-        "Find the cheapest design whose limit cycles nobody minds, with proof, and say what binds it.",
-        "Draw cost against level, and the grid, into design.png beside the results.",
-    ),
-    "bench": (
-        "Compare the engine with SciPy, fixed steps and MuJoCo, scene by scene: error against run time.",
-        "Draw error against time into bench.png, and into bench_SCENE.png for each scene, beside the results.",
-    ),
-    "report": (
-        "Put results on one page, with figures, and judge the claims of a text by them.",
-        "No effect: the page has figures.",
-    ),
-}
+from hknob_cli.stage_table import STAGES, loaded
+from hknob_cli.terminal.console import reporting
 
 
 def submit_stage(
@@ -69,8 +34,8 @@ def submit_stage(
     with reporting():
         if refuse:
             raise UsageError(refuse)
-        from hknob_cli.cli.job import Job
         from hknob_cli.specs.load import load
+        from hknob_cli.stages.job import Job
 
         plan = load(spec, tuple(sets or ()), kind=kind)
         where = out or Path("results") / plan.name
@@ -79,13 +44,16 @@ def submit_stage(
 
 def stage_command(kind: str) -> Callable[..., None]:
     """The command of one kind of stage."""
-    summary, picture = STAGES[kind]
+    stage = STAGES[kind]
+    if stage.command:
+        own: Callable[..., None] = loaded(stage.command)
+        return own
 
     def command(
         spec: SpecFile,
         out: Out = None,
         sets: Sets = None,
-        plot: Annotated[bool, typer.Option("--plot", help=picture)] = False,
+        plot: Annotated[bool, typer.Option("--plot", help=stage.picture)] = False,
         jobs: Jobs = None,
         executor: Executor = ExecutorName.local,
         scheduler: Scheduler = None,
@@ -111,5 +79,4 @@ def stage_command(kind: str) -> Callable[..., None]:
             verbose=verbose,
         )
 
-    command.__doc__ = summary
     return command

@@ -17,12 +17,12 @@ from hknob_cli.specs.unit_points import RANDOM
 ROOT = Path(__file__).parent.parent
 COMPUTING = (
     "printed",
-    "spec",
+    "specs",
     "scene",
     "engine",
-    "remedies",
+    "controllers",
     "theory",
-    "rivals",
+    "baselines",
     "measure",
     "perception",
     "results",
@@ -31,7 +31,8 @@ COMPUTING = (
     "identify",
     "stages",
 )
-SHOWING = ("claims", "report", "page", "cli/report_work.py")
+SHOWING = ("report", "page")
+WORDS = "text"  # files of a stage whose name ends so only say what its results are, on the terminal
 
 
 @cache
@@ -48,7 +49,8 @@ def source_digest(folders: tuple[str, ...] = COMPUTING) -> str:
 def _files(folder: Path) -> Iterable[Path]:
     if folder.is_file():
         return [folder]
-    return sorted(path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js", ".c", ".h"})
+    found = (path for path in folder.rglob("*") if path.suffix in {".py", ".j2", ".css", ".js", ".c", ".h"})
+    return sorted(path for path in found if not path.stem.endswith(WORDS))
 
 
 @cache

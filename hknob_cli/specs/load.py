@@ -1,11 +1,10 @@
 """From a file (and overrides) to what it says, or to the list of its faults with their places."""
 
 from collections.abc import Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs import source as yaml
@@ -14,8 +13,6 @@ from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import MAX_CELLS, Grid
 from hknob_cli.specs.grid_axes import Limit, resolve_axes, too_many
-from hknob_cli.specs.kinds import PIPELINE, SCHEMAS, SPECS
-from hknob_cli.specs.kinds import STAGES as KINDS
 from hknob_cli.specs.messages import closest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
@@ -26,12 +23,12 @@ from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.scene_paths import axis_unit
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import MOST_CELLS, LimitsSpec, SweepSpec
+from hknob_cli.stage_table import KINDS, PIPELINE, SCHEMAS, SPECS, STAGES, loaded
 
 if TYPE_CHECKING:
     from hknob_cli.specs.find_people import Population
 
 Spec = SweepSpec | DfaSpec | PredictSpec
-GRIDS: dict[str, type[Spec]] = {"sweep": SweepSpec, "dfa": DfaSpec, "predict": PredictSpec}
 
 
 def load(
@@ -112,31 +109,10 @@ def validate(source: Source, *, kind: str | None = None) -> Plan:
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
         raise SpecError([source.fault(("kind",), _kind_fault(given, (kind,) if kind else SPECS))])
-    if given == "bench":
-        from hknob_cli.specs.bench import validate_bench
-
-        return validate_bench(source)
-    if given == "remedies":
-        from hknob_cli.specs.remedies import validate_remedies
-
-        return validate_remedies(source)
-    if given == "design":
-        from hknob_cli.specs.design_check import validate_design
-
-        return validate_design(source)
-    if given == "sysid":
-        from hknob_cli.specs.sysid import validate_sysid
-
-        return validate_sysid(source)
-    if given == "hw-run":
-        from hknob_cli.specs.hw_run import validate_hw_run
-
-        return validate_hw_run(source)
-    if given == "report":
-        from hknob_cli.specs.report import validate_report
-
-        return validate_report(source)
-    model = GRIDS[given]
+    if make_plan := STAGES[given].validate:
+        made: Plan = loaded(make_plan)(source)
+        return made
+    model: type[Spec] = spec_model(given)
     faults: list[Fault] = []
     scene: SceneSpec | None = None
     try:
@@ -296,12 +272,8 @@ def _unknown(source: Source, path: str) -> str | None:
     return unknown_path(spec_model(kind), path, list(stages) if isinstance(stages, dict) else ())
 
 
-def spec_model(kind: str) -> type[BaseModel]:
-    """Model of one kind of spec. Raises `UsageError` for an unknown kind."""
-    if kind in GRIDS:
-        return GRIDS[kind]
+def spec_model(kind: str) -> Any:
+    """Model of one kind of spec, a class of pydantic. Raises `UsageError` for an unknown kind."""
     if kind not in SPECS:
         raise UsageError(unknown("kind", kind, SCHEMAS))
-    module, name = kind.replace("-", "_"), "".join(part.capitalize() for part in kind.split("-"))
-    model: type[BaseModel] = getattr(import_module(f"hknob_cli.specs.{module}"), f"{name}Spec")
-    return model
+    return loaded(STAGES[kind].model if kind in STAGES else "hknob_cli.specs.pipeline:PipelineSpec")

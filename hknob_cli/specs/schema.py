@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from hknob_cli.specs.load import GRIDS, spec_model
+from hknob_cli.specs.load import spec_model
+from hknob_cli.stage_table import STAGES
 
 # Axes of the grid, and where in the scene which value makes them unnecessary.
 _NOT_NEEDED = (("counts_per_rev", "encoder", "none"), ("sample_rate_hz", "sampling", "continuous"))
@@ -11,7 +12,7 @@ _NOT_NEEDED = (("counts_per_rev", "encoder", "none"), ("sample_rate_hz", "sampli
 def json_schema(kind: str) -> dict[str, Any]:
     """JSON Schema (2020-12) of one kind of spec. Raises `UsageError` for an unknown kind."""
     schema = spec_model(kind).model_json_schema()
-    conditions = [_axis_unless(*one) for one in _NOT_NEEDED] if kind in GRIDS else []
+    conditions = [_axis_unless(*one) for one in _NOT_NEEDED] if kind in STAGES and not STAGES[kind].validate else []
     return {**titled(schema, f"hknob {kind} spec"), **({"allOf": conditions} if conditions else {})}
 
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.stages.cell import CellResult
+from hknob_cli.stages.sweep.cell import CellResult
 
 
 class Sizes(NamedTuple):

@@ -5,9 +5,10 @@
 The grid: a hand on a knob at ten sample rates, ten resolutions, ten dampings, ten stiffnesses, and as many bias torques
 as make up the cells; four phases a cell. Three jobs take turns on the cells of each sample rate, so that a drift of the
 machine meets all of them. "kernel": `ensemble` back to back from one compiled loop, with everything that it is given
-made ready before: nothing is reduced, measured, ranked or kept. "chunk": `stages.plain_chunk` from axis values to the
-two tables, all but the writing of Parquet. "one by one": `stages.cell` and `stages.sweep_tables`, on a twentieth of the
-cells. Compiling and loading are left out. Times are processor time, us a cell; the share is the kernel's time over the
+made ready before: nothing is reduced, measured, ranked or kept. "chunk": `stages.sweep.plain_chunk` from axis values to
+the two tables, all but the writing of Parquet. "one by one": `stages.sweep.cell` and `stages.sweep.tables`, on a
+twentieth of the cells. Compiling and loading are left out. Times are processor time, us a cell; the share is the
+kernel's time over the
 chunk's, as median and, in brackets, range over the rounds: 1 were a sweep at the speed of its kernel.
 """
 
@@ -30,9 +31,9 @@ from hknob_cli.specs.cells import Cells, cells_of
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import COUNTS, RATE, SweepPlan, scene_at
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.cell import CellFinder
-from hknob_cli.stages.plain_chunk import GROUP, plain_chunk, takes_plain
-from hknob_cli.stages.sweep_tables import cells_table, orbits_table
+from hknob_cli.stages.sweep.cell import CellFinder
+from hknob_cli.stages.sweep.plain_chunk import GROUP, plain_chunk, takes_plain
+from hknob_cli.stages.sweep.tables import cells_table, orbits_table
 
 SPEC = """\
 kind: sweep

@@ -18,7 +18,7 @@ from hknob_cli.engine.jit import compiled
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.stages.cell import CellFinder
+from hknob_cli.stages.sweep.cell import CellFinder
 
 SPEC = Path(__file__).parents[2] / "experiments" / "hand_on_knob.yaml"
 LEVELS = (0.0, 1e-5, 1e-4, 5.6e-4)

@@ -21,7 +21,7 @@ from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import table
 from hknob_cli.specs.load import load
-from hknob_cli.stages.sysid import SysidStage
+from hknob_cli.stages.sysid.run import SysidStage
 
 ROOT = Path(__file__).parents[2]
 SPEC = ROOT / "experiments/five_experiments.yaml"

@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.printed.hands import grasps
 from hknob_cli.specs.load import load
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC
 from tests.identified import PEOPLE, condition, conditions, write_conditions
 
@@ -94,7 +94,7 @@ def test_the_same_seed_is_the_same_bytes_however_it_is_run(hknob, spec_file, tmp
 
 
 def test_threads_change_nothing(spec_file, monkeypatch) -> None:
-    monkeypatch.setattr("hknob_cli.stages.sweep.THREADS_ABOVE", 0)
+    monkeypatch.setattr("hknob_cli.stages.sweep.run.THREADS_ABOVE", 0)
     plan = load(spec_file(TABLE))
     one, two = (SweepStage(plan, jobs=jobs).run() for jobs in (1, 2))
     assert one == two

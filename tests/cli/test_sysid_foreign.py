@@ -13,7 +13,7 @@ import pytest
 from hknob_cli.identify.second_order import Plant, Start, respond
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.sysid_remarks import disagreements, first_reasons
+from hknob_cli.stages.sysid.remarks import disagreements, first_reasons
 from tests.conftest import EXPERIMENTS, ROOT
 
 PAGE = (ROOT / "docs" / "recordings.md").read_text()

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import loaded
 from tests.controllers.laws import CONTROLLERS
 

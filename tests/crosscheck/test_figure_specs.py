@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hknob_cli.specs.load import load
-from hknob_cli.stages.record import record_sweep
+from hknob_cli.stages.sweep.record import record_sweep
 from tests.conftest import EXPERIMENTS, swept
 from tests.crosscheck.grip_pulse import respond
 

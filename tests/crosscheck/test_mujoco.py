@@ -4,7 +4,7 @@ from math import floor, pi
 
 import pytest
 
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC, loaded
 
 mujoco = pytest.importorskip("mujoco")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC, loaded
 
 J, B, K_HAND, K_WALL, BIAS = 2.2e-6, 3.45e-4, 0.04, 0.27, 0.001

@@ -9,8 +9,8 @@ import pytest
 
 from hknob_cli.engine import compiling, jit
 from hknob_cli.engine.attractors import PATIENCE
-from hknob_cli.stages import sweep
-from hknob_cli.stages.sweep import LOADING_S, SweepStage
+from hknob_cli.stages.sweep import run as sweep
+from hknob_cli.stages.sweep.run import LOADING_S, SweepStage
 from tests.conftest import loaded
 
 # Two functions of the smallest group.

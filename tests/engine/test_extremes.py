@@ -12,7 +12,7 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import Source
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 
 ANY = {"cycle", "rest", "diverged", "undecided"}
 CYCLE, REST, DIVERGED, UNDECIDED = {"cycle"}, {"rest"}, {"diverged"}, {"undecided"}

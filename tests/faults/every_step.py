@@ -113,7 +113,8 @@ def run(job: Any, said: Path, steps: Steps | None = None) -> int:
     """Run a job in a copy of this process; its exit code, negative for a signal. What it says is in ``said``."""
     child = os.fork()
     if child == 0:
-        from hknob_cli.cli import console
+        from hknob_cli.cli.stage_run import run_stage
+        from hknob_cli.terminal import console
 
         signal.signal(signal.SIGINT, console.interrupt)
         signal.signal(signal.SIGTERM, console.interrupt)
@@ -126,7 +127,7 @@ def run(job: Any, said: Path, steps: Steps | None = None) -> int:
         code = 0
         try:
             with console.reporting():
-                job.run()
+                run_stage(job)
         except SystemExit as leaving:
             code = int(leaving.code or 0)
         except BaseException:
@@ -155,15 +156,16 @@ def main() -> None:
     before = Path(sys.argv[5]) if len(sys.argv) > 5 else None
     fault, lasting = FAULTS[kind]
     shrink(int(sys.argv[4]))
-    from hknob_cli.cli.job import Job
+    from hknob_cli.cli.stage_run import run_stage
     from hknob_cli.specs.load import load
+    from hknob_cli.stages.job import Job
 
     gc.disable()  # as the command line does
     plan = load(spec)
     undisturbed = Job(kind=plan.values["kind"], plan=plan, out=work / "undisturbed", jobs=1)
     said, report = work / "said", work / "report"
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-        undisturbed.run()  # in this process, so that all it needs is loaded and compiled in the copies
+        run_stage(undisturbed)  # in this process, so that all it needs is loaded and compiled in the copies
     wanted = files(undisturbed.out)
     at = 0
     while True:

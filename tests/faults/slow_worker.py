@@ -4,7 +4,7 @@ import os
 import signal
 import time
 
-from hknob_cli.stages import piece
+from hknob_cli.stages.sweep import piece
 
 SECONDS = 0.1
 DEADLY = int(os.environ.get("HKNOB_TEST_DEADLY", -1))  # a cell that kills its worker

@@ -18,7 +18,7 @@ def shrink(part: int = PART, most: int = MOST) -> None:
 
     parted.PART_CELLS = part
     from hknob_cli.spread import pace
-    from hknob_cli.stages import sweep
+    from hknob_cli.stages.sweep import run as sweep
 
     pace.MOST = most
     pace.Pace.__init__.__kwdefaults__.update(first=most, most=most)

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.cli.job import Job, work_of
-from hknob_cli.cli.pipeline_steps import chosen, jobs_of
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.page.claims.ledger import load_ledger
+from hknob_cli.pipeline.steps import chosen, jobs_of
 from hknob_cli.specs.load import load, load_pipeline
 from hknob_cli.specs.named_file import digest_of, open_named
+from hknob_cli.stages.job import Job, work_of
 from tests.conftest import SPEC
 
 HAND = "hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}"

@@ -146,7 +146,7 @@ def test_two_runs_on_one_folder(undisturbed, tmp_path: Path) -> None:
 
 
 MEMORY = (
-    "from hknob_cli.stages import piece; plain = piece.find_piece\n"
+    "from hknob_cli.stages.sweep import piece; plain = piece.find_piece\n"
     "def find_piece(stage, start, stop):\n"
     "    if stop - start > 1: {too_much}\n"
     "    return plain(stage, start, stop)\n"

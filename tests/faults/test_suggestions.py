@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 from hknob_cli.results.result_set import MissingError, ResultSet
-from hknob_cli.specs.kinds import SCHEMAS
+from hknob_cli.stage_table import SCHEMAS
 from tests.conftest import HKNOB
 
 PIPELINE = "kind: pipeline\nname: two\nstages:\n  grid: {spec: spec.yaml}\n  other: {spec: spec.yaml}\n"

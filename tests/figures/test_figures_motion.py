@@ -14,7 +14,7 @@ from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import load
-from hknob_cli.stages.record import record_sweep
+from hknob_cli.stages.sweep.record import record_sweep
 from tests.conftest import EXPERIMENTS
 
 NAMES = (

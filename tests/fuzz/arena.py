@@ -83,8 +83,9 @@ class Arena:
         return self.specs / SPEC
 
     def _furnish(self) -> None:
-        from hknob_cli.cli.job import Job
+        from hknob_cli.cli.stage_run import run_stage
         from hknob_cli.specs.load import load
+        from hknob_cli.stages.job import Job
 
         for path in (ROOT / "experiments").glob("*.yaml"):
             shutil.copy(path, self.specs)
@@ -96,7 +97,7 @@ class Arena:
             spec = self.folder / "made.yaml"
             spec.write_text(text)
             with contextlib.redirect_stdout(None):
-                Job(kind=kind, plan=load(spec), out=self.specs / name, jobs=1, quiet=True).run()
+                run_stage(Job(kind=kind, plan=load(spec), out=self.specs / name, jobs=1, quiet=True))
         shutil.copy(self.specs / "hands" / "conditions.parquet", self.specs)
         shutil.copy(self.specs / "hands" / "recordings.parquet", self.specs)
         shutil.copy(self.specs / "knob" / "samples.parquet", self.specs)

@@ -24,7 +24,7 @@ def is_cheap(path: Path, sets: tuple[str, ...]) -> bool:
 
 
 def _sweep(plan: Any) -> bool:
-    from hknob_cli.stages.sweep import HEAVIER, SweepStage
+    from hknob_cli.stages.sweep.run import HEAVIER, SweepStage
 
     stage = SweepStage(plan, jobs=1)
     if stage.cell_count > 9 or _rows(plan) > ROWS:
@@ -79,7 +79,7 @@ def _hw_run(plan: Any) -> bool:
 
 
 def _bench(plan: Any) -> bool:
-    from hknob_cli.stages.bench_run import LEAST_PATIENCE_S, PATIENCE
+    from hknob_cli.stages.bench.timed import LEAST_PATIENCE_S, PATIENCE
 
     runs = 2 * (len(plan.tolerances) + 1 + len(plan.substeps)) * len(plan.methods)
     work = sum(one.samples * (20 if one.reference == "digits60" else 1) for one in plan.scenes)

@@ -12,7 +12,7 @@ from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import scene_at
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
 from tests.hardware.trials import ALIGNED, CELLS, FRICTION, HAND, settings, virtual_trial
 

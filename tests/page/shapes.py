@@ -2,9 +2,9 @@
 
 from pathlib import Path
 
-from hknob_cli.cli.job import Job, work_of
-from hknob_cli.cli.stage_run import make
 from hknob_cli.specs.load import load
+from hknob_cli.stages.job import Job, work_of
+from hknob_cli.stages.make import make
 
 SCENE = "scene: {knob: {inertia: 1.9e-6}, hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}, WALL}\n".replace(
     "WALL", "wall: {stiffness: 0.27}, bias: {torque: 0.001}"

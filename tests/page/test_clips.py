@@ -22,8 +22,8 @@ from hknob_cli.specs.load import load
 from hknob_cli.specs.page_plan import Listen
 from hknob_cli.specs.report import validate_report
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.record import record_sweep
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.record import record_sweep
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
 from tests.page.opened import Opened
 from tests.page.sample import page

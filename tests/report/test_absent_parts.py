@@ -5,7 +5,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.report.remedies import describe_trial, trial_text
+from hknob_cli.stages.remedies.text import describe_trial, trial_text
 from tests.page.shapes import SHAPES, make_result
 
 FOOTNOTES = ("static K", "knock", "max mrad", "grid: median")

@@ -10,9 +10,9 @@ from hknob_cli.figures import what_matters_picture
 from hknob_cli.report.dfa import largest_cycles, nearest_cycles
 from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.population import pitches, sizes
-from hknob_cli.report.summary import describe_sweep, table_text
 from hknob_cli.specs.load import load
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from tests.conftest import EXPERIMENTS
 
 AXES = ["sample_rate_hz", "counts_per_rev"]

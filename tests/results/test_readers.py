@@ -11,7 +11,7 @@ import pytest
 
 from hknob_cli.results import store
 from hknob_cli.results.provenance import describe
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC, loaded
 
 CELLS = {

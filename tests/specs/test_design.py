@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.cli.hand_origin import hand_inputs
 from hknob_cli.errors import SpecError
 from hknob_cli.printed.hands import grasps
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import PERSON
+from hknob_cli.stages.input_files import hand_inputs
 from tests.designs import DESIGN, planned
 from tests.identified import PEOPLE, write_conditions
 

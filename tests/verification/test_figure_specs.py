@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.specs.load import load
 from hknob_cli.specs.source import read
-from hknob_cli.stages.record import record_sweep
+from hknob_cli.stages.sweep.record import record_sweep
 from tests.conftest import EXPERIMENTS, swept
 
 from .general_reference import simulate

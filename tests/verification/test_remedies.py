@@ -12,7 +12,7 @@ from hknob_cli.controllers.search import search
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import loaded
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of

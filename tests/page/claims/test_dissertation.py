@@ -15,7 +15,7 @@ from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import ROOT, SPEC
 
 LEDGER = ROOT / "data" / "claims.yaml"

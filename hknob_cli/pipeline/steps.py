@@ -1,0 +1,197 @@
+"""From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run."""
+
+import copy
+import json
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.errors import Fault, SpecError, UsageError
+from hknob_cli.pipeline.step import Step
+from hknob_cli.results.place import refuse_link
+from hknob_cli.specs.load import load
+from hknob_cli.specs.messages import unknown
+from hknob_cli.specs.named_file import open_named
+from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
+from hknob_cli.specs.plan import Plan
+from hknob_cli.stages.input_files import hand_files
+from hknob_cli.stages.job import Job, work_of
+from hknob_cli.stages.make import make
+from hknob_cli.stages.work import Work
+
+Said = Callable[[str, str], None]
+_MANY = "results"  # of a report: results by name, also where there is one
+
+
+def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
+    """The stages to run, each after those it needs; with ``until`` only that one and what it needs.
+
+    Raises `UsageError` for a stage that is not in the pipeline.
+    """
+    if until is not None and until not in plan.stages:
+        raise UsageError(f"--until: {unknown('stage', until, list(plan.stages))}")
+    order: dict[str, StagePlan] = {}
+
+    def add(name: str) -> None:
+        if name not in order:
+            for needed in plan.stages[name].needs:
+                add(needed)
+            order[name] = plan.stages[name]
+
+    for name in [until] if until is not None else plan.stages:
+        add(name)
+    return list(order.values())
+
+
+def jobs_of(stages: list[StagePlan], root: Path, **options: Any) -> dict[str, Job]:
+    """A job for each stage that has a spec, its results in a folder of its name in ``root``.
+
+    ``options`` are those of a `Job`. Raises `SpecError` with the faults of all specs, `RefusedError`
+    where such a folder is a link.
+    """
+    folders = {stage.name: stage.folder or root / stage.name for stage in stages}
+    jobs: dict[str, Job] = {}
+    faults: list[Fault] = []
+    for stage in stages:
+        if stage.folder is not None:
+            try:
+                found = any(stage.folder.glob("*.parquet"))
+            except OSError as error:  # a name that is too long
+                faults.append(Fault(stage.where, 0, 0, "", f"{stage.folder}: {error.strerror or error}"))
+                continue
+            if not found:
+                faults.append(Fault(stage.where, 0, 0, "", f"no results in {stage.folder}"))
+            continue
+        refuse_link(folders[stage.name])
+        try:
+            jobs[stage.name] = _job(stage, folders, _made_here(stages, folders), **options)
+        except SpecError as error:
+            faults += error.faults
+        except UsageError as error:
+            faults.append(Fault(stage.where, 0, 0, "", str(error)))
+    if faults:
+        raise SpecError(faults)
+    return jobs
+
+
+def steps_of(stages: list[StagePlan], jobs: dict[str, Job], root: Path, said: Said) -> list[Step]:
+    """A step for each stage that has a spec, in order; ``said`` is told of a stage and what became of it.
+
+    ``root`` is the folder of the pipeline's results.
+    """
+    steps: list[Step] = []
+    files: dict[str, tuple[Path, ...]] = {}
+    folders = {stage.name: stage.folder or root / stage.name for stage in stages}
+    for stage in stages:
+        if stage.folder is not None:
+            files[stage.name] = (stage.folder,)
+            continue
+        steps.append(_step(stage, jobs[stage.name], folders, files, said, root=root))
+        files[stage.name] = steps[-1].writes
+    return steps
+
+
+def _made_here(stages: list[StagePlan], places: dict[str, Path]) -> frozenset[str]:
+    """Folders that the pipeline fills: what a hand from them is, is known when their stages have run."""
+    return frozenset(_as_hand(places[stage.name]) for stage in stages if stage.folder is None)
+
+
+def _as_hand(folder: Path) -> str:
+    """A folder as a hand names it, for which a spec's own folder is where paths begin."""
+    return str(folder.absolute())
+
+
+def _is_hand(path: str) -> bool:
+    """Whether a path in a spec says where a hand, or a population of them, is from."""
+    return path.endswith(("hand.from", "population.from", "people.from"))
+
+
+def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:
+    """The stage's spec, its inputs the folders of other stages; ``waiting``: those whose results are yet to be made."""
+    folders: dict[str, Any] = {
+        path: {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
+        if path == _MANY or not isinstance(found, str)
+        else _as_hand(places[found])
+        if _is_hand(path)
+        else str(places[found])
+        for path, found in stage.inputs.items()
+    }
+    linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
+    assert stage.spec is not None
+    with open_named(stage.spec):
+        plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ", waiting=waiting)
+    if isinstance(plan, ReportPlan) and "rerun" not in plan.values:
+        plan = plan._replace(rerun=(f"hknob run {Path(stage.where.split(':')[0]).name}",))
+    return plan._replace(values=_replaced(plan.values, _names(stage)))
+
+
+def _names(stage: StagePlan) -> dict[str, dict[str, Any]]:
+    """Inputs by path as results name them: which stage an input is from, not where it happens to lie."""
+    return {path: {"from": found if isinstance(found, str) else list(found)} for path, found in stage.inputs.items()}
+
+
+def _job(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str], **options: Any) -> Job:
+    """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
+    plan = _plan(stage, places, waiting)
+    linked = tuple(f"{path}={json.dumps(name)}" for path, name in _names(stage).items())
+    return Job(
+        kind=str(plan.values["kind"]),
+        plan=plan,
+        out=places[stage.name],
+        overrides=(*stage.settings, *linked),
+        **options,
+    )
+
+
+def _replaced(values: dict[str, Any], links: dict[str, Any]) -> dict[str, Any]:
+    values = copy.deepcopy(values)
+    for path, value in links.items():
+        *parents, last = path.split(".")
+        target = values
+        for part in parents:
+            target = target[part]
+        target[last] = value
+    return values
+
+
+def _step(
+    stage: StagePlan,
+    job: Job,
+    folders: dict[str, Path],
+    files: dict[str, tuple[Path, ...]],
+    said: Said,
+    *,
+    root: Path,
+) -> Step:
+    work: Work = work_of(job.kind)
+    linked = {root / name for name in stage.needs}
+
+    def run() -> bool:
+        begin = time.perf_counter()
+        said(stage.name, "")
+        now = job._replace(plan=_plan(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
+        computed = make(now, work).computed
+        said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
+        return computed
+
+    needs = tuple(path for name in stage.needs for path in files[name])
+    stages = {path.absolute() for path in needs}
+    measured = [file for file in hand_files(job.plan) if file.absolute() not in stages]
+    return Step(
+        stage.name,
+        reads=(
+            *((stage.spec,) if stage.spec else ()),
+            *(path for path in work.input_files(job) if path not in linked),
+            *measured,
+        ),
+        needs=needs,
+        writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
+        values={
+            "settings": json.dumps(job.overrides),
+            "program": json.dumps({**work.versions(job), **work.surroundings()}, sort_keys=True),
+        },
+        root=root,
+        run=run,
+    )

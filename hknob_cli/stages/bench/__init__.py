@@ -1,0 +1,1 @@
+"""Stage bench: the engine beside other methods, error against run time."""

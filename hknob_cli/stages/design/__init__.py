@@ -1,0 +1,1 @@
+"""Stage design: the cheapest design whose limit cycles nobody minds."""

@@ -1,0 +1,1 @@
+"""Stage dfa: limit cycles from the frequency response."""

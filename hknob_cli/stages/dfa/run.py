@@ -1,0 +1,160 @@
+"""The describing-function analysis: limit cycles of every cell by each method, as one table."""
+
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from math import pi
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import Column, axis_column
+from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan, scene_at
+from hknob_cli.stages import compare
+from hknob_cli.stages.dfa import listed
+from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
+from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
+
+COLUMNS = (
+    Column("method", pa.string(), "", "df1, df4, ...: that many odd harmonics; tsypkin: all; sampled: exact"),
+    Column("orbit", pa.int64(), "1", "number of the limit cycle within cell and method, the highest pitch first"),
+    Column("p2p_rad", pa.float64(), "rad", "peak to peak; null where the method finds no limit cycle"),
+    Column("amplitude_rad", pa.float64(), "rad", "half of peak to peak"),
+    Column("frequency_hz", pa.float64(), "Hz", "cycles per second"),
+    Column("in_domain", pa.bool_(), "", "whether the method's assumptions hold in this cell"),
+    Column("reason", pa.string(), "", "which assumption does not hold, or why there is no limit cycle"),
+)
+SAMPLED = (
+    Column("period_samples", pa.int64(), "sample", "period of a cycle of the sampled relay"),
+    Column("samples_inside", pa.int64(), "sample", "how many of them see the lower level"),
+)
+
+Progress = Callable[[int, int], None]
+
+
+class DfaStage:
+    """An analysis that is ready to run."""
+
+    def __init__(self, plan: DfaPlan, *, notify: Callable[[str], None] = lambda _text: None) -> None:
+        """Make ready. Raises `UsageError` if there is no sweep to compare with where one is named."""
+        self.plan = plan
+        self.notify = notify
+        self.against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
+        self.lists: listed.Lists | None = None
+        if plan.against and "sampled" in plan.methods:
+            self.lists = listed.Lists(plan.against, list(plan.axes), plan.scene)
+        self._cycles: dict[tuple[str, Relay], list[RelayCycle]] = {}
+
+    def run(self, progress: Progress = lambda _done, _total: None) -> pa.Table:
+        """Rows for every cell, method and cycle; ``progress`` is told of the cells. Raises `ComputationError`."""
+        columns = [axis_column(name, self.plan.units[name]) for name in self.plan.axes]
+        columns += [*COLUMNS, *(SAMPLED if "sampled" in self.plan.methods else ())]
+        columns += listed.COLUMNS if self.lists and self.lists.any else ()
+        columns += compare.COLUMNS if self.against else ()
+        return build_table(columns, list(self._rows(progress)))
+
+    def _rows(self, progress: Progress) -> Iterator[dict[str, Any]]:
+        blank = {column.name: None for column in (*COLUMNS, *SAMPLED, *listed.COLUMNS)}
+        every = cells_of(self.plan)
+        for done, cell in enumerate(every):
+            progress(done, len(every))
+            scene = scene_at(self.plan.scene, cell)
+            knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+            for method in self.plan.methods:
+                found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method))
+                found = [{**blank, **row} for row in found]
+                if method == "sampled" and self.lists:
+                    self.lists.mark(cell, found)
+                for number, row in enumerate(found):
+                    if row["p2p_rad"] is not None:
+                        row["amplitude_rad"] = 0.5 * row["p2p_rad"]
+                    beside = (
+                        self.against.columns(cell, p2p_rad=row["p2p_rad"], frequency_hz=row["frequency_hz"])
+                        if self.against
+                        else {}
+                    )
+                    yield {**cell, **row, "method": method, "orbit": number, **beside}
+
+    def _continuous(self, knob: SampledKnob, method: str) -> Iterator[dict[str, Any]]:
+        """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
+        loop = knob.loop
+        delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
+        if nothing := _no_relay(knob):
+            yield {"in_domain": False, "reason": nothing}
+            return
+        unit = Relay(loop.alpha, loop.beta, 1.0, delay)
+        if (method, unit) not in self._cycles:
+            harmonics = int(method[2:]) if method.startswith("df") else 0
+            cycles = describing_function(unit, harmonics) if harmonics else tsypkin(unit)
+            self._cycles[method, unit] = cycles
+        cycles = self._cycles[method, unit]
+        if not cycles:
+            yield {"in_domain": False, "reason": "no intersection below the Nyquist frequency", "orbit": 0}
+        for cycle in reversed(cycles):
+            amplitude = 0.5 * loop.kappa * cycle.amplitude
+            reasons = self._assumptions(knob, amplitude, cycle.omega)
+            if not cycle.single:
+                reasons.append("the wave crosses the edge more than twice a cycle, so it is none of a relay")
+            yield {
+                "p2p_rad": 2.0 * amplitude * knob.quantum_rad,
+                "frequency_hz": cycle.omega / (2.0 * pi * knob.period_s),
+                "in_domain": not reasons,
+                "reason": "; ".join(reasons),
+            }
+
+    @staticmethod
+    def _assumptions(knob: SampledKnob, amplitude: float, omega: float) -> list[str]:
+        """Assumptions of a symmetric relay in continuous time that do not hold."""
+        loop = knob.loop
+        reasons = []
+        step = loop.kappa * (1.0 - loop.offset)
+        push = (loop.gamma - loop.beta * knob.shift) / step if step > 0.0 else 0.0
+        if abs(push - 0.5) > 1e-9:
+            reasons.append(f"the bias is {push:.3g} of a count's torque step, the method assumes 0.5")
+        if loop.offset != 0.0 or knob.shift != 0.0:
+            reasons.append("the encoder has no edge at the wall's, the method assumes one")
+        if amplitude > 1.0:
+            reasons.append(f"it swings {amplitude:.3g} counts to each side, the method assumes at most 1")
+        if omega > 0.5 * pi:
+            reasons.append("it has fewer than four samples a cycle, the method assumes many")
+        return reasons
+
+    def _sampled(self, knob: SampledKnob) -> Iterator[dict[str, Any]]:
+        """Exact cycles, with their sample counts."""
+        if nothing := _no_relay(knob):
+            yield {"in_domain": False, "reason": nothing}
+            return
+        found = sampled_cycles(knob.loop, delay_line=knob.delay_line, functions=self._functions)
+        if not found:
+            reason = f"more than {MOST_PAIRS} candidates" if found is None else "no cycle between two levels"
+            if knob.loop.alpha == 0.0 or knob.loop.beta == 0.0:
+                reason = "no isolated cycles without damping and hand stiffness"
+            yield {"in_domain": False, "reason": reason}
+        for cycle in found or []:
+            yield {
+                "p2p_rad": (cycle.highest - cycle.lowest) * knob.quantum_rad,
+                "frequency_hz": cycle.cycles / (cycle.period * knob.period_s),
+                "in_domain": True,
+                "reason": "",
+                "period_samples": cycle.period,
+                "samples_inside": cycle.inside,
+            }
+
+    @cached_property
+    def _functions(self) -> dict[str, Any]:
+        from hknob_cli.engine.compiling import tell_compiling
+        from hknob_cli.engine.jit import compiled, waiting
+
+        tell_compiling(self.notify)
+        if text := waiting():
+            self.notify(text)
+        return compiled()
+
+
+def _no_relay(knob: SampledKnob) -> str:
+    """Why there is no cycle, if so: there is no relay, or nothing takes the energy that a late one adds."""
+    if knob.loop.kappa == 0.0:
+        return "the wall has no stiffness"
+    return "there is no viscous damping, so that no cycle is bounded" if knob.loop.alpha == 0.0 else ""

@@ -1,0 +1,1 @@
+"""Stage hw-run: trials on a knob, real or simulated."""

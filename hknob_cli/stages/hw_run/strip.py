@@ -1,0 +1,123 @@
+"""The strip an operator watches: grip against target, state of the trial, torque, time; and keys to steer it."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
+from hknob_cli.terminal.console import heed
+from hknob_cli.terminal.keys import Keys, keys
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.live import Live
+
+    from hknob_cli.specs.campaign import CoursePlan
+
+REFRESH_S = 0.1
+WIDTH = 41  # of the gauge, odd so that the target is in its middle
+_WISHES = {" ": Wish.END, "r": Wish.REPEAT, "q": Wish.STOP}
+_SAID = {
+    HANDS_OFF: "hands off the knob",
+    "zero": "hands off: reading the empty grip cell",
+    "grip": "grip the knob, into the band",
+    "buzz": "buzzing: hold it",
+    "rest": "at rest: hold it",
+}
+_WITHOUT_CELL = {"zero": "hands off", "grip": "hold the knob"}
+
+
+def gauge(grip_n: float | None, target_n: float, band_n: float) -> str:
+    """The grip force as a mark on a scale from three bands below the target to three above; brackets are the band."""
+    middle, step = WIDTH // 2, 6.0 * band_n / (WIDTH - 1)
+    cells = ["-"] * WIDTH
+    edge = round(band_n / step)
+    cells[middle - edge], cells[middle + edge], cells[middle] = "[", "]", "|"
+    if grip_n is not None:
+        cells[min(max(middle + round((grip_n - target_n) / step), 0), WIDTH - 1)] = "#"
+    return "".join(cells)
+
+
+class Watching(Operator):
+    """Shows the trial at hand, ten times a second at most, and hears keys where there are any."""
+
+    def __init__(self, plan: "CoursePlan", live: "Live | None", pressed: Keys, *, attended: bool) -> None:
+        """``live`` draws; None draws nothing."""
+        self._plan = plan
+        self._live = live
+        self._keys = pressed
+        self._attended = attended
+        self._drawn = -REFRESH_S
+
+    def ready(self, view: View) -> Wish:
+        """Wait for the space bar where somebody is there."""
+        self._draw(view)
+        while self._attended:
+            heed()
+            key = self._keys.pressed(REFRESH_S)
+            if key == " ":
+                break
+            if key == "q":
+                return Wish.STOP
+        return Wish.GO_ON
+
+    def look(self, view: View) -> Wish:
+        """Draw if it is time, and say what key was pressed."""
+        heed()
+        if time.monotonic() - self._drawn >= REFRESH_S:
+            self._draw(view)
+        return _WISHES.get(self._keys.pressed(), Wish.GO_ON) if self._attended else Wish.GO_ON
+
+    def _draw(self, view: View) -> None:
+        self._drawn = time.monotonic()
+        if self._live is not None:
+            self._live.update(self._rendered(view), refresh=True)
+
+    def _rendered(self, view: View) -> "RenderableType":
+        from rich.text import Text
+
+        plan, trial = self._plan, view.trial
+        held = view.grip_n is not None and abs(view.grip_n - plan.grip_target_n) <= plan.grip_band_n
+        force = "   -  " if view.grip_n is None else f"{view.grip_n:6.2f}"
+        text = Text()
+        text.append(f"trial {trial.number}/{view.trials}", style="bold")
+        text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts  ")
+        said = (_SAID if plan.has_grip else {**_SAID, **_WITHOUT_CELL}).get(view.state, view.state)
+        said += ", then press space" if view.state == HANDS_OFF and self._attended else ""
+        text.append(said, style="green" if view.state == "buzz" else "yellow")
+        text.append(f"  {view.state_s:.1f} s of {plan.buzz_s[1]:g}\n" if view.state == "buzz" else "\n")
+        if plan.has_grip:
+            text.append(f"grip {force} N  ")
+            text.append(gauge(view.grip_n, plan.grip_target_n, plan.grip_band_n), style="green" if held else "red")
+            text.append(f"  target {plan.grip_target_n:g} N\n")
+        text.append(f"torque {1e3 * view.torque_nm:7.2f} mN m   time {view.running_s:5.1f} s")
+        if self._attended:
+            space = "space: begin" if view.state == HANDS_OFF else "space: end   r: again"
+            text.append(f"   {space}   q: stop", style="dim")
+        return text
+
+
+@contextlib.contextmanager
+def watching(plan: "CoursePlan", *, attended: bool, show: bool) -> Iterator[Operator]:
+    """Who watches: with a strip on stderr where ``show`` and it is a terminal, with keys where ``attended``."""
+    if not show or not sys.stderr.isatty():
+        yield Hearing()
+        return
+    from rich.console import Console
+    from rich.live import Live
+
+    with contextlib.ExitStack() as stack:
+        pressed = stack.enter_context(keys()) if attended else Keys(None)
+        drawn: Any = Live(console=Console(stderr=True), auto_refresh=False, transient=True)
+        yield Watching(plan, stack.enter_context(drawn), pressed, attended=attended)
+
+
+class Hearing(Nobody):
+    """Nobody but the signals."""
+
+    def look(self, _view: View) -> Wish:
+        """Go on, unless interrupted."""
+        heed()
+        return Wish.GO_ON

@@ -1,0 +1,147 @@
+"""The work of ``hknob hw-run``."""
+
+import hashlib
+import signal
+import sys
+import time
+from functools import partial
+from math import prod
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.errors import UsageError
+from hknob_cli.hardware.archive import Archive
+from hknob_cli.hardware.campaign import Campaign
+from hknob_cli.hardware.drivers import check_persons, opened, who_of
+from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, spec_digest
+from hknob_cli.hardware.tables import campaign_tables
+from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
+from hknob_cli.results.versions import source_digest
+from hknob_cli.specs.campaign import REPLAY, SERIAL
+from hknob_cli.specs.named_file import digest_of, inside
+from hknob_cli.stages.hw_run.strip import watching
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.make import stamp_of
+from hknob_cli.stages.work import Tables, Work, counted, note
+from hknob_cli.terminal.console import interrupt, say
+
+HARDWARE = "hardware"
+
+
+class HwRunWork(Work):
+    """Trials on a knob. Recordings of a real device are sources: gone on with, never made again unasked."""
+
+    def size(self, plan: Any) -> str:
+        """Trials."""
+        return counted(prod(len(values) for values in plan.axes.values()) * plan.repeats, "trial")
+
+    def files(self, _job: Job) -> tuple[str, ...]:
+        """Samples, trials, and the audit of the sample clock."""
+        return RESULTS
+
+    def pictures(self, _job: Job) -> tuple[str, ...]:
+        """The campaign, and its sample clock."""
+        return "hw_run.png", "timing.png"
+
+    def input_files(self, job: Job) -> tuple[Path, ...]:
+        """Recordings to replay; a folder stands for its samples."""
+        return tuple(inside(path, RESULTS[0]) for path in job.plan.device.recordings)
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """Digests of the same, by name and place in the list."""
+        found = {}
+        for i, path in enumerate(job.plan.device.recordings):
+            try:
+                file = inside(path, RESULTS[0])
+                found[f"recording_{i}_{file.name}"] = digest_of(file)
+            except UsageError as error:
+                raise UsageError(f"device.recordings: {error}") from None
+        return found
+
+    def surroundings(self) -> dict[str, str]:
+        """The drivers and the firmware, and SciPy, which measures."""
+        from importlib.metadata import version
+
+        return {"hknob_hardware": source_digest((HARDWARE,)), "scipy": version("scipy")}
+
+    def versions(self, job: Job) -> dict[str, str]:
+        """Theirs, too."""
+        return {**super().versions(job), **self.surroundings()}
+
+    def verify(self, job: Job) -> None:
+        """Whether the simulated person can hold the knob as told."""
+        check_persons(job.plan)
+
+    def refuse(self, job: Job) -> None:
+        """Recordings of a real device that are of another spec stay as they are."""
+        if not job.force:
+            refuse_other(job.out, spec_digest(job.plan.values))
+
+    def compute(self, job: Job) -> Tables:
+        """Run what is not finished, then measure all."""
+        archive = self._archive(job)
+        if job.force:
+            earlier = move_to_earlier(job.out)
+            if earlier is not None:
+                note(job, f"the earlier recordings are in {earlier}")
+            archive.clear()
+        if job.plan.device.driver == REPLAY:
+            archive.clear()  # recordings of one cell take turns, from the first on
+        if signal.getsignal(signal.SIGHUP) is signal.SIG_DFL:  # a terminal that is closed interrupts, too
+            signal.signal(signal.SIGHUP, interrupt)
+        simulated = job.plan.device.driver != SERIAL or job.plan.device.target is not None
+        show = not job.quiet
+        attended = show and not (job.unattended or simulated) and sys.stdin.isatty() and sys.stderr.isatty()
+        with watching(job.plan.course, attended=attended, show=show) as operator:
+            campaign = Campaign(
+                job.plan,
+                archive,
+                partial(opened, job.plan, alarm=say),
+                who_of(job.plan),
+                operator=operator,
+                say=say,
+            )
+            begin = time.perf_counter()
+            done = campaign.run()
+        if job.verbose:
+            seconds = time.perf_counter() - begin
+            note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
+        return campaign_tables(done, job.plan.course)
+
+    def partial_results(self, job: Job) -> list[Path]:
+        """Single trials of a simulation."""
+        return self._archive(job).scaffold()
+
+    def clear_partial(self, job: Job) -> None:
+        """Remove those, once all are in the results."""
+        self._archive(job).leave()
+
+    def _archive(self, job: Job) -> Archive:
+        """The folder of the campaign: of recordings by their spec alone, of a computation by all it depends on."""
+        stamp = stamp_of(job, self)
+        source = job.plan.is_source
+        identity = spec_digest(job.plan.values) if source else hashlib.sha256(stamp).hexdigest()
+        return Archive(job.out, identity=identity, is_source=source, stamp=stamp)
+
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """Grid, grip and motions; the sample clock."""
+        from hknob_cli.figures.hw_run_picture import draw_hw_run
+        from hknob_cli.figures.timing_picture import draw_timing
+
+        samples, rows = tables[0], tables[1].to_pylist()
+        target, name = job.plan.course.grip_target_n, job.plan.name
+        draw_hw_run(samples, rows, target_n=target, name=name, path=paths[0])
+        draw_timing(samples, rows, name=name, path=paths[1])
+        return paths
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
+        summary = describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n)
+        return {**summary, **describe_clock(tables[2])}
+
+    def text(self, _job: Job, summary: dict[str, Any]) -> str:
+        """Tables over sample rate and resolution."""
+        return hw_run_text(summary)
+
+
+WORK = HwRunWork()

@@ -1,0 +1,135 @@
+"""Results of a stage: computed, or as they are; written, and drawn."""
+
+import contextlib
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from hknob_cli.errors import MISSHAPEN, ComputationError
+from hknob_cli.results import provenance, store
+from hknob_cli.results.changes import Change, changes, in_a_line, record_at
+from hknob_cli.results.folder import refuse_mixed
+from hknob_cli.results.marked import mark
+from hknob_cli.results.place import make_folder
+from hknob_cli.specs.usual import unusual
+from hknob_cli.stages.input_files import hand_inputs, hand_notes
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.work import Tables, Work, note
+
+
+class Made(NamedTuple):
+    """Results of a stage: tables, files, whether they were computed, and what had changed since those they replace."""
+
+    tables: Tables
+    files: list[Path]
+    computed: bool
+    changed: list[Change]
+
+
+def make(job: Job, work: Work) -> Made:
+    """Results of a stage, computed or as they are. Raises `RefusedError` or `ComputationError`."""
+    stamp, paths, current, changed = state_of(job, work)
+    name = job.plan.name
+    if changed:
+        note(job, f"{job.out}: these results are replaced; changed since: {in_a_line(changed)}")
+    warn(job)
+    for text in hand_notes(job.plan):
+        note(job, text)
+    pictures = [job.out / file for file in work.pictures(job)]
+    ours = [*paths, *pictures, *(job.out / file for file in work.stale_outputs(job))]
+    if current is not None and not job.plot and not store.leftovers(ours) and not work.partial_results(job):
+        return Made(current, paths, computed=False, changed=changed)
+    with store.hold(job.out, ours):
+        # Once more: another run may have been here since.
+        store.refuse_foreign(ours, stage=job.kind, name=name)
+        refuse_mixed(job.out, stage=job.kind, name=name)
+        tables = work.compute(job) if current is None else current
+        if current is None:
+            composed = {job.out / file: text for file, text in work.compose(job, tables, stamp).items()}
+            for folder in work.folders(job):
+                make_folder(job.out / folder)
+            for stale in set(ours[len(paths) :]) - set(composed):
+                stale.unlink(missing_ok=True)  # it would show what the files no longer hold
+            tables = store.write(dict(zip(paths, tables, strict=False)), stamp, composed)
+        if current is None or work.partial_results(job):  # a run may have been killed just before it cleared up
+            work.clear_partial(job)
+        with as_written(job, computed=current is None):
+            drawn = work.draw(job, tables, pictures) if job.plot else []
+    return Made(tables, [*paths, *drawn], computed=current is None, changed=changed)
+
+
+def stamp_of(job: Job, work: Work) -> bytes:
+    """Provenance of a stage's results."""
+    return provenance.describe(
+        stage=job.kind,
+        values=job.plan.values,
+        overrides=job.overrides,
+        inputs={**hand_inputs(job.plan), **work.inputs(job)},
+        versions=work.versions(job),
+    )
+
+
+class State(NamedTuple):
+    """Provenance of a stage's results, their files, the tables if they are current, else what has changed."""
+
+    stamp: bytes
+    paths: list[Path]
+    current: Tables | None
+    changed: list[Change]
+
+
+def state_of(job: Job, work: Work) -> State:
+    """What is there of a stage's results.
+
+    Raises `RefusedError` where a file in the way is not ours, or the folder has results of another kind or name.
+    """
+    work.verify(job)
+    stamp = stamp_of(job, work)
+    tables = [job.out / file for file in work.files(job)]
+    texts = [job.out / file for file in work.texts(job)]
+    for_others = [job.out / file for file in (*work.pictures(job), *work.stale_outputs(job))]
+    store.refuse_foreign([*tables, *texts, *for_others], stage=job.kind, name=job.plan.name)
+    refuse_mixed(job.out, stage=job.kind, name=job.plan.name)
+    work.refuse(job)
+    current = None if job.force else store.read_current(tables, stamp)
+    ours = mark(job.kind, job.plan.name, stamp)
+    if current is not None and not (store.are_current(texts, ours) and work.is_whole(job, ours)):
+        current = None
+    changed = _changes(tables, stamp) if current is None else []
+    return State(stamp, [*tables, *texts], current, changed)
+
+
+def changes_in_spec(job: Job, work: Work) -> list[Change]:
+    """What in a job's spec and of the program has changed since its results were made; none where there are none."""
+    there = _record([job.out / file for file in work.files(job)])
+    return changes(there, job.plan.values, work.versions(job)) if there else []
+
+
+def _changes(tables: list[Path], stamp: bytes) -> list[Change]:
+    """What has changed since the results that are there."""
+    there = _record(tables)
+    new = json.loads(stamp)
+    return changes(there, new["spec"], new["versions"], new["inputs"]) if there else []
+
+
+def _record(tables: list[Path]) -> dict[str, Any] | None:
+    return next(filter(None, map(record_at, tables)), None)
+
+
+@contextlib.contextmanager
+def as_written(job: Job, *, computed: bool) -> Iterator[None]:
+    """What fails with an earlier run's tables: they are not as it wrote them. Raises `ComputationError`."""
+    try:
+        yield
+    except MISSHAPEN as error:
+        if computed:
+            raise
+        text = f"{job.out}: its tables are not as {job.kind} writes them: {error}; run again with --force"
+        raise ComputationError(text) from error
+
+
+def warn(job: Job) -> None:
+    """Say which quantities of a spec are far from usual, unless messages are unwanted."""
+    for text in unusual(job.plan):
+        note(job, f"{job.plan.name}: {text}")

@@ -1,0 +1,1 @@
+"""Stage predict: limit cycles by closed laws, and the limits of stability."""

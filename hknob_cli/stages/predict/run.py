@@ -1,0 +1,113 @@
+"""Predictions by closed laws, and stability limits, for every cell of a grid: two tables."""
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from math import isfinite
+from typing import Any, NamedTuple
+
+import pyarrow as pa
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import axis_column
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import COUNTS, RATE, Cell, PredictPlan, scene_at
+from hknob_cli.stages import compare
+from hknob_cli.stages.predict.columns import PASSIVITY, PREDICTIONS, WITH_HAND
+from hknob_cli.theory.laws import (
+    RMS_ARCS,
+    RMS_SINE,
+    Prediction,
+    describing_function,
+    energy_balance,
+    quantum_period,
+)
+from hknob_cli.theory.passivity import DEVICE, LIMITS, Verdict, verdict
+from hknob_cli.theory.working_edge import WorkingEdge, working_edge
+
+Progress = Callable[[int, int], None]
+Law = Callable[[WorkingEdge], Prediction]
+
+
+class PredictResult(NamedTuple):
+    """The tables: one row per cell and law, and one row per cell."""
+
+    predictions: pa.Table
+    passivity: pa.Table
+
+
+def predict(plan: PredictPlan, progress: Progress = lambda _done, _total: None) -> PredictResult:
+    """Evaluate every law in every cell; ``progress`` is told of the cells.
+
+    Raises `ComputationError`, and `UsageError` for a sweep that is not there.
+    """
+    all_laws: dict[str, Law] = {
+        "quantum_period": partial(quantum_period, constant=plan.constant),
+        "describing_function": describing_function,
+        "energy_balance": energy_balance,
+    }
+    laws = {name: all_laws[name] for name in plan.laws}
+    against = compare.Against(plan.against, list(plan.axes), cells_of(plan)) if plan.against else None
+    predictions: list[dict[str, Any]] = []
+    limits: list[dict[str, Any]] = []
+    every = cells_of(plan)
+    held = plan.scene.hand is not None
+    for done, cell in enumerate(every):
+        progress(done, len(every))
+        try:
+            edge = working_edge(scene_at(plan.scene, cell), cell)
+            predictions += _prediction_rows(cell, edge, laws, against)
+            limits.append({**cell, **_limit_columns(verdict(edge), held=held)})
+        except ArithmeticError:
+            message = f"at {cell[RATE]:g} Hz and {cell[COUNTS]} counts the scene's numbers overflow"
+            raise ComputationError(message) from None
+    axes = [axis_column(name, plan.units[name]) for name in plan.axes]
+    compared = compare.COLUMNS if against else ()
+    return PredictResult(
+        predictions=build_table([*axes, *PREDICTIONS, *compared], predictions),
+        passivity=build_table([*axes, *PASSIVITY, *(WITH_HAND if held else ())], limits),
+    )
+
+
+def _prediction_rows(
+    cell: Cell, edge: WorkingEdge, laws: dict[str, Law], against: compare.Against | None
+) -> Iterator[dict[str, Any]]:
+    for name, law in laws.items():
+        found = law(edge)
+        p2p = found.p2p_rad
+        yield {
+            **cell,
+            "law": name,
+            "p2p_rad": p2p,
+            "amplitude_rad": None if p2p is None else 0.5 * p2p,
+            "frequency_hz": found.frequency_hz,
+            "rms_rad": None if p2p is None else RMS_ARCS * p2p,
+            "rms_sine_rad": None if p2p is None else RMS_SINE * p2p,
+            "in_domain": found.in_domain,
+            "reason": found.reason,
+            **(against.columns(cell, p2p_rad=p2p, frequency_hz=found.frequency_hz) if against else {}),
+        }
+
+
+def _limit_columns(found: Verdict, *, held: bool) -> dict[str, Any]:
+    """The columns of one cell, those with the hand's damping where a hand is ``held``."""
+    limits = {name: found.limits[name] for name in (LIMITS if held else DEVICE)}
+    loads = {f"{name}_load": limit.load for name, limit in limits.items()}
+    columns = {
+        "device_passive": found.passive,
+        **{name: limit.holds for name, limit in limits.items()},
+        **{name: load if isfinite(load) else None for name, load in loads.items()},
+        "binding_limb": found.device.binding,
+        "rate_needed_hz": found.device.rate_hz,
+        "damping_needed_nm_s_per_rad": found.device.damping,
+        "counts_needed": found.device.counts,
+        "friction_needed_nm": found.device.friction,
+    }
+    if not held:
+        return columns
+    return {
+        **columns,
+        "binding_limb_with_hand": found.with_hand.binding,
+        "rate_needed_with_hand_hz": found.with_hand.rate_hz,
+        "damping_needed_with_hand_nm_s_per_rad": found.with_hand.damping,
+    }

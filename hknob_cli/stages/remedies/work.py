@@ -1,0 +1,76 @@
+"""The work of ``hknob remedies``."""
+
+from pathlib import Path
+from typing import Any
+
+from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.lag_domain import domain_warning
+from hknob_cli.stages.remedies.run import RemediesStage
+from hknob_cli.stages.remedies.text import describe_trial, trial_text
+from hknob_cli.stages.work import Tables, Work, counted, note
+from hknob_cli.terminal.console import progress_bar
+
+
+class RemediesWork(Work):
+    """Remedies against the buzz, tried over a grid, hands and cases."""
+
+    def size(self, plan: Any) -> str:
+        """Remedies to try."""
+        return counted(len(plan.remedies), "remedy", "remedies")
+
+    def files(self, job: Job) -> tuple[str, ...]:
+        """The grid, and the cases."""
+        del job
+        return "remedies.parquet", "cases.parquet"
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """The published thresholds, where levels above them are asked for."""
+        return threshold_inputs(job.plan.perceive)
+
+    def input_files(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        return (*super().input_files(job), *threshold_files(job.plan.perceive))
+
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The cases, and how much each remedy helps over each further axis of the grid."""
+        cases = ("remedies.png",) if job.plan.cases or not job.plan.varied else ()
+        return (*cases, *(f"remedies_{axis.replace('.', '_')}.png" for axis in job.plan.varied))
+
+    def compute(self, job: Job) -> Tables:
+        """The tables of `files`."""
+        for one in job.plan.remedies:
+            for sweep in () if one.tuned else (one.grid, *one.cases[:1]):
+                if warning := domain_warning(sweep, one.name):
+                    note(job, warning)
+                    break
+        stage = RemediesStage(job.plan, jobs=job.jobs)
+        with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
+            return stage.run(progress)
+
+    def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
+        """The pictures that there are."""
+        from hknob_cli.figures.plot import draw_trial
+        from hknob_cli.figures.remedies_over_picture import draw_over
+
+        further = list(job.plan.varied.items())
+        drawn = []
+        for path, (axis, unit) in zip(paths[len(paths) - len(further) :], further, strict=True):
+            draw_over(tables[0].to_pylist(), axis, unit, title=job.plan.name, path=path)
+            drawn.append(path)
+        if len(paths) > len(further) and draw_trial(tables[1].to_pylist(), title=job.plan.name, path=paths[0]):
+            drawn.insert(0, paths[0])
+        if not drawn:
+            note(job, "no picture: no cases are given, and no further axis")
+        return drawn
+
+    def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
+        """Every remedy at every case, over the grid, and over its further axes."""
+        return describe_trial(tables[0], tables[1], list(job.plan.varied))
+
+    def text(self, _job: Job, summary: dict[str, Any]) -> str:
+        """A table of each case."""
+        return trial_text(summary)
+
+
+WORK = RemediesWork()

@@ -1,0 +1,1 @@
+"""Stage sweep: every limit cycle of a grid."""

@@ -1,0 +1,114 @@
+"""A sweep put together from its pieces: kept as they come, in any order, and written in parts that are whole."""
+
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.results.layout import as_file
+from hknob_cli.results.parted import is_written, part_numbers, put_part, read_parted, take_back
+from hknob_cli.results.parting import Parting
+from hknob_cli.results.place import make_folder
+from hknob_cli.results.staging import Staging
+from hknob_cli.stages.sweep.piece import decode, files_of
+
+TABLES = ("cells", "orbits")
+
+
+def finished(staging: Staging, parting: Parting) -> int:
+    """Cells that an earlier run has finished, as far as names tell; nothing is read or changed. Raises `OSError`."""
+    folders = [staging.folder / name for name in TABLES]
+    parts = set.intersection(*(set(part_numbers(folder)) if folder.is_dir() else set() for folder in folders))
+    ranges = [*map(parting.range, parts), *(one for one in staging.names() if one[0] // parting.items not in parts)]
+    return sum(stop - start for start, stop in ranges)
+
+
+class Assembly:
+    """The results of a sweep, cut as ``parting`` says. Raises `OSError`."""
+
+    def __init__(self, staging: Staging, parting: Parting) -> None:
+        self.staging = staging
+        self.parting = parting
+        self._folders = [staging.folder / name for name in TABLES]
+        self._pieces: list[tuple[int, int]] = []
+
+    def begin(self, *, afresh: bool = False) -> list[tuple[int, int]]:
+        """Make ready, and go on from what an earlier run has finished: which cells that is."""
+        self.staging.begin(afresh=afresh)
+        for folder in self._folders if self.parting.parted else ():
+            if not afresh:
+                take_back(self.staging.folder.parent / f"{folder.name}.parquet", folder, self.parting.provenance)
+            make_folder(folder)
+        done = [self.parting.range(number) for number in self._numbers() if self._is_written(number)]
+        for start, stop in self.staging.pieces():
+            if any(one[0] <= start and stop <= one[1] for one in done) or not self._fits(start, stop):
+                self.staging.drop(start, stop)
+            else:
+                self._pieces.append((start, stop))
+        done += self._pieces
+        for number in {start // self.parting.items for start, _ in self._pieces}:
+            self._finish(number)
+        return done
+
+    def take(self, start: int, stop: int, data: bytes) -> None:
+        """Take in the results of cells ``start`` to ``stop``, as `PieceFinder` gives them."""
+        part = self.parting.whole(start, stop)
+        if part is not None:
+            self._put(part, files_of(data))
+            return
+        self.staging.put(start, stop, data)
+        self._pieces.append((start, stop))
+        self._finish(start // self.parting.items)
+
+    def tables(self) -> tuple[Any, ...]:
+        """Cells and orbits, once all are there: tables, or `Parted` ones. Raises `ComputationError` for damage."""
+        if not self.parting.parted:
+            return self._joined(0)
+        found = tuple(read_parted(folder, self.parting.provenance) for folder in self._folders)
+        if not all(found):
+            raise ComputationError(
+                f"{self.staging.folder}: something else has changed what was finished here; run the same command again"
+            )
+        return found
+
+    def _numbers(self) -> list[int]:
+        """Parts that may be there."""
+        return part_numbers(self._folders[0]) if self.parting.parted else []
+
+    def _is_written(self, number: int) -> bool:
+        parts, provenance = self.parting.parts, self.parting.provenance
+        return all(is_written(folder, number, parts, provenance) for folder in self._folders)
+
+    def _fits(self, start: int, stop: int) -> bool:
+        """Whether a piece that was found is one of this sweep."""
+        items = self.parting.items
+        if not start < stop <= self.parting.total or start // items != (stop - 1) // items:
+            return False
+        try:
+            return bool(decode(self.staging.get(start, stop))[0].num_rows == stop - start)
+        except (ValueError, OSError, pa.ArrowException):
+            return False
+
+    def _of(self, number: int) -> list[tuple[int, int]]:
+        first, last = self.parting.range(number)
+        return sorted(one for one in self._pieces if first <= one[0] < last)
+
+    def _joined(self, number: int) -> tuple[pa.Table, ...]:
+        found = zip(*(decode(self.staging.get(*one)) for one in self._of(number)), strict=True)
+        return tuple(pa.concat_tables(tables).combine_chunks() for tables in found)
+
+    def _finish(self, number: int) -> None:
+        """Write a part, if it is whole, and drop its pieces."""
+        first, last = self.parting.range(number)
+        pieces = self._of(number)
+        if not self.parting.parted or sum(stop - start for start, stop in pieces) < last - first:
+            return
+        metadata = self.parting.metadata(number)
+        self._put(number, tuple(as_file(table, metadata) for table in self._joined(number)))
+        for start, stop in pieces:
+            self.staging.drop(start, stop)
+        self._pieces = [one for one in self._pieces if not first <= one[0] < last]
+
+    def _put(self, number: int, files: tuple[memoryview, ...]) -> None:
+        for folder, file in zip(self._folders, files, strict=True):
+            put_part(file, folder, number)

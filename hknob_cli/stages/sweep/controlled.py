@@ -1,0 +1,153 @@
+"""Cells of a sweep whose wall has a controller: all starts of one sample rate and one controller side by side."""
+
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from math import nan
+from typing import Any
+
+import numpy as np
+
+from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.search import Settled, search
+from hknob_cli.controllers.sets.starts import follow_starts, followable
+from hknob_cli.engine.alarm import Alarm
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.orbit import OrbitMeasures
+from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
+from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at
+from hknob_cli.stages.sweep.cell import CellResult
+from hknob_cli.stages.sweep.every_start import why_open
+
+MOST_LANES = 4096  # side by side
+
+
+def block_of(plan: SweepPlan) -> int:
+    """Cells of a grid that are found together; it is fixed which, for rounding depends on what is side by side."""
+    most = max(1, MOST_LANES // plan.starts.phases)
+    return 1 << (most.bit_length() - 1)
+
+
+def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
+    """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
+    if some is None:
+        grid, block = cells_of(plan), block_of(plan)
+        for start in range(0, len(grid), block):
+            yield from remedied_results(plan, list(grid.run(start, min(len(grid), start + block))))
+        return
+    every = list(some)
+    alike: dict[tuple[object, ...], deque[int]] = {}
+    for i, cell in enumerate(every):
+        alike.setdefault(_key(plan, cell), deque()).append(i)
+    done: dict[int, CellResult] = {}
+    for i, cell in enumerate(every):
+        if i not in done:
+            left = alike[_key(plan, cell)]
+            group = [left.popleft() for _ in range(min(len(left), max(1, MOST_LANES // plan.starts.phases)))]
+            done.update(zip(group, _found(plan, [every[j] for j in group]), strict=True))
+        yield done.pop(i)
+
+
+def _key(plan: SweepPlan, cell: Cell) -> tuple[object, ...]:
+    return cell[RATE], scene_at(plan.scene, cell).controller
+
+
+def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
+    controller = scene_at(plan.scene, some[0]).controller
+    assert controller
+    remedy = make_remedy(controller)
+    alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
+    found: dict[int, CellResult] = {}
+    if not plan.starts.sampled:
+        batch = make_batch(plan.scene, some, plan.starts._replace(phases=1, span=None))
+        at = followable(remedy, batch.lanes)
+        if at.size:
+            knobs = [batch.knobs[i] for i in at]
+            ends = follow_starts(remedy, batch.lanes.take(at), knobs, plan.starts, lambda: alarm.over)
+            for i, knob, one in zip(at.tolist(), knobs, ends, strict=True):
+                result = _result(plan, some[i], knob, remedy.parts, one.ends, one.samples)
+                bound = one.undecided if plan.starts.span else None
+                found[i] = result._replace(
+                    complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound, why=why_open(result.attractors)
+                )
+    left = [i for i in range(len(some)) if i not in found]
+    if left:
+        found.update(zip(left, _sampled(plan, remedy, [some[i] for i in left], lambda: alarm.over), strict=True))
+    return [found[i] for i in range(len(some))]
+
+
+def _sampled(plan: SweepPlan, remedy: Remedy, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
+    """Results of cells by trials: from phases of one start, or from random starts in a box."""
+    batch = make_batch(plan.scene, some, plan.starts._replace(random=plan.starts.phases))
+    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, over)
+    return [
+        _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
+        for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))
+    ]
+
+
+def _result(
+    plan: SweepPlan, cell: Cell, knob: SampledKnob, parts: tuple[float, ...], ends: list[Settled], samples: int
+) -> CellResult:
+    closed = [one for one in ends if one.outcome is not Outcome.UNDECIDED]
+    rows = [(_attractor(one), measure_settled(knob, parts, one), _perceived(plan, knob, parts, one)) for one in closed]
+    loose = [one for one in ends if one.outcome is Outcome.UNDECIDED]
+    if loose:
+        measured = [measure_settled(knob, parts, one) for one in loose]
+        many = _attractor(loose[0])._replace(trials=sum(one.trials for one in loose))
+        rows.append((many, _mean(measured), _perceived(plan, knob, parts, loose[0])))
+    rows.sort(key=lambda row: (-row[0].trials, row[0].outcome, row[0].period, row[0].x))
+    return CellResult(
+        cell=cell,
+        quantum_rad=knob.quantum_rad,
+        attractors=tuple(row[0] for row in rows),
+        measures=tuple(row[1] for row in rows),
+        samples=samples,
+        group="remedied",
+        perceived=tuple(row[2] for row in rows) if plan.perceive else (),
+    )
+
+
+def _perceived(plan: SweepPlan, knob: SampledKnob, parts: tuple[float, ...], one: Settled) -> Any:
+    """What is felt and heard of an orbit, if the plan asks for it; of what does not repeat nothing is said."""
+    if plan.perceive is None:
+        return None
+    from hknob_cli.stages.sweep.perceived import HIGHEST_HZ, Perceived, perceive
+
+    if one.outcome is not Outcome.CYCLE:
+        return Perceived()
+    return perceive(settled_harmonics(knob, parts, one, HIGHEST_HZ), plan.perceive)
+
+
+def _attractor(one: Settled) -> Attractor:
+    at = len(one.x) > 0
+    return Attractor(
+        outcome=one.outcome,
+        reason=one.reason,
+        trials=one.trials,
+        period=one.period,
+        x=float(one.x[0]) if at else 0.0,
+        v=float(one.v[0]) if at else 0.0,
+        margin=one.margin,
+        edge=one.margin,
+        closure=one.closure,
+    )
+
+
+def _mean(measured: list[OrbitMeasures]) -> OrbitMeasures:
+    """Means over trials that did not repeat, and their extremes."""
+    every = [one for one in measured if np.isfinite(one.p2p_rad)]
+    if not every:
+        return OrbitMeasures()
+    return OrbitMeasures(
+        p2p_rad=float(np.mean([one.p2p_rad for one in every])),
+        min_rad=min(one.min_rad for one in every),
+        max_rad=max(one.max_rad for one in every),
+        rms_rad=float(np.mean([one.rms_rad for one in every])),
+        frequency_hz=float(np.mean([one.frequency_hz for one in every])),
+        wall_work_j=nan,
+    )

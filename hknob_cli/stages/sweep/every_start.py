@@ -1,0 +1,122 @@
+"""All starts of a cell of a sweep at once: to the engine that follows them as sets."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hknob_cli.engine.attractors import Attractor, NeedsCompilerError, Patience, Search
+from hknob_cli.engine.outcome import WORDS, Reason
+from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.specs.plan import Starts, SweepPlan
+
+if TYPE_CHECKING:
+    from hknob_cli.scene.general_knob import GeneralKnob
+
+INCOMPLETE = [
+    *(WORDS[reason] for reason in Reason),
+    "clock phases were sampled: sets of states are not followed in such a scene",
+    "random starts were simulated: sets of states are not followed in such a scene",
+]
+SOME_PHASES, SOME_STARTS = len(Reason), len(Reason) + 1
+
+
+class StartsFinder:
+    """Finds what all starts of cells settle to; has the engines, plain or compiled, that they need. One per thread."""
+
+    def __init__(
+        self,
+        functions: dict[str, dict[str, Callable[..., Any]]],
+        stopped: Callable[[], bool],
+        patience: Callable[[str], Patience],
+    ) -> None:
+        """Make ready; arguments as those of `stages.sweep.cell.CellFinder`."""
+        self.functions = functions
+        self.stopped = stopped
+        self.patience = patience
+        self._plain: Any = None
+        self._general: Any = None
+
+    def search_plain(self, plan: SweepPlan, knob: SampledKnob) -> Search | None:
+        """What all starts of a plain cell settle to; None where they cannot be followed all at once."""
+        from hknob_cli.engine.sets.search import SetEngine
+
+        functions = self.functions.get("sets")
+        if self._plain is None:
+            self._plain = SetEngine(functions, self.stopped)
+        self._plain.patience = self.patience("sets")
+        starts = plan.starts
+        given: dict[str, Any] = {"max_samples": plan.max_samples, "seconds": plan.seconds_per_cell}
+        if not starts.many:
+            at = {"x": knob.position(starts.angle), "v": knob.speed(starts.velocity)}
+            try:
+                found: Search | None = self._plain.search_phases(knob.loop, **at, delay_line=knob.delay_line, **given)
+            except NeedsCompilerError:
+                raise NeedsCompilerError("sets") from None
+            return found
+        if functions is None:
+            raise NeedsCompilerError("sets")
+        if starts.anywhere:
+            every: Search = self._plain.search_anywhere(knob.loop, **given)
+            return every
+        boxed: Search = self._plain.search_box(knob.loop, _box(plan, knob), **given)
+        return boxed
+
+    def search_general(self, plan: SweepPlan, knob: "GeneralKnob", group: str) -> Search | None:
+        """What all starts of a cell of the general loop settle to; None where they cannot be followed all at once.
+
+        ``group``: of engine functions, with or without friction.
+        """
+        from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
+        from hknob_cli.engine.general.sets.search import GeneralSetEngine
+
+        functions = self.functions.get(group)
+        kind = FrictionSetEngine if group == "friction sets" else GeneralSetEngine
+        if type(self._general) is not kind:
+            self._general = kind(functions, self.stopped)
+        self._general.patience = self.patience(group)
+        starts = plan.starts
+        given: dict[str, Any] = {
+            "rate": knob.rate,
+            "delay_line": knob.delay_line,
+            "max_samples": plan.max_samples,
+            "seconds": plan.seconds_per_cell,
+        }
+        if starts.span is None:
+            start = knob.start(starts.angle, starts.velocity)
+            found: Search | None = self._general.search_phases(knob.body, knob.wall, start, **given)
+            return found
+        if functions is None:
+            raise NeedsCompilerError(group)
+        boxed: Search | None = self._general.search_box(knob.body, knob.wall, _box(plan, knob), **given)
+        return boxed
+
+
+def _box(plan: SweepPlan, knob: Any) -> Any:
+    """The ranges of a sweep's starts, in counts and counts per sample of a cell."""
+    from hknob_cli.engine.sets.search import Box
+
+    assert plan.starts.span
+    low, high, slowest, fastest = plan.starts.span
+    return Box(knob.position(low), knob.position(high), knob.speed(slowest), knob.speed(fastest))
+
+
+def why_open(attractors: Sequence[Attractor]) -> Reason:
+    """Why starts have no proven end, where a search does not tell: as most of those that are listed without one."""
+    return next((one.reason for one in attractors if not one.certified), Reason.NO_REPEAT)
+
+
+def why_incomplete(complete: Any, pieces: Any, why: Any, starts: Starts) -> NDArray[np.int64]:
+    """Why most of the starts of each cell that have no proven end have none, as numbers of `INCOMPLETE`.
+
+    Args:
+        complete: Whether all starts have one, (n,).
+        pieces: Sets of starts that were followed, (n,); 0 where starts are sampled.
+        why: `engine.outcome.Reason` of those that were followed, (n,).
+        starts: Of the sweep.
+    """
+    sampled = SOME_STARTS if starts.span else SOME_PHASES
+    unknown = np.where(np.asarray(pieces) == 0, sampled, Reason.NO_REPEAT)
+    found = np.where(np.asarray(why) == Reason.NONE, unknown, why)
+    return np.where(np.asarray(complete, dtype=bool), Reason.NONE, found).astype(np.int64)

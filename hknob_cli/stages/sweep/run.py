@@ -1,0 +1,255 @@
+"""The sweep: every cell of the grid to its proven limit cycles, as two tables."""
+
+import random
+import threading
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cached_property
+from math import ceil
+from time import perf_counter
+from typing import Any, TypeVar
+
+from hknob_cli.engine.attractors import PATIENCE, NeedsCompilerError, Patience
+from hknob_cli.results.parted import PART_CELLS
+from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.plan import Cell, SweepPlan
+from hknob_cli.spread.cores import usable_cores
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult, expected_samples
+from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
+
+COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
+LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
+THREADS_ABOVE = 20_000_000
+MANY = 2048  # plain cells, from which on they are found in runs of so many: a Python object each would cost more
+SLOW = 50_000_000  # trial-samples worth a progress bar
+SPREAD_ABOVE = 2_000_000_000  # and worth processes, whose results are kept piece by piece
+CONTROLLED = 400_000.0  # samples of the plain loop that take as long as a trial with a controller, roughly
+LOOKED_AT = 256  # cells by which the work of a large grid is estimated
+HEAVIER = {
+    "plain": 1.0,
+    "bounces": 1.0,
+    "general": 10.0,
+    "sets": 1.0,
+    "general sets": 20.0,
+    "friction sets": 50.0,
+    "unsampled": 1.0,
+}  # times that a sample takes longer than in the plain loop
+
+T = TypeVar("T")
+Progress = Callable[[int, int], None]
+
+
+class SweepStage:
+    """A sweep that is ready to run."""
+
+    def __init__(
+        self, plan: SweepPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
+    ) -> None:
+        """Make ready; ``jobs`` threads, all cores if None; ``notify`` is told of waits."""
+        self.plan = plan
+        self.notify = notify
+        self.jobs = jobs or usable_cores()
+        self._local = threading.local()
+        self._stop = threading.Event()
+        self._functions: dict[str, dict[str, Callable[..., Any]]] = {}
+        self._worth: dict[str, float] = {}
+        self._interpreted_s: dict[str, float] = {}
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return len(cells_of(self.plan))
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the engine was compiled for this run."""
+        return bool(self._functions)
+
+    @cached_property
+    def expected(self) -> dict[str, float]:
+        """Rough number of trial-samples of the whole grid, by the group of engine functions that they take."""
+        every = cells_of(self.plan)
+        if len(every) <= 4 * LOOKED_AT:
+            return self._expected(every)
+        chance = random.Random(0)  # evenly spaced ones may all have the same value on an axis
+        some = (chance.randrange(len(every)) for _ in range(LOOKED_AT))
+        found = self._expected(cell for number in some for cell in every.run(number, number + 1))
+        return {group: samples * len(every) / LOOKED_AT for group, samples in found.items()}
+
+    def _expected(self, some: Iterable[Cell]) -> dict[str, float]:
+        total: dict[str, float] = {}
+        if self.plan.scene.controller:
+            return total
+        for cell in some:
+            group, samples = expected_samples(self.plan, cell)
+            total[group] = total.get(group, 0.0) + samples
+        return total
+
+    @property
+    def long(self) -> bool:
+        """Whether the sweep is worth a progress bar."""
+        return self._work > SLOW
+
+    @property
+    def spreads(self) -> bool:
+        """Whether the sweep is worth processes, or too large to hold."""
+        controlled = self.cell_count * self.plan.starts.phases * CONTROLLED if self.plan.scene.controller else 0.0
+        return self.cell_count > PART_CELLS or self._work + controlled > SPREAD_ABOVE
+
+    @property
+    def _work(self) -> float:
+        return sum(samples * HEAVIER[group] for group, samples in self.expected.items())
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether every cell is plain, so that runs of them are found whole by compiled code."""
+        from hknob_cli.stages.sweep.plain_chunk import takes_plain
+
+        return takes_plain(self.plan)
+
+    @property
+    def stopped(self) -> Callable[[], bool]:
+        """Whether to give up."""
+        return self._stop.is_set
+
+    def compile(self) -> None:
+        """Compile what pieces of the sweep will take, where it is not compiled yet."""
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group
+
+        for group in [chunk_group(self.plan)] if self.plain else self.expected:
+            self._compile(group)
+
+    def functions(self, group: str) -> dict[str, Callable[..., Any]]:
+        """Compiled functions of a group, by name."""
+        self._compile(group)
+        return self._functions[group]
+
+    def run(self, progress: Progress = lambda _done, _total: None) -> SweepTables:
+        """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
+        if self.cell_count > MANY and self._work > COMPILE_ABOVE and self.plain:
+            return self._run_plain(progress)
+        results, taken = self._find(None, progress)
+        return SweepTables(
+            cells=cells_table(self.plan, results), orbits=orbits_table(self.plan, results), samples=taken
+        )
+
+    def find_plain(self, start: int, stop: int) -> SweepTables:
+        """The tables of cells ``start`` to ``stop``, all `plain`. Raises `ComputationError`."""
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group, plain_chunk
+
+        columns = cells_of(self.plan).columns(start, stop)
+        return plain_chunk(self.plan, columns, self.functions(chunk_group(self.plan)), self.stopped)
+
+    def _run_plain(self, progress: Progress) -> SweepTables:
+        """All cells, a run of them to a thread at a time."""
+        from hknob_cli.stages.sweep.plain_chunk import chunk_group
+
+        self._compile(chunk_group(self.plan))
+        size = min(MANY, ceil(self.cell_count / (4 * self.jobs)))
+        starts = range(0, self.cell_count, size)
+        found = []
+        for one in self._spread(lambda start: self.find_plain(start, min(start + size, self.cell_count)), starts):
+            found.append(one)
+            progress(min(len(found) * size, self.cell_count), self.cell_count)
+        return joined(found)
+
+    def find(self, some: Sequence[Cell]) -> list[CellResult]:
+        """Results of some cells, which need not be those of the grid. Raises `ComputationError`."""
+        return self._find(some)[0]
+
+    def _find(
+        self, some: Sequence[Cell] | None, progress: Progress = lambda _done, _total: None
+    ) -> tuple[list[CellResult], int]:
+        """Results of some cells, all if None, and the trial-samples they took."""
+        expected = self.expected if some is None else self._expected(some)
+        for group, samples in expected.items():
+            if samples * HEAVIER[group] > COMPILE_ABOVE * self._compiler_s(group) / LOADING_S:
+                self._compile(group)
+        results: list[CellResult] = []
+        taken = 0
+        for result in self._results(some, expected):
+            results.append(result)
+            taken += result.samples
+            group = result.group
+            if group in HEAVIER and group not in self._functions and self._patience(group).seconds == 0.0:
+                self._compile(group)
+            progress(len(results), self.cell_count)
+        return results, taken
+
+    def run_cell(self, cell: Cell) -> CellResult:
+        """Run one cell. Raises `ComputationError`."""
+        begin = perf_counter()
+        try:
+            result = self._finder().find(self.plan, cell)
+        except NeedsCompilerError as need:
+            self._compile(need.group)
+            return self._finder().find(self.plan, cell)
+        if result.group not in self._functions:
+            spent = self._interpreted_s.get(result.group, 0.0) + perf_counter() - begin
+            self._interpreted_s[result.group] = spent
+        return result
+
+    def _compiler_s(self, group: str) -> float:
+        """Seconds that it takes to have compiled code of a group: to load it, or to make it."""
+        from hknob_cli.engine.compiling import COMPILING_S
+        from hknob_cli.engine.jit import is_kept
+
+        if group not in self._worth:
+            self._worth[group] = LOADING_S if is_kept(group) else COMPILING_S[group]
+        return self._worth[group]
+
+    def _patience(self, group: str) -> Patience:
+        """How much the interpreter tries: until it has taken as long as compiling would, so at most twice what is best.
+
+        What it finds is the same to the last bit, so that no result depends on the clock.
+        """
+        worth = self._compiler_s(group)
+        return Patience(
+            samples=int(PATIENCE * worth / LOADING_S), seconds=max(0.0, worth - self._interpreted_s.get(group, 0.0))
+        )
+
+    def _compile(self, group: str) -> None:
+        from hknob_cli.engine.compiling import tell_compiling
+        from hknob_cli.engine.jit import compiled, waiting
+
+        if group in self._functions:
+            return
+        tell_compiling(self.notify)
+        if text := waiting(group):
+            self.notify(text)
+        self._functions = {**self._functions, group: compiled(group)}
+
+    def _finder(self) -> CellFinder:
+        finder: CellFinder | None = getattr(self._local, "finder", None)
+        if finder is None or finder.functions is not self._functions:
+            finder = self._local.finder = CellFinder(self._functions, self._stop.is_set, self._patience)
+        return finder
+
+    def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:
+        """Results in the order of the cells; compiled kernels leave the interpreter to the other threads."""
+        if self.plan.scene.controller:
+            from hknob_cli.stages.sweep.controlled import remedied_results
+
+            yield from remedied_results(self.plan, some)
+            return
+        self._stop.clear()  # set at the end of cells found before
+        every = cells_of(self.plan) if some is None else some
+        work = sum(samples * HEAVIER[group] for group, samples in expected.items())
+        if work < THREADS_ABOVE:
+            yield from map(self.run_cell, every)
+        else:
+            yield from self._spread(self.run_cell, every)
+
+    def _spread(self, find: Callable[[Any], T], items: Iterable[Any]) -> Iterator[T]:
+        """What is found for each item, in their order, by threads where there are several."""
+        self._stop.clear()
+        if self.jobs == 1:
+            yield from map(find, items)
+            return
+        from concurrent.futures import ThreadPoolExecutor
+
+        pool = ThreadPoolExecutor(max_workers=self.jobs)
+        try:
+            yield from pool.map(find, items)
+        finally:
+            self._stop.set()  # after an interruption, what still runs gives up
+            pool.shutdown(wait=True, cancel_futures=True)

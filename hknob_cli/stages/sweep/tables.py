@@ -1,0 +1,250 @@
+"""The tables of a sweep, with the columns that its scene has."""
+
+from collections.abc import Mapping, Sequence
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
+from numpy.typing import NDArray
+
+from hknob_cli.engine.outcome import WORDS, Outcome, Reason
+from hknob_cli.results.arrays import join_columns, spell
+from hknob_cli.results.columns import (
+    ANYWHERE,
+    CELLS,
+    CONTACT,
+    EVERY_START,
+    FRICTION,
+    GROWTH,
+    ONE_START,
+    ORBITS,
+    PEOPLE,
+    SAMPLED,
+    Column,
+    axis_column,
+)
+from hknob_cli.scene.sampled_cells import hands_of
+from hknob_cli.specs.cells import WHOLE
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, scene_at
+from hknob_cli.stages.sweep.cell import CellResult, may_bounce
+from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
+from hknob_cli.stages.sweep.found import Array, AttractorColumns, in_columns
+
+NEEDS_COUNTS = ("p2p_counts", "margin_counts")
+_OUTCOMES = [outcome.name.lower() for outcome in Outcome]
+_REASONS = [WORDS[reason] for reason in Reason]
+
+Axes = Mapping[str, NDArray[Any]]
+
+
+class SweepTables(NamedTuple):
+    """The two tables of a sweep, or of some of its cells, and the trial-samples they took."""
+
+    cells: pa.Table
+    orbits: pa.Table
+    samples: int
+
+
+def joined(found: Sequence[SweepTables]) -> SweepTables:
+    """The tables of runs of cells, one run behind the other."""
+    cells, orbits = (pa.concat_tables([getattr(one, name) for one in found]) for name in ("cells", "orbits"))
+    return SweepTables(cells.combine_chunks(), orbits.combine_chunks(), sum(one.samples for one in found))
+
+
+def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
+    """One row per cell."""
+    columns: tuple[Column, ...] = CELLS
+    more: dict[str, list[Any]] = {}
+    if may_bounce(plan):
+        columns, more = (*CELLS, *GROWTH), _growth(results)
+    if not plan.starts.sampled and plan.scene.sampled:
+        columns = (*columns, *EVERY_START)
+        more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
+        why = why_incomplete(more["complete"], more["piece_count"], [one.why for one in results], plan.starts)
+        more["incomplete_reason"] = spell(INCOMPLETE, why)
+        if plan.starts.many:
+            more["undecided_fraction"] = [_undecided(one) for one in results]
+        else:
+            columns = (*columns, *ONE_START)
+            more["share_error"] = [one.share_error for one in results]
+        if plan.starts.anywhere:
+            columns = (*columns, *ANYWHERE)
+            both = [(*(one.region or (None, None)), *(one.grows or (None, None))) for one in results]
+            more |= {
+                column.name: list(values) for column, values in zip(ANYWHERE, zip(*both, strict=True), strict=True)
+            }
+    if plan.perceive:
+        from hknob_cli.results.perceived_columns import cell_columns
+        from hknob_cli.stages.sweep.perceived import cell_row
+
+        columns = (*columns, *cell_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        rows = []
+        for result in results:
+            total = sum(one.trials for one in result.attractors)
+            shares = [one.trials / total for one in result.attractors]
+            rows.append(cell_row(result.perceived, shares, plan.perceive, _step_db(plan, result)))
+        more |= _turned(rows)
+    return lay_out_cells(plan, _axes(plan, results), in_columns(results), columns, more)
+
+
+def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
+    """One row per attractor."""
+    columns: tuple[Column, ...] = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
+    more: dict[str, list[Any]] = {}
+    if not plan.scene.sampled:
+        columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
+        more = _contact(results)
+    if plan.perceive:
+        from hknob_cli.results.perceived_columns import orbit_columns
+        from hknob_cli.stages.sweep.perceived import orbit_row
+
+        columns = (*columns, *orbit_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        more |= _turned(
+            [orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived]
+        )
+    return lay_out_orbits(plan, _axes(plan, results), in_columns(results), columns, more)
+
+
+def lay_out_cells(
+    plan: SweepPlan,
+    axes: Axes,
+    found: AttractorColumns,
+    columns: Sequence[Column] = CELLS,
+    more: Mapping[str, Sequence[Any]] | None = None,
+) -> pa.Table:
+    """One row per cell, from their attractors; ``axes``: their values on each axis, ``more``: further columns.
+
+    Sizes and frequencies are of what cycles, by the trials that reach it. Trials whose motion is measured but not
+    proven count among them; rest does not: ``at_rest_fraction`` says how much of it there is.
+    """
+    m = found.measures
+    known = np.isfinite(m.p2p_rad)
+    moving = known & (found.outcome != Outcome.REST)
+    bounded = moving | (found.outcome == Outcome.CYCLE) | (found.outcome == Outcome.REST)
+    weights, trials = found.trials * moving, found.total(found.trials)
+    weight = found.total(weights)
+
+    def mean(values: Any) -> Array:
+        """Mean over a cell's cycles by the trials that reach them; NaN where there is none."""
+        means = np.full(len(weight), nan)
+        np.divide(found.total(weights * np.where(moving, values, 0.0)), weight, out=means, where=weight > 0.0)
+        return means
+
+    def part(which: NDArray[np.bool_]) -> Array:
+        return found.total(found.trials * which) / trials
+
+    p2p = mean(m.p2p_rad)
+    sizes: Any = m.p2p_rad
+    largest = found.largest(sizes)
+    frequency = np.append(np.where(moving, m.frequency_hz, nan), nan)
+    values = {
+        "p2p_rad": p2p,
+        "p2p_max_rad": np.append(m.p2p_rad, nan)[largest],
+        "p2p_counts": p2p / found.quantum_rad,
+        "frequency_hz": mean(m.frequency_hz),
+        "frequency_at_max_hz": frequency[largest],
+        "rms_rad": mean(m.rms_rad),
+        "orbit_count": found.total(bounded),
+        "certified_fraction": part(found.reason == Reason.NONE),
+        "at_rest_fraction": part(found.outcome == Outcome.REST),
+        "diverged_fraction": part(found.outcome == Outcome.DIVERGED),
+        "undecided_fraction": part(found.outcome == Outcome.UNDECIDED),
+        **(more or {}),
+    }
+    return _table(plan, axes, columns, values)
+
+
+def lay_out_orbits(
+    plan: SweepPlan,
+    axes: Axes,
+    found: AttractorColumns,
+    columns: Sequence[Column] = ORBITS,
+    more: Mapping[str, Sequence[Any]] | None = None,
+) -> pa.Table:
+    """One row per attractor; ``axes``: values of its cells on each axis, ``more``: further columns."""
+    measures = found.measures._asdict()
+    values = {
+        "orbit": found.number,
+        "outcome": spell(_OUTCOMES, found.outcome),
+        "reason": spell(_REASONS, found.reason),
+        "period_samples": np.where(found.closed, found.period, nan),
+        "cycles_per_period": np.where(found.closed, measures.pop("cycles"), nan),
+        "basin_fraction": found.trials / found.total(found.trials)[found.cell],
+        "certified": found.reason == Reason.NONE,
+        "margin_counts": np.where(found.closed, found.edge, nan),
+        "closure_rad": np.where(found.closed, found.closure * found.quantum_rad[found.cell], nan),
+        **measures,
+        **(more or {}),
+    }
+    return _table(plan, {name: column[found.cell] for name, column in axes.items()}, columns, values)
+
+
+def _table(plan: SweepPlan, axes: Axes, columns: Sequence[Column], values: Mapping[str, Any]) -> pa.Table:
+    first = [axis_column(name, plan.units[name]) for name in plan.axes]
+    hand = plan.scene.hand
+    people: dict[str, Any] = {}
+    if hand and hand.by_person:
+        people = dict(zip([column.name for column in PEOPLE], hands_of(hand, axes[PERSON]), strict=True))
+        first += PEOPLE
+    kept = [one for one in columns if _is_counted(plan) or one.name not in NEEDS_COUNTS]
+    return join_columns([*first, *kept], {**values, **people, **axes})
+
+
+def _axes(plan: SweepPlan, results: Sequence[CellResult]) -> dict[str, NDArray[Any]]:
+    return {
+        name: np.array([result.cell[name] for result in results], dtype=np.int64 if name in WHOLE else np.float64)
+        for name in plan.axes
+    }
+
+
+def _is_counted(plan: SweepPlan) -> bool:
+    return COUNTS in plan.axes and plan.scene.encoder is not None
+
+
+def _step_db(plan: SweepPlan, result: CellResult) -> float:
+    """Level of the torque step of a cell's counts."""
+    from hknob_cli.stages.sweep.perceived import step_db
+
+    if plan.perceive is None or not _is_counted(plan):
+        return nan
+    stiffness = scene_at(plan.scene, result.cell).wall.stiffness
+    return step_db(plan.perceive, stiffness=stiffness, counts=int(result.cell[COUNTS]))
+
+
+def _undecided(result: CellResult) -> float:
+    """Bound on the share of starts without a proven end; where some were drawn, the share of those."""
+    if result.undecided is not None:
+        return result.undecided
+    unknown = sum(one.trials for one in result.attractors if one.outcome is Outcome.UNDECIDED)
+    return unknown / sum(one.trials for one in result.attractors)
+
+
+def _has_friction(plan: SweepPlan) -> bool:
+    return plan.scene.knob.coulomb_torque > 0.0 or any(plan.axes.get("knob.coulomb_torque", []))
+
+
+def _growth(results: Sequence[CellResult]) -> dict[str, list[Any]]:
+    names = {
+        "growth_j_per_s2": "growth_j_per_s2",
+        "growth_std_j_per_s2": "growth_std_j_per_s2",
+        "growth_residual": "residual",
+        "growth_fits": "fits",
+        "bounces": "bounces",
+    }
+    return {
+        name: [getattr(result.growth, field) if result.growth else None for result in results]
+        for name, field in names.items()
+    }
+
+
+def _contact(results: Sequence[CellResult]) -> dict[str, list[Any]]:
+    return {
+        column.name: [getattr(result.contact, column.name, None) for result in results for _ in result.attractors]
+        for column in CONTACT
+    }
+
+
+def _turned(rows: Sequence[Mapping[str, Any]]) -> dict[str, list[Any]]:
+    """Columns of rows that all have the same names."""
+    return {name: [row[name] for row in rows] for name in rows[0]} if rows else {}

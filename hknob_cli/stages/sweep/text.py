@@ -1,0 +1,155 @@
+"""A sweep in words and numbers: the summary as data, and as the table on the terminal."""
+
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
+from hknob_cli.report.means import differs
+from hknob_cli.report.perceived import Level, perceived_levels, perceived_text
+from hknob_cli.report.population import describe_people, people_text
+from hknob_cli.report.table import table
+from hknob_cli.report.undecided import undecided_in, undecided_text
+from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
+from hknob_cli.specs.plan import PERSON
+from hknob_cli.stages.sweep.one_cell_text import describe_one, one_cell_text
+
+
+def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:
+    """Summary of a sweep as plain data, one entry per cell under ``cells``; ``trials``: of a cell."""
+    rows = cells.to_pylist()
+    outcomes = orbits["outcome"].to_pylist()
+    people = {"population": describe_people(rows, axes)} if PERSON in axes else {}
+    undecided = undecided_in(orbits, trials) if "undecided" in outcomes else []
+    matters = describe_matters(matters_of(rows, axes))
+    return {
+        "axes": {axis: list(dict.fromkeys(row[axis] for row in rows)) for axis in axes},
+        "orbits": {kind: outcomes.count(kind) for kind in ("cycle", "rest", "diverged", "undecided")},
+        "certified_fraction": sum(row["certified_fraction"] for row in rows) / len(rows),
+        **({"undecided": undecided} if undecided else {}),
+        **({"ends": describe_one(orbits.to_pylist())} if len(rows) == 1 and "growth_j_per_s2" not in rows[0] else {}),
+        **people,
+        **({"what_matters": matters} if matters else {}),
+        "cells": rows,
+    }
+
+
+def table_text(summary: dict[str, Any], axes: list[str]) -> str:
+    """The table on the terminal: two matrices over two axes, else what matters most, or one line per cell."""
+    rows = summary["cells"]
+    wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
+    fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in (*wide, PERSON)]
+    lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if "what_matters" in summary:
+        lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
+        if len(rows) > MAX_ROWS:
+            notes = [*_notes(summary), *perceived_text(rows)]
+            return "\n".join([*lines, *(["", *notes] if notes else [])])
+    if "population" in summary:
+        return "\n".join([*lines, "", *people_text(summary, axes)])
+    if "growth_j_per_s2" in rows[0] and len(wide) == 2 and fits(rows, wide):
+        title = "growth of energy at bounce peaks, mJ/s^2 (second-order coefficient, mean of the trials)"
+        lines += ["", *matrix(rows, wide, "growth_j_per_s2", scale=1e3, title=title)]
+        lines += ["", "bounces do not settle: nothing damps them, so there are no limit cycles to prove"]
+        return "\n".join(lines)
+    if len(wide) == 2 and fits(rows, wide):
+        for column, scale, title in _measures(rows):
+            lines += ["", *matrix(rows, wide, column, scale=scale, title=title, mark=_mark)]
+        for level in perceived_levels(rows):
+            lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
+    elif "ends" in summary:
+        lines += ["", *one_cell_text(summary["ends"])]
+        if levels := perceived_levels(rows):
+            lines += ["", *_list(rows, wide, levels)]
+    else:
+        lines += ["", *_list(rows, wide, perceived_levels(rows))]
+    notes = [*_notes(summary), *perceived_text(rows)]
+    lines += ["", *notes] if notes else []
+    return "\n".join(lines)
+
+
+def _measures(rows: list[dict[str, Any]]) -> list[tuple[str, float, str]]:
+    """Columns to show, their scales and titles: of the largest cycle of a cell, and the means where they are others."""
+    size, pitch = "peak to peak, mrad (mean peak minus mean trough)", "frequency, Hz"
+    if not differs(rows):
+        return [("p2p_max_rad", 1e3, size), ("frequency_at_max_hz", 1.0, pitch)]
+    mean = "mean of the trials that cycle"
+    return [
+        ("p2p_max_rad", 1e3, f"{size}, of the largest cycle"),
+        ("p2p_rad", 1e3, f"peak to peak, mrad, {mean}"),
+        ("frequency_at_max_hz", 1.0, f"{pitch}, of the largest cycle"),
+        ("frequency_hz", 1.0, f"{pitch}, {mean}"),
+    ]
+
+
+def _headline(summary: dict[str, Any]) -> str:
+    counts = {**summary["orbits"], "undecided": sum(one["trials"] for one in summary.get("undecided", []))}
+    found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
+    share = summary["certified_fraction"]
+    proven = "all proven" if share == 1.0 else f"{100 * share:.4g} % of trials proven"
+    stale = " (up to date)" if summary["status"] == "up to date" else ""
+    cells = len(summary["cells"])
+    return f"{summary['name']}: {cells} {'cell' if cells == 1 else 'cells'}, {found}, {proven}{stale}"
+
+
+def _plural(kind: str, number: int) -> str:
+    names = {
+        "cycle": ("limit cycle", "limit cycles"),
+        "rest": ("rest point", "rest points"),
+        "undecided": ("undecided trial", "undecided trials"),
+    }
+    one, many = names.get(kind, (f"{kind} end", f"{kind} ends"))
+    return one if number == 1 else many
+
+
+def _mark(row: dict[str, Any]) -> str:
+    """Mark of a cell: several orbits, some rest, some diverge, some undecided."""
+    marks = "*" if row["orbit_count"] > 1 else ""
+    marks += "r" if row["at_rest_fraction"] > 0 else ""
+    marks += "!" if row["diverged_fraction"] > 0 else ""
+    return marks + ("?" if row["undecided_fraction"] > 0 else "")
+
+
+def _notes(summary: dict[str, Any]) -> list[str]:
+    marks = "".join(_mark(row) for row in summary["cells"])
+    words = {
+        "*": "several orbits coexist; which one a trial reaches depends on its start",
+        "r": "trials come to rest; they are in no mean",
+        "!": "trials diverge",
+        "?": undecided_text(summary["undecided"]) if "undecided" in summary else "some starts have no proven end",
+    }
+    told = {"*", "r", "!"} if "ends" in summary else set()  # of one cell, by its sentence
+    return [f"{mark} {text}" for mark, text in words.items() if mark in marks and mark not in told]
+
+
+def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> list[str]:
+    sides = ("", "mean ") if differs(rows) else ("",)
+    heads = [
+        *axes,
+        *(f"{side}{name}" for name in ("p2p mrad", "frequency Hz") for side in sides),
+        *(["at rest %"] if any(row["at_rest_fraction"] for row in rows) else []),
+        "orbits",
+        *(level.head for level in levels),
+        "",
+    ]
+    body = [
+        [
+            *(short(row[axis], 6) for axis in axes),
+            *(
+                short(None if row[name] is None else scale * row[name])
+                for names, scale in ((("p2p_max_rad", "p2p_rad"), 1e3), (("frequency_at_max_hz", "frequency_hz"), 1.0))
+                for name in names[: len(sides)]
+            ),
+            *([short(100.0 * row["at_rest_fraction"])] if "at rest %" in heads else []),
+            str(row["orbit_count"]),
+            *(short(row[level.column]) for level in levels),
+            _mark(row),
+        ]
+        for row in rows[:MAX_ROWS]
+    ]
+    lines = table(heads, body, keys=len(axes) or 1)
+    if len(sides) > 1:
+        lines += ["p2p and frequency are those of the largest cycle; means are of the trials that cycle"]
+    if len(rows) > MAX_ROWS:
+        lines.append(f"... and {len(rows) - MAX_ROWS} more cells in cells.parquet")
+    return lines

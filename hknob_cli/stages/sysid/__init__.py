@@ -1,0 +1,1 @@
+"""Stage sysid: the hand that holds a knob, identified."""

@@ -1,0 +1,129 @@
+"""An identification on the terminal: the hand by experiment, grip force and estimator, as the printed tables."""
+
+import re
+from collections import Counter
+from statistics import median
+from typing import Any
+
+import pyarrow as pa
+
+from hknob_cli.identify.quality import MISFIT, ODDS
+from hknob_cli.recordings.columns import UNNAMED
+from hknob_cli.report.matrix import short
+from hknob_cli.report.table import table
+from hknob_cli.stages.sysid.remarks import DISAGREE
+
+MOST_REMARKS = 6
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+_COLUMNS = (
+    ("J g*cm^2", "inertia_kg_m2", 1e7),
+    ("B mN*m*s", "damping_nm_s_per_rad", 1e3),
+    ("K mN*m/rad", "stiffness_nm_per_rad", 1e3),
+    ("zeta", "damping_ratio", 1.0),
+)
+
+
+def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
+    """Summary as plain data: conditions over all persons, and what is doubtful."""
+    rows, fits = conditions.to_pylist(), trials.to_pylist()
+    said = ((row["estimator"], flag) for row in fits for flag in row["flags"].split("; ") if flag)
+    flags = Counter(f"{estimator}: {_NUMBER.sub('…', flag)}" for estimator, flag in said)
+    return {
+        "fits": trials.num_rows,
+        "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
+        "conditions": [row for row in rows if row["level"] == "all"],
+        "alone": _alone([row for row in rows if row["level"] == "subject"]),
+        "flags": dict(flags.most_common(20)),
+        "averages": _averages(fits),
+        "remarks": list(dict.fromkeys(_remark(row) for row in rows if DISAGREE in row["flags"])),
+    }
+
+
+def _remark(row: dict[str, Any]) -> str:
+    """Where the estimators of a person's condition disagree."""
+    said = [flag for flag in row["flags"].split("; ") if flag.startswith(DISAGREE)]
+    return f"{row['subject']}, experiment {row['experiment']}, {row['grip_target_n']:g} N: {'; '.join(said)}"
+
+
+def _alone(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
+    held = any(row["grip_target_n"] for row in rows)
+    return rows if not held or len({row["subject"] for row in rows}) == 1 else []
+
+
+def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
+    """Averages whose residuals are not white for no other reason than that their trials differ; None if there are none.
+
+    Shares of the peak angle by which the trials differ, least, median and largest; how many of how many fits.
+    """
+    blends = [
+        row["trials_differ"]
+        for row in fits
+        if row["trials_differ"] and row["white"] is not None and row["white"] < ODDS and MISFIT not in row["flags"]
+    ]
+    if not blends:
+        return None
+    of = sum(row["trials_differ"] is not None for row in fits)
+    return {"fits": len(blends), "of": of, "least": min(blends), "median": median(blends), "largest": max(blends)}
+
+
+def sysid_text(summary: dict[str, Any]) -> str:
+    """A table of each experiment and estimator: mean and standard deviation over persons; what is doubtful below.
+
+    Of one person, or of setups that nobody grips, each by its name, mean over blocks and its standard error.
+    """
+    if "calibration" in summary:
+        return _calibration_text(summary)
+    rows = summary["alone"] or summary["conditions"]
+    named = len({row["subject"] for row in rows}) > 1 or not any(row["grip_target_n"] for row in rows)
+    whose = "standard error" if summary["alone"] else "standard deviation over persons"
+    first = "setup" if named else "grip N"
+    people = summary["subjects"]
+    lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
+    for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
+        where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
+        lines += ["", f"{where}{key[1]}: mean ± {whose}"]
+        body = []
+        for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
+            cells = [str(row["subject"]) if named else short(row["grip_target_n"])]
+            cells += [_cell(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
+            cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
+            body.append([*cells, "*" if row["flags"] else ""])
+        lines += table([first, *(one[0] for one in _COLUMNS), "VAF %", ""], body, left={6})
+    if blend := summary["averages"]:
+        least, largest, middle = (f"{100.0 * blend[name]:.2g}" for name in ("least", "largest", "median"))
+        lines += [
+            "",
+            f"{blend['fits']} of {blend['of']} fits: residuals not white, but as small as noise or averaging make;",
+            f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
+            "their mean is not one motion's. prepare: {average: false} fits each trial",
+        ]
+    if summary["remarks"]:
+        lines += ["", *summary["remarks"][:MOST_REMARKS]]
+        left = len(summary["remarks"]) - MOST_REMARKS
+        lines += [f"and {left} more conditions in which they disagree"] if left > 0 else []
+    if summary["flags"]:
+        lines += ["", "* doubtful in some fits; the column flags says which:"]
+        lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
+    return "\n".join(lines)
+
+
+def _calibration_text(summary: dict[str, Any]) -> str:
+    lines = [f"{summary['name']}: {len(summary['calibration'])} quantities"]
+    body = [
+        [row["quantity"], row["condition"], _spread(row["value"], row["std"], 1.0), row["unit"], row["flags"]]
+        for row in summary["calibration"]
+    ]
+    lines += table(["quantity", "condition", "value", "unit", ""], body, left={0, 1, 3, 4}, keys=2, flow=4)
+    return "\n".join(lines)
+
+
+def _cell(value: float | None, std: float | None, scale: float) -> str:
+    """A parameter; one without any error was given."""
+    return f"{short(scale * value, 3)} (fixed)" if value is not None and std == 0.0 else _spread(value, std, scale)
+
+
+def _spread(value: float | None, std: float | None, scale: float) -> str:
+    if value is None:
+        return "-"
+    return short(scale * value, 3) + (f" ± {short(scale * std, 2)}" if std is not None else "")
