@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.figures import draw
+from hknob_cli.figures import draw, theme
 from hknob_cli.figures.grid import grid, rows_of
 from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
-from hknob_cli.specs.drawings import MODULES, theme
+from hknob_cli.specs.drawings import MODULES
 from tests.conftest import EXPERIMENTS, HKNOB
 
 AXES = "grid={sample_rate_hz: [1000, 2000, 4000], counts_per_rev: [256, 512]}"
