@@ -31,7 +31,7 @@ COMPUTING = (
     "identify",
     "stages",
 )
-SHOWING = ("report", "page")
+SHOWING = ("report", "figures", "page")
 WORDS = "text"  # files of a stage whose name ends so only say what its results are, on the terminal
 
 

@@ -27,7 +27,7 @@ from hknob_cli.specs.load import validate
 from hknob_cli.specs.plan import Plan, SweepPlan, scene_at
 from hknob_cli.specs.promise import SETS, not_proven
 from hknob_cli.specs.source import Source
-from hknob_cli.stages.sweep import SweepStage
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import ROOT
 
 BASE: dict[str, Any] = {
