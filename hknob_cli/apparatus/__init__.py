@@ -1,1 +1,7 @@
-"""A virtual apparatus to record from: knob, motor, amplifier, encoder, grip cell, and people who hold the knob."""
+"""A virtual apparatus to record from: knob, motor, amplifier, encoder, grip cell, and people who hold the knob.
+
+- `rig` and its nuisances, `people` from the printed tables (means, spread, and the correlation that the spread of ζ
+  implies), `simulated_motion` exact with friction and lag, `virtual_rig`, `hand_recording`, `experiment`,
+  `bench_rigs`
+- `spoil` for tests
+"""

@@ -1,1 +1,12 @@
-"""Other ways to the same motion: SciPy, fixed steps, MuJoCo, and 60 digits. They share no formula with the engine."""
+"""Other ways to the same motion: SciPy, fixed steps, MuJoCo, and 60 digits. They share no formula with the engine.
+
+- `plant`, `controller` the model, which shares no formula with the engine
+- `run` a trial from sample to sample
+- `scipy_methods`, `fixed_step` (`kernels`), `mujoco_hinge`
+- `digits60` the reference
+- `catalogue` all of them
+
+Two models. What the engine is compared with is built in `baselines/` from the spec alone: equations of motion and a
+command law, over any kind of number. With floats they serve the rivals; with 60 digits and matrix exponentials over
+T/2ʲ, of which every hold is a product and by which every event is bisected, they are the reference.
+"""

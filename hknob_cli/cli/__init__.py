@@ -1,1 +1,10 @@
-"""The command line: one file per subcommand, nothing but talking to the user."""
+"""The command line: one file per subcommand, nothing but talking to the user.
+
+- `main`, `app`
+- `stages`, `run`, `check`, `schema` the commands, `hw_run` one with an option more
+- `handover` from parsing to work, `stage_run` what is said of a stage
+
+Starting light. `hknob --help` loads neither numpy nor numba. `hknob sweep` parses its command line in a child process
+while it loads the libraries of the work (`cli/handover.py`); validation models do not leave `specs/`, so that the
+working process never loads pydantic.
+"""

@@ -1,8 +1,15 @@
 """Figures by name: each draws one kind of picture from finished results.
 
 A drawing takes the `ResultSet`, the name ``of`` the result (or a list of names), and options of its own as keywords; it
-returns a matplotlib Figure, made by `ink.figure`, without a title: the page has titles and captions. It raises
+returns a matplotlib Figure, made by `theme.figure`, without a title: the page has titles and captions. It raises
 `MissingError` where a result lacks what it needs.
+
+- a figure a name, from finished results: the page renders it as SVG, `--plot` as PNG
+- entered in `specs/drawings`
+- `theme` the style, `labels` and `numbers` how axes and values are written, `defaults` which figures a result has,
+  `held` tables in memory as a result, `sheet` figures as one PNG, `plot` those of each stage
+- `literal` names in pictures
+- `*_picture` what only `--plot` draws yet
 """
 
 from collections.abc import Callable

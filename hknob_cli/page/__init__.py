@@ -1,1 +1,7 @@
-"""The page: figures, claims and provenance as one self-contained HTML file."""
+"""The page: figures, claims and provenance as one self-contained HTML file.
+
+- `compose` from plan and results to `book`, plain values
+- `clips` of cycles that have settled
+- `layout`, `template/` the HTML
+- `defaults` where a spec lists nothing
+"""

@@ -1,1 +1,5 @@
-"""What a text prints, as data: its tables, and what follows from their digits."""
+"""What a text prints, as data: its tables, and what follows from their digits.
+
+- `tables` rows and digits of the dissertation's tables
+- `hands` the hand models in them
+"""

@@ -1,1 +1,11 @@
-"""The stages of the pipeline: spec in, result tables out."""
+"""The stages of the pipeline: spec in, result tables out.
+
+- `job` what to run, `work` what differs between stages, `make` what is the same: compute or reuse, write, draw
+- `input_files` what results depend on beside a spec
+- of several stages: `compare` with a sweep, `lag_domain` where the bounded lag helps, `attractor_sizes` size and
+  pitch of a cell
+
+A stage is a row of `stage_table.py`, a model in `specs/` and a folder here (of `report` the folder is `page/`). In
+each folder `work` has the stage's parts, `run` its computation, `columns` and `text` its tables and words.
+Measured and recorded results are sources: a pipeline's stage with a `folder` is never run.
+"""

@@ -1,1 +1,5 @@
-"""The terminal: messages, progress, keys, and interruptions."""
+"""The terminal: messages, progress, keys, and interruptions.
+
+- `console` messages, progress and interruptions
+- `keys` what an operator presses
+"""

@@ -1,1 +1,4 @@
-"""Stage hw-run: trials on a knob, real or simulated."""
+"""Stage hw-run: trials on a knob, real or simulated.
+
+- `strip` what the operator sees
+"""

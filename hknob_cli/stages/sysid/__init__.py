@@ -1,1 +1,4 @@
-"""Stage sysid: the hand that holds a knob, identified."""
+"""Stage sysid: the hand that holds a knob, identified.
+
+- `calibration`, `study`, `remarks`
+"""

@@ -1,1 +1,6 @@
-"""Every start at once, of scenes with more in them than the plain loop has: delay, limits, lag, a finger."""
+"""Every start at once, of scenes with more in them than the plain loop has: delay, limits, lag, a finger.
+
+- `readings` what acts alike, `drift` exact bounds on roundings, `ball`, `piece` polygons
+  in the space of all states, `lattice`, `box`, `curve` and `arc` all clock phases, `known`, `search`
+- with friction `friction_step`, `friction_piece`, `friction_box`, `friction_phases`, `convex`
+"""
