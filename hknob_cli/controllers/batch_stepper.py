@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.controllers.controller import Reading, Remedy
+from hknob_cli.controllers.controller import ControlLaw, Reading
 from hknob_cli.controllers.plant_batch import Array, Flow, PlantBatch, count_at, flow_over, moved, wall_depth
 
 
@@ -55,7 +55,7 @@ class Step(NamedTuple):
 class BatchStepper:
     """Moves lanes by whole samples; the plants' responses over the parts of an interval are computed once."""
 
-    def __init__(self, remedy: Remedy, lanes: PlantBatch) -> None:
+    def __init__(self, remedy: ControlLaw, lanes: PlantBatch) -> None:
         self.remedy = remedy
         self.lanes = lanes
         self._limited = bool(np.isfinite(lanes.limit).any())

@@ -11,6 +11,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import Controller
 
 
 class BoundedLag(Plain):
@@ -21,6 +22,11 @@ class BoundedLag(Plain):
     def __init__(self, keep: float, time_constant: float) -> None:
         self.keep = keep
         self.time_constant = time_constant
+
+    @classmethod
+    def of(cls, plan: Controller) -> "BoundedLag":
+        """With the numbers of a spec."""
+        return cls(plan.keep, plan.time_constant)
 
     def settling(self, lanes: PlantBatch) -> Array:
         """The mean's time constant."""

@@ -32,7 +32,7 @@ class Action(NamedTuple):
     guards: tuple[Array, ...] = ()
 
 
-class Remedy(Protocol):
+class ControlLaw(Protocol):
     """A controller.
 
     ``parts``: lengths of the parts of an interval in which the torque is constant, their sum 1; ``looks``: instants

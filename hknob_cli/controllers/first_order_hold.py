@@ -6,6 +6,7 @@ sample is extrapolated from the last two, and the mean of now and then is held; 
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array
+from hknob_cli.specs.controller_plan import Controller
 
 
 class FirstOrderHold(Plain):
@@ -16,6 +17,11 @@ class FirstOrderHold(Plain):
 
     def __init__(self, *, correct: bool) -> None:
         self.correct = correct
+
+    @classmethod
+    def of(cls, plan: Controller) -> "FirstOrderHold":
+        """With the numbers of a spec."""
+        return cls(correct=plan.correct)
 
     def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
         """Torque from the last three of the wall."""

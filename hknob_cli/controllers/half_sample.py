@@ -10,6 +10,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch, flow_over
+from hknob_cli.specs.controller_plan import Controller
 
 
 class HalfSample(Differencing):
@@ -17,6 +18,11 @@ class HalfSample(Differencing):
 
     def __init__(self, *, sensor: bool) -> None:
         self.senses_speed = sensor
+
+    @classmethod
+    def of(cls, plan: Controller) -> "HalfSample":
+        """With the numbers of a spec."""
+        return cls(sensor=plan.velocity == "sensor")
 
     def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, the plant over half an interval, and what of a torque is left by the way it goes in it."""

@@ -8,6 +8,7 @@ integral that was wrong is known to 1/detections of it.
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, wall_depth
+from hknob_cli.specs.controller_plan import Controller
 
 
 class ImpulseDamping(Plain):
@@ -21,6 +22,11 @@ class ImpulseDamping(Plain):
         self.gain = gain
         self.parts = (pulse, 1.0 - pulse) if pulse < 1.0 else (1.0,)
         self.looks = tuple(k / detections for k in range(1, detections)) if detections > 1 else ()
+
+    @classmethod
+    def of(cls, plan: Controller) -> "ImpulseDamping":
+        """With the numbers of a spec."""
+        return cls(plan.pulse, plan.gain, plan.detections)
 
     def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
         """The wall, and before it the pulse."""

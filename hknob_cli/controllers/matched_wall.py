@@ -9,6 +9,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch, flow_over
+from hknob_cli.specs.controller_plan import Controller
 
 
 def matched_gains(lanes: PlantBatch) -> tuple[Array, Array]:
@@ -28,6 +29,11 @@ class MatchedWall(Differencing):
 
     def __init__(self, *, sensor: bool) -> None:
         self.senses_speed = sensor
+
+    @classmethod
+    def of(cls, plan: Controller) -> "MatchedWall":
+        """With the numbers of a spec."""
+        return cls(sensor=plan.velocity == "sensor")
 
     def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and the gains."""

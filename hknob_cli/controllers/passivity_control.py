@@ -10,6 +10,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import Controller
 
 
 class PassivityControl(Differencing):
@@ -23,6 +24,11 @@ class PassivityControl(Differencing):
     def __init__(self, damping: float, *, reset: bool) -> None:
         self.damping = damping
         self.reset = reset
+
+    @classmethod
+    def of(cls, plan: Controller) -> "PassivityControl":
+        """With the numbers of a spec."""
+        return cls(plan.damping, reset=plan.reset)
 
     def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and the largest damping, in steps of the wall per count a sample."""

@@ -13,6 +13,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import Controller
 
 MEAN_SAMPLES = 64.0  # of the running mean
 LONGEST = 4096.0  # samples of a cycle
@@ -34,6 +35,11 @@ class PhaseDamping(Plain):
         self.both = both
         self.kalman = kalman
         self.provable = not kalman
+
+    @classmethod
+    def of(cls, plan: Controller) -> "PhaseDamping":
+        """With the numbers of a spec."""
+        return cls(plan.height, plan.degrees, both=plan.crossings == "both", kalman=plan.estimate == "kalman")
 
     def settling(self, lanes: PlantBatch) -> Array:
         """The running mean's."""

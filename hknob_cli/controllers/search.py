@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.batch_stepper import BatchStepper, State, take
-from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.controller import ControlLaw
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
 from hknob_cli.controllers.proof import Orbits, prove
 from hknob_cli.controllers.repeat import SearchBudget, find_repeats
@@ -46,7 +46,12 @@ class Settled(NamedTuple):
 
 
 def search(
-    remedy: Remedy, lanes: PlantBatch, x: Array, v: Array, cell: np.ndarray, over: Callable[[], bool] = lambda: False
+    remedy: ControlLaw,
+    lanes: PlantBatch,
+    x: Array,
+    v: Array,
+    cell: np.ndarray,
+    over: Callable[[], bool] = lambda: False,
 ) -> tuple[dict[int, list[Settled]], int]:
     """Ends of trials from (``x``, ``v``) at their first sample, by ``cell``, a number a lane; trial-samples taken.
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import Controller
 
 
 class StiffeningWall(Plain):
@@ -12,6 +13,11 @@ class StiffeningWall(Plain):
     def __init__(self, surface: float, depth: float) -> None:
         self.surface = surface
         self.depth = depth
+
+    @classmethod
+    def of(cls, plan: Controller) -> "StiffeningWall":
+        """With the numbers of a spec."""
+        return cls(plan.surface, plan.depth)
 
     def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """A count, in parts of the depth."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
 from hknob_cli.controllers.cells import Batch
-from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.controller import ControlLaw
 from hknob_cli.controllers.plant_batch import Array, PlantBatch, flow_over, moved
 
 
@@ -22,7 +22,7 @@ class Point(NamedTuple):
 
 
 def follow(
-    remedy: Remedy, batch: Batch, trial: int, *, start: tuple[float, float], until: float, every: float
+    remedy: ControlLaw, batch: Batch, trial: int, *, start: tuple[float, float], until: float, every: float
 ) -> Iterator[Point]:
     """Points of trial number ``trial`` of a batch of one cell from ``start`` (counts, counts per sample).
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import Controller
 
 
 class VelocityDamping(Differencing):
@@ -17,6 +18,11 @@ class VelocityDamping(Differencing):
         self.damping = damping
         self.senses_speed = sensor
         self.everywhere = everywhere
+
+    @classmethod
+    def of(cls, plan: Controller) -> "VelocityDamping":
+        """With the numbers of a spec."""
+        return cls(plan.damping, sensor=plan.velocity == "sensor", everywhere=plan.everywhere)
 
     def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
         """Where counts lie, and steps of the wall per count a sample."""

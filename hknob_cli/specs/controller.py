@@ -4,48 +4,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import ConfigDict, Field
 
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller_plan import KINDS, Controller
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.quantity import PositiveAngle, PositiveSeconds, SignedDamping
-
-Kind = Literal[
-    "bounded_lag",
-    "first_order_hold",
-    "half_sample",
-    "impulse_damping",
-    "matched_wall",
-    "passivity",
-    "phase_damping",
-    "stiffening",
-    "velocity_damping",
-]
-# The numbers that each kind has.
-KEYS: dict[str, tuple[str, ...]] = {
-    "bounded_lag": ("keep", "time_constant"),
-    "first_order_hold": ("correct",),
-    "half_sample": ("velocity",),
-    "impulse_damping": ("pulse", "gain", "detections"),
-    "matched_wall": ("velocity",),
-    "passivity": ("damping", "reset"),
-    "phase_damping": ("height", "degrees", "crossings", "estimate"),
-    "stiffening": ("surface", "depth"),
-    "velocity_damping": ("damping", "velocity", "everywhere"),
-}
-NEEDS_DAMPING = ("passivity", "velocity_damping")
 
 
 def _by_kind(schema: dict[str, Any]) -> None:
     """Say in the JSON Schema which keys go with which kind."""
-    every = sorted({key for keys in KEYS.values() for key in keys})
+    every = sorted({key for kind in KINDS.values() for key in kind.keys})
     schema["allOf"] = [
         {
-            "if": {"properties": {"kind": {"const": kind}}},
+            "if": {"properties": {"kind": {"const": name}}},
             "then": {
-                "properties": dict.fromkeys((key for key in every if key not in keys), False),
-                **({"required": ["damping"]} if kind in NEEDS_DAMPING else {}),
+                "properties": dict.fromkeys((key for key in every if key not in kind.keys), False),
+                **({"required": list(kind.needs)} if kind.needs else {}),
             },
         }
-        for kind, keys in KEYS.items()
+        for name, kind in KINDS.items()
     ]
 
 
@@ -60,7 +35,7 @@ class ControllerSpec(Part):
 
     model_config = ConfigDict(json_schema_extra=_by_kind)
 
-    kind: Annotated[Kind, Field(description="which controller")]
+    kind: Annotated[Literal[tuple(KINDS)], Field(description="which controller")]  # type: ignore[valid-type]
     velocity: Annotated[
         Literal["differenced", "sensor"], Field(description="where the velocity is from: two counts, or a sensor")
     ] = "differenced"
@@ -99,7 +74,7 @@ class ControllerSpec(Part):
 
 def controller_contradictions(spec: ControllerSpec, axes: dict[str, Any]) -> list[tuple[Place, str]]:
     """Numbers that its kind does not have or lacks."""
-    keys = KEYS[spec.kind]
+    keys = KINDS[spec.kind].keys
     found: list[tuple[Place, str]] = []
     allowed = ", ".join(keys)
     for key in spec.model_fields_set - {"kind", *keys}:

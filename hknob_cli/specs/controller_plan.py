@@ -1,4 +1,4 @@
-"""A controller of the virtual wall as plain values."""
+"""The kinds of controllers of the virtual wall, and a controller as plain values."""
 
 from typing import NamedTuple
 
@@ -27,3 +27,26 @@ class Controller(NamedTuple):
     depth: float = 0.01
     keep: float = 0.2
     time_constant: float = 0.2
+
+
+class Kind(NamedTuple):
+    """``law``: module and class in `controllers`; ``keys``: numbers that it has; ``needs``: those without a default."""
+
+    law: str
+    keys: tuple[str, ...]
+    needs: tuple[str, ...] = ()
+
+
+KINDS = {
+    "bounded_lag": Kind("bounded_lag:BoundedLag", ("keep", "time_constant")),
+    "first_order_hold": Kind("first_order_hold:FirstOrderHold", ("correct",)),
+    "half_sample": Kind("half_sample:HalfSample", ("velocity",)),
+    "impulse_damping": Kind("impulse_damping:ImpulseDamping", ("pulse", "gain", "detections")),
+    "matched_wall": Kind("matched_wall:MatchedWall", ("velocity",)),
+    "passivity": Kind("passivity_control:PassivityControl", ("damping", "reset"), needs=("damping",)),
+    "phase_damping": Kind("phase_damping:PhaseDamping", ("height", "degrees", "crossings", "estimate")),
+    "stiffening": Kind("stiffening_wall:StiffeningWall", ("surface", "depth")),
+    "velocity_damping": Kind(
+        "velocity_damping:VelocityDamping", ("damping", "velocity", "everywhere"), needs=("damping",)
+    ),
+}

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper, take
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import Batch, make_batch
 from hknob_cli.controllers.period_run import run_lap, trace_lap
 from hknob_cli.controllers.plant_batch import count_at, flow_over, moved
@@ -33,7 +33,7 @@ def setting(name: str, *, counts: int = 360, phases: int = 4) -> tuple[Any, Batc
     plan = SceneSpec.model_validate({**SCENE, "controller": CONTROLLERS[name]}).plain()
     assert plan.controller
     cell = {"sample_rate_hz": 1000.0, "counts_per_rev": counts}
-    return make_remedy(plan.controller), make_batch(plan, [cell], Starts(angle=0.02, velocity=0.0, phases=phases))
+    return make_control_law(plan.controller), make_batch(plan, [cell], Starts(angle=0.02, velocity=0.0, phases=phases))
 
 
 @pytest.mark.parametrize(("sense", "found"), [(1.0, [-2, -1, 0, 1]), (-1.0, [-1, 0, 1, 2]), (0.0, [-1, 0, 0, 1])])

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
@@ -38,7 +38,7 @@ def test_motion_and_torque_are_the_references(name: str, cell: str) -> None:
     scene = {**BASE, **change, "controller": CONTROLLERS[name]}
     plan = SceneSpec.model_validate(scene).plain()
     assert plan.controller
-    remedy = make_remedy(plan.controller)
+    remedy = make_control_law(plan.controller)
     key = {"sample_rate_hz": rate, "counts_per_rev": counts}
     batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=PHASES))
     mover = BatchStepper(remedy, batch.lanes)

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
-from hknob_cli.specs.controller import KEYS
+from hknob_cli.specs.controller_plan import KINDS
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.conftest import ROOT
@@ -35,7 +35,7 @@ def test_a_controller_built_from_the_page_gives_the_engines_torques(
     rate, counts, velocity = cell
     plan = SceneSpec.model_validate({**SCENE, "controller": controller}).plain()
     assert plan.controller
-    remedy = make_remedy(plan.controller)
+    remedy = make_control_law(plan.controller)
     key = {"sample_rate_hz": rate, "counts_per_rev": counts}
     batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=1))
     mover = BatchStepper(remedy, batch.lanes)
@@ -67,12 +67,12 @@ def test_a_controller_built_from_the_page_gives_the_engines_torques(
 
 def test_the_page_has_a_block_for_every_kind() -> None:
     text = (ROOT / "docs" / "controllers.md").read_text()
-    assert set(LAWS) == set(KEYS)
-    for kind, keys in KEYS.items():
+    assert set(LAWS) == set(KINDS)
+    for kind, declared in KINDS.items():
         block = text.partition(f"### {kind}\n```text\n")[2].partition("```")[0]
         assert block, kind
         said = block.replace("velocity", "") + (" velocity" if " v" in block else "")
-        for key in keys:
+        for key in declared.keys:
             assert key in said, (kind, key)
 
 
@@ -80,7 +80,7 @@ def test_the_energy_sum_begins_anew_only_outside_and_with_no_count_moved() -> No
     """What the page says in words, of the engine itself: debt is kept while the free knob moves, and damped there."""
     plan = SceneSpec.model_validate({**SCENE, "controller": {"kind": "passivity", "damping": 3.0e-4}}).plain()
     assert plan.controller
-    remedy = make_remedy(plan.controller)
+    remedy = make_control_law(plan.controller)
     key = {"sample_rate_hz": 1000.0, "counts_per_rev": 1024}
     lanes = make_batch(plan, [key], Starts(angle=0.02, velocity=0.0, phases=1)).lanes
     fixed = remedy.constants(lanes)

@@ -133,7 +133,7 @@ CONTROLLERS = {
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
-    from hknob_cli.controllers.catalogue import make_remedy
+    from hknob_cli.controllers.catalogue import make_control_law
     from hknob_cli.controllers.cells import make_batch
     from hknob_cli.controllers.search import search
     from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
@@ -141,7 +141,7 @@ def test_harmonics_of_orbits_under_controllers(name: str) -> None:
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
     assert spec.controller
-    remedy = make_remedy(spec.controller)
+    remedy = make_control_law(spec.controller)
     batch = make_batch(spec, [{"sample_rate_hz": 1000.0, "counts_per_rev": 1024}], Starts(0.02, 0.0, 4))
     ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
     some = [one for one in ends[0] if one.outcome is Outcome.CYCLE]

@@ -2,8 +2,7 @@
 
 import pytest
 
-from hknob_cli.specs.controller import KEYS
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller_plan import KINDS, Controller
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from tests.conftest import ROOT, SPEC, faults_of
@@ -84,7 +83,7 @@ def test_analyses_refuse_a_controller(kind: str) -> None:
 
 
 def test_every_kind_has_its_numbers_in_the_plan() -> None:
-    named = {key for keys in KEYS.values() for key in keys}
+    named = {key for kind in KINDS.values() for key in kind.keys}
     assert named == set(Controller._fields) - {"kind"}
 
 

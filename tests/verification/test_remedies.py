@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.search import search
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -111,7 +111,7 @@ def test_what_is_proven_is_what_the_reference_does_for_ever_after(seed: int) -> 
         key = {"sample_rate_hz": rate, "counts_per_rev": counts}
         velocity = rng.uniform(-1.0, 1.0)
         batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=2))
-        remedy, knob = make_remedy(plan.controller), batch.knobs[0]
+        remedy, knob = make_control_law(plan.controller), batch.knobs[0]
         ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
         for end in ends[0]:
             if end.reason is not Reason.NONE or end.outcome not in (Outcome.CYCLE, Outcome.REST) or end.period > 400:
@@ -152,6 +152,6 @@ def test_nothing_is_proven_without_damping(name: str, monkeypatch: pytest.Monkey
     batch = make_batch(
         plan, [{"sample_rate_hz": 1000.0, "counts_per_rev": 64}], Starts(angle=0.5, velocity=0.0, phases=1)
     )
-    remedy = make_remedy(plan.controller)
+    remedy = make_control_law(plan.controller)
     found = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)[0][0]
     assert all(end.reason is not Reason.NONE for end in found)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.controller import ControlLaw
 from hknob_cli.controllers.plant_batch import PlantBatch, flow_over, moved
 from hknob_cli.controllers.sets.arcs import Arcs, make_flight
 from hknob_cli.controllers.sets.follow import Ends, Follower, Limits
@@ -18,7 +18,7 @@ ARCS = Limits(samples=20_000_000, unproven=16_384, seekers=4096)
 BOXES = Limits(samples=100_000_000, unproven=256, seekers=64)
 
 
-def followable(remedy: Remedy, lanes: PlantBatch) -> np.ndarray:
+def followable(remedy: ControlLaw, lanes: PlantBatch) -> np.ndarray:
     """Lanes of which sets of starts can be followed: counts alone are read, all is affine, the knob damped and held."""
     if not remedy.provable or remedy.senses_speed:
         return np.empty(0, dtype=np.int64)
@@ -26,7 +26,7 @@ def followable(remedy: Remedy, lanes: PlantBatch) -> np.ndarray:
 
 
 def follow_starts(
-    remedy: Remedy,
+    remedy: ControlLaw,
     lanes: PlantBatch,
     knobs: Sequence[SampledKnob],
     starts: Starts,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
-from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.controller import ControlLaw
 from hknob_cli.controllers.search import Settled, search
 from hknob_cli.controllers.sets.starts import follow_starts, followable
 from hknob_cli.engine.alarm import Alarm
@@ -59,7 +59,7 @@ def _key(plan: SweepPlan, cell: Cell) -> tuple[object, ...]:
 def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     controller = scene_at(plan.scene, some[0]).controller
     assert controller
-    remedy = make_remedy(controller)
+    remedy = make_control_law(controller)
     alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
     found: dict[int, CellResult] = {}
     if not plan.starts.sampled:
@@ -80,7 +80,7 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     return [found[i] for i in range(len(some))]
 
 
-def _sampled(plan: SweepPlan, remedy: Remedy, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
+def _sampled(plan: SweepPlan, remedy: ControlLaw, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
     """Results of cells by trials: from phases of one start, or from random starts in a box."""
     batch = make_batch(plan.scene, some, plan.starts._replace(random=plan.starts.phases))
     ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, over)

@@ -188,7 +188,7 @@ def record_trial(
 
 def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
     """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
-    from hknob_cli.controllers.catalogue import make_remedy
+    from hknob_cli.controllers.catalogue import make_control_law
     from hknob_cli.controllers.cells import make_batch
     from hknob_cli.controllers.trajectory import follow
 
@@ -198,7 +198,7 @@ def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> It
     batch = make_batch(plan.scene, [cell], plan.starts._replace(angle=angle_rad))
     knob, period_s = batch.knobs[0], batch.knobs[0].period_s
     points = follow(
-        make_remedy(scene.controller),
+        make_control_law(scene.controller),
         batch,
         trial,
         start=(knob.position(angle_rad), knob.speed(plan.starts.velocity)),

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import Batch, make_batch
-from hknob_cli.controllers.controller import Remedy
+from hknob_cli.controllers.controller import ControlLaw
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
@@ -37,13 +37,13 @@ def make_cell(
     rate: float = 1000.0,
     counts: int = 1024,
     change: dict[str, Any] | None = None,
-) -> tuple[Remedy, Batch, dict[str, Any]]:
+) -> tuple[ControlLaw, Batch, dict[str, Any]]:
     """A controller of `reference.CONTROLLERS`, a cell with it, one lane, and its scene as a spec has it."""
     scene = {**SCENE, **(change or {}), "controller": CONTROLLERS[name]}
     plan = SceneSpec.model_validate(scene).plain()
     assert plan.controller
     cell = {"sample_rate_hz": rate, "counts_per_rev": counts}
-    return make_remedy(plan.controller), make_batch(plan, [cell], starts), scene
+    return make_control_law(plan.controller), make_batch(plan, [cell], starts), scene
 
 
 def phases_of(some: int, seed: int) -> np.ndarray:

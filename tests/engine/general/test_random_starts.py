@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_remedy
+from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.search import search
 from hknob_cli.engine.general.search import GeneralEngine
@@ -72,5 +72,5 @@ def test_controllers_follow_each_from_its_state_at_a_sample() -> None:
     wall = Controller(kind="bounded_lag", keep=1.0, time_constant=0.05)
     batch = make_batch(SceneSpec.model_validate(SCENE).plain()._replace(controller=wall), [CELL], STARTS)
     assert len(batch.x) == 60
-    ends, _ = search(make_remedy(wall), batch.lanes, batch.x, batch.v, batch.cell)
+    ends, _ = search(make_control_law(wall), batch.lanes, batch.x, batch.v, batch.cell)
     assert {one.period: one.trials for one in ends[0]} == expected()
