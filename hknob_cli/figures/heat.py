@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 LEVELS = 32  # steps of colour; few enough for a key without a raster image
 CELL = 0.36  # inches of height
+MOST_LETTERS = 92  # of a row of cells, at full size
+LETTER = 0.075  # inches that a letter of a key's label takes
 _DIFFERENCE = ("#08306b", "#5b9bd0", "#f4f4f4", "#f0a24a", "#b35806")
 
 
@@ -89,10 +91,11 @@ def draw_map(
     if max(rows, columns) > MOST_WRITTEN:
         _sparse(axes, rows, columns)
         return
+    longest = max(len(line) for row in texts for text in row for line in text.split("\n"))
+    size = min(8.0, max(5.5, 8.0 * MOST_LETTERS / max(longest * columns, 1)))
     for i, j in np.ndindex(rows, columns):
         inked = writing(float(shown[i, j]), norm, colours)
         weight = "bold" if (i, j) in bold else "normal"
-        size = 8.0
         axes.text(j + 0.5, i + 0.5, texts[i][j], ha="center", va="center", fontsize=size, color=inked, weight=weight,
                   linespacing=1.0)  # fmt: skip
         if (i, j) in bold:
@@ -116,7 +119,8 @@ def draw_key(
     place = "bottom" if below else "right"
     options: dict[str, Any] = {"aspect": 40, "shrink": 0.7} if below else {"aspect": 24, "shrink": 0.9}
     key = figure.colorbar(ScalarMappable(norm, colours), ax=axes, location=place, pad=0.02, **options)
-    key.set_label(label, fontsize=8.5)
+    letters = int((figure.get_size_inches()[1] - 0.75) / LETTER)  # of a line beside the cells
+    key.set_label(label if below else fill(label, max(letters, 12)), fontsize=8.5)
     if type(norm).__name__ == "LogNorm":
         ticks, texts = log_ticks(norm.vmin or 1.0, norm.vmax or 1.0, most=most)
         key.set_ticks(ticks, labels=texts)

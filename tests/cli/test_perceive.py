@@ -51,7 +51,8 @@ def test_pictures_of_a_grid_and_of_a_line(hknob, spec_file, tmp_path: Path) -> N
         data = (tmp_path / name / "grid.png").read_bytes()
         sizes[name] = int.from_bytes(data[16:20]), int.from_bytes(data[20:24])  # of PNG's first chunk
     assert sizes["touch"] == sizes["both"]
-    assert sizes["touch"][1] > 1.5 * sizes["plain"][1]
+    assert sizes["touch"][0] == sizes["plain"][0]
+    assert sizes["touch"][1] > 1.3 * sizes["plain"][1]  # a row more; the notes below stay as they are
 
 
 def test_results_are_the_same_bytes_and_depend_on_the_thresholds(hknob, spec_file, tmp_path: Path) -> None:

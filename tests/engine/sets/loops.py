@@ -78,6 +78,6 @@ loops = st.builds(
     alpha=st.floats(1e-3, 3.0),
     beta=st.floats(1e-5, 20.0),
     kappa=st.floats(1e-4, 20.0),
-    gamma=st.floats(0.0, 5.0),
+    gamma=st.one_of(st.just(0.0), st.floats(1e-12, 5.0)),
     sense=st.sampled_from([1.0, -1.0]),
 )
