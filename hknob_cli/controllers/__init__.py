@@ -5,7 +5,7 @@
 - `plant_batch`, `cells` plants side by side
 - `batch_stepper` a sample of them, exact
 - `repeat` until they repeat, `search` to their ends
-- `period_run`, `contraction`, `proof`
+- `period_run` one period, `contraction` how distances fall over it, `proof` of its orbit
 - `trajectory` one trial. `sets/`: all starts at once (`counting` where they are cut, `arcs` and `polygons`, `front`
   sets side by side, `captors` what captures them, `follow` to their ends)
 

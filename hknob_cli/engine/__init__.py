@@ -5,12 +5,12 @@
 - `turning` points of the motion
 - `certificate` the proof of an orbit
 - `relay_cycles` two-level orbits, enumerated
-- `rest` of a rest point
+- `rest` the proof of a rest point
 - `follow` one trial to its end
 - `ensemble` all phases of a cell, within its `budget` of samples
 - `trace` one period, `orbit/` what it amounts to (`extrema` peaks between samples; `forms`, `integrals`; `leak` work
   of the wall)
-- `attractors` the result
+- `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns
 - `bounces` peaks outside the wall
 - `jit` the same source compiled, kept in an `own_folder`, `compiling` what is said of it
@@ -23,14 +23,14 @@ compiler. Neither side fuses or reorders arithmetic, so results are equal to the
 Compiled code is cached by a digest of the sources.
 
 Cell by cell, or many in one call (`engine/cells.py`). A sweep of many cheap cells would spend most of its time
-between kernels. So cells that are all plain are reduced as arrays (`reduce_scene` is the same arithmetic over numbers
-and arrays), run, measured and ranked in one compiled function, which returns now and then so that an interruption is
-heard, and laid out as tables from columns. It calls the functions that one cell does, in the same order: tables are
-the same to the last bit, and a test says so.
+between kernels. So cells that are all plain are reduced as arrays (`scene.sampled_knob.reduce_scene` is the same
+arithmetic over numbers and arrays), run, measured and ranked in one compiled function, which returns now and then so
+that an interruption is heard, and laid out as tables from columns. It calls the functions that one cell does, in the
+same order: tables are the same to the last bit, and a test says so.
 
-Lanes, then one by one. The transient (ten time constants) is run branch-free with 64 trials side by side, bound by
-the vector units; what follows, up to the proof, is scalar. Memory depends neither on the length of the motion nor on
-the number of trials.
+Lanes, then one by one (`ensemble`, then `follow`). The transient (ten time constants) is run branch-free with 64
+trials side by side, bound by the vector units; what follows, up to the proof, is scalar. Memory depends neither on
+the length of the motion nor on the number of trials.
 
 The certificate (`engine/certificate.py`). Same levels for one period determine one periodic motion (I - Φⁿ is
 invertible with b > 0, k > 0). Solved and refined, it must visit the same levels with a margin above an error bound. A

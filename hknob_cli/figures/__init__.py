@@ -8,7 +8,7 @@ returns a matplotlib Figure, made by `theme.figure`, without a title: the page h
 - entered in `specs/drawings`
 - `theme` the style, `labels` and `numbers` how axes and values are written, `defaults` which figures a result has,
   `held` tables in memory as a result, `sheet` figures as one PNG, `plot` those of each stage
-- `literal` names in pictures
+- `literal` names shown as they are; `maps` over two axes, whose cells `grid` arranges
 - `*_picture` what only `--plot` draws yet
 """
 

@@ -1,4 +1,4 @@
-"""What a person looks at: tables on the terminal, pictures.
+"""What a person reads on the terminal: words and tables.
 
 - words and tables, a file a stage
 - `means` the largest cycle of a cell and the mean beside it

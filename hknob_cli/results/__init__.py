@@ -1,7 +1,7 @@
 """Result files: their columns, provenance, and how they are written.
 
 - `columns` names, units, meanings
-- `arrays`, `store` (through no link: `place`), `provenance`
+- `arrays`, `store` (`place` refuses symbolic links), `provenance`
 - `staging` what an unfinished run has finished, `parted` tables in parts, `parting` where they are cut
 - `ranged` of which starts a largest cycle is
 - `result_set` results by name, `matching` rows of them

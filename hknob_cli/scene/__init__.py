@@ -4,7 +4,7 @@
 - `general_knob`: one with more in it
 - `trial`: one trial, sample by sample
 - `random_starts` drawn where not all can be followed
-- `unsampled_knob`: a controller without a sample clock
+- `unsampled_knob`: a scene without a sample clock
 
 Count units. The engine measures angle in encoder counts and time in samples: encoder edges are whole numbers,
 exactly, and one kernel serves every scale from 1 Hz to 10 MHz. Positions advance by increments (`x + S v + G y`),

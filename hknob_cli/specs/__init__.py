@@ -5,10 +5,10 @@
 - `scene`, `hand`, `population`, `grid`, `points` (a design), `sweep` the validating models
 - `grid_axes` values of the axes, `cells` the cells by number, `unit_points` those of a design
 - `hand_from`, `find_people` hands from `conditions`
-- `parquet` that is text where it says so
+- `parquet` files, checked as they are read
 - `capabilities` what goes with what, one table
-- `refusals` its faults, `promise` what will not be proven
-- `load` faults
+- `refusals` what it refuses, as faults, `promise` what will not be proven
+- `load` a file to its plan, `faults` with their places, `messages` in a user's words
 - `plan` the plain values that leave this folder
 - `drawings` the names of the figures
 """

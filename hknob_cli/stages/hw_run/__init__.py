@@ -1,4 +1,4 @@
 """Stage hw-run: trials on a knob, real or simulated.
 
-- `strip` what the operator sees
+- `strip` the line that shows a trial as it runs
 """
