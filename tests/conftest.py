@@ -91,7 +91,7 @@ def hknob(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
             capture_output=True,
             text=True,
             check=False,
-            timeout=120,
+            timeout=600,  # compiling for a new machine may take minutes
             env={**os.environ, "COLUMNS": "120", **env},
         )
 
