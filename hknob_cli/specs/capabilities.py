@@ -142,7 +142,7 @@ _TABLE = {
     "kalman":          "----E ------ -E-~ -----",
     "undamped":        "EEEEE --E--- EEE~ ~E~E-",
     "unheld":          "EEEPE --E--- EEE~ ~E~E-",
-    "unpushed":        "P-PPP PPEPPP PEE~ ~P~E~",
+    "unpushed":        "P-PPP PEEEPP EEE~ ~P~E~",
     "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
