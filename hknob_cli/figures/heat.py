@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 LEVELS = 32  # steps of colour; few enough for a key without a raster image
 CELL = 0.36  # inches of height
 MOST_LETTERS = 92  # of a row of cells, at full size
-LETTER = 0.075  # inches that a letter of a key's label takes
+LETTER = 0.0625  # inches that a letter of a key's label takes at full size
 _DIFFERENCE = ("#08306b", "#5b9bd0", "#f4f4f4", "#f0a24a", "#b35806")
 
 
@@ -119,8 +119,8 @@ def draw_key(
     place = "bottom" if below else "right"
     options: dict[str, Any] = {"aspect": 40, "shrink": 0.7} if below else {"aspect": 24, "shrink": 0.9}
     key = figure.colorbar(ScalarMappable(norm, colours), ax=axes, location=place, pad=0.02, **options)
-    letters = int((figure.get_size_inches()[1] - 0.75) / LETTER)  # of a line beside the cells
-    key.set_label(label if below else fill(label, max(letters, 12)), fontsize=8.5)
+    beside = (figure.get_size_inches()[1] - 0.7) / LETTER  # letters that fit beside the cells
+    key.set_label(label, fontsize=8.5 if below else min(8.5, max(6.0, 8.5 * beside / len(label))))
     if type(norm).__name__ == "LogNorm":
         ticks, texts = log_ticks(norm.vmin or 1.0, norm.vmax or 1.0, most=most)
         key.set_ticks(ticks, labels=texts)
