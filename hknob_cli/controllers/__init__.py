@@ -1,6 +1,6 @@
 """Controllers beside the plain virtual wall, each a small array program, and their exact motion side by side.
 
-- one file a controller, `catalogue`
+- one file a controller
 - `controller` what a controller is
 - `plant_batch`, `cells` plants side by side
 - `batch_stepper` a sample of them, exact
@@ -12,7 +12,7 @@
 Controllers (`controllers/`) are array programs over all trials of one sample rate, so that a new one is a small file
 and needs no compiler. Between counts, and between signs of what a controller says it switches on, a sample is an
 affine map of position, velocity and memory; perturbed copies beside a motion give the derivative of its period
-exactly but for rounding, Newton's method the orbit, and P = Σ (Aᵏ)ᵀ Aᵏ the distance that falls from period to period.
+up to rounding, Newton's method gives the orbit, and P = Σ (Aᵏ)ᵀ Aᵏ the distance that falls from period to period.
 A trial whose distance cannot reach a switch is captured. What is not piecewise affine (a Kalman filter) is never
 called proven. All states with the same counts so far have the same memory, so sets of them are cut and captured as
 those of the plain wall, as lanes (`sets/`). The plain wall keeps its own engine.

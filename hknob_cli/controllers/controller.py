@@ -1,10 +1,12 @@
 """What a controller is to the lanes: what it reads, when its torque may change, and what it remembers."""
 
+from importlib import import_module
 from typing import NamedTuple, Protocol
 
 import numpy as np
 
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.specs.controller_plan import KINDS, Controller
 
 
 class Reading(NamedTuple):
@@ -100,3 +102,10 @@ class Differencing(Plain):
         memory = np.zeros((self.rows, len(lanes.alpha)))
         memory[0] = count + lanes.offset
         return memory
+
+
+def make_control_law(plan: Controller) -> ControlLaw:
+    """The controller of a scene; only its own file is loaded."""
+    module, _, name = KINDS[plan.kind].law.partition(":")
+    law: ControlLaw = getattr(import_module(f"hknob_cli.controllers.{module}"), name).of(plan)
+    return law

@@ -34,7 +34,7 @@ the length of the motion nor on the number of trials.
 
 The certificate (`engine/certificate.py`). Same levels for one period determine one periodic motion (I - Φⁿ is
 invertible with b > 0, k > 0). Solved and refined, it must visit the same levels with a margin above an error bound. A
-trial is captured when sqrt(e² + ė²/β) of its distance is below the margin, for that bounds the distance at all later
+trial is captured when sqrt(e² + ė²/β) of its distance is below the margin: that bounds the distance at all later
 times. Without hand stiffness cycles form a continuum and are labelled so; without damping nothing settles.
 
 A limit on the clock. `limits.seconds_per_cell` is none by default, because results must not depend on how fast a

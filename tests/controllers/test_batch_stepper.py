@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper, take
-from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import Batch, make_batch
+from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.period_run import run_lap, trace_lap
 from hknob_cli.controllers.plant_batch import count_at, flow_over, moved
 from hknob_cli.controllers.proof import prove

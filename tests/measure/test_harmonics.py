@@ -133,8 +133,8 @@ CONTROLLERS = {
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
-    from hknob_cli.controllers.catalogue import make_control_law
     from hknob_cli.controllers.cells import make_batch
+    from hknob_cli.controllers.controller import make_control_law
     from hknob_cli.controllers.search import search
     from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
     from hknob_cli.specs.plan import Starts

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.search import search
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.plan import Starts

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
-from hknob_cli.controllers.controller import ControlLaw
+from hknob_cli.controllers.controller import ControlLaw, make_control_law
 from hknob_cli.controllers.search import Settled, search
 from hknob_cli.controllers.sets.starts import follow_starts, followable
 from hknob_cli.engine.alarm import Alarm

@@ -188,8 +188,8 @@ def record_trial(
 
 def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
     """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
-    from hknob_cli.controllers.catalogue import make_control_law
     from hknob_cli.controllers.cells import make_batch
+    from hknob_cli.controllers.controller import make_control_law
     from hknob_cli.controllers.trajectory import follow
 
     scene, record = scene_at(plan.scene, cell), plan.record

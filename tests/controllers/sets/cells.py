@@ -4,9 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import Batch, make_batch
-from hknob_cli.controllers.controller import ControlLaw
+from hknob_cli.controllers.controller import ControlLaw, make_control_law
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS

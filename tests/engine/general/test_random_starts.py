@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from hknob_cli.controllers.catalogue import make_control_law
 from hknob_cli.controllers.cells import make_batch
+from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.search import search
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
