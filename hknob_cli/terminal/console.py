@@ -41,8 +41,8 @@ def heed() -> None:
 
 
 def say(text: str) -> None:
-    """A message, on stderr; as `tell`."""
-    print(plain(text), file=sys.stderr)
+    """A message, on stderr; as `tell`. In one write, so that lines of several processes do not mix."""
+    print(f"{plain(text)}\n", end="", file=sys.stderr)
 
 
 def tell(text: str) -> None:
