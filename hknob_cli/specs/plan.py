@@ -71,6 +71,51 @@ class Wall(NamedTuple):
     damping: float = 0.0
 
 
+class Profile(NamedTuple):
+    """Torque over the measured angle, point by point: (angle, torque), rad and N·m, angles increasing.
+
+    ``interpolation``: linear, or stepped, where a torque holds from its angle up to the next. Beyond the ends the last
+    torque holds; ``periodic``: it repeats.
+    """
+
+    points: tuple[tuple[float, float], ...]
+    interpolation: str = "linear"
+    periodic: bool = False
+
+
+class Detents(NamedTuple):
+    """Places of rest at equal distances: so many a revolution, or a spacing (rad); ``torque`` (N·m): the largest.
+
+    ``shape``: sine, triangle or spring, the latter with a zone without torque, ``dead_zone`` (rad) wide. ``centre``:
+    angle of one of them; ``range``: angles between which they act, None: everywhere.
+    """
+
+    torque: float
+    per_revolution: int | None = None
+    spacing: float | None = None
+    shape: str = "sine"
+    dead_zone: float = 0.0
+    centre: float = 0.0
+    range: tuple[float, float] | None = None
+
+
+class EndStops(NamedTuple):
+    """Springs (N·m/rad) below an angle and above another (rad); None where there is no stop on that side."""
+
+    stiffness: float
+    low: float | None = None
+    high: float | None = None
+
+
+class DeadZone(NamedTuple):
+    """A spring (N·m/rad) back to a zone without torque: its width and centre (rad); ``torque``: its largest (N·m)."""
+
+    width: float
+    stiffness: float
+    centre: float = 0.0
+    torque: float | None = None
+
+
 class Bias(NamedTuple):
     """Torque into the wall (N·m), or half the torque step of a count."""
 
@@ -108,6 +153,10 @@ class Scene(NamedTuple):
     actuator: Actuator | None
     sampled: bool = True
     controller: Controller | None = None
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
 
 
 class Starts(NamedTuple):
