@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
 from hknob_cli.specs.controller import controller_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
-from hknob_cli.specs.part import Place
+from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
 
@@ -79,7 +79,7 @@ def given(scene: SceneSpec, axes: Axes, path: str) -> list[Place]:
     places: list[Place] = []
     if model is None or model == "none":
         return places
-    absent = type(model).model_fields[key].default
+    absent = default_of(model, key)
     if getattr(model, key) != absent:
         places.append(("scene", part, key))
     elif isinstance(model, HandSpec) and model.measured and getattr(model.plain(), key) != absent:
