@@ -27,19 +27,19 @@ def model_of(kind: Any) -> type[BaseModel] | None:
 @cache
 def _model_of_declared(kind: Any) -> type[BaseModel]:
     """The model that validates a named tuple of `declared`."""
-    fields: dict[str, Any] = {
-        name: (_described(annotation), kind._field_defaults.get(name, ...))
-        for name, annotation in kind.__annotations__.items()
-    }
-    made: type[BaseModel] = create_model(
-        f"{kind.__name__}Spec",
-        __base__=Part,
-        __doc__=kind.__doc__,
-        __module__=kind.__module__,
-        __cls_kwargs__={"json_schema_extra": kind.json_schema_extra},
-        **fields,
-    )
+    made: type[BaseModel] = model_with_fields(kind, f"{kind.__name__}Spec", json_schema_extra=kind.json_schema_extra)
     return made
+
+
+def model_with_fields(kind: Any, name: str, *, but: tuple[str, ...] = (), **config: Any) -> Any:
+    """A model called ``name`` with the fields of a named tuple, ``but`` some; ``config`` as pydantic takes it."""
+    fields: dict[str, Any] = {
+        key: (_described(annotation), kind._field_defaults.get(key, ...))
+        for key, annotation in kind.__annotations__.items()
+        if key not in but
+    }
+    module = kind.__module__
+    return create_model(name, __base__=Part, __doc__=kind.__doc__, __module__=module, __cls_kwargs__=config, **fields)
 
 
 def _described(annotation: Any) -> Any:

@@ -113,9 +113,9 @@ class Scene(NamedTuple):
 
     knob: Knob
     wall: Wall
-    hand: Hand | None
-    bias: Bias | None
-    encoder: Encoder | None
-    actuator: Actuator | None
+    hand: Hand | None = None
+    bias: Bias | None = None
+    encoder: Encoder | None = Encoder()
+    actuator: Actuator | None = None
     sampled: bool = True
     controller: Controller | None = None

@@ -1,16 +1,16 @@
-"""The scene: what exists between hand, knob, encoder, wall and actuator. What is not listed does not exist.
+"""The scene of a spec. Its parts are those of `specs.parts`; here is what a spec writes in another way.
 
-Source of the parts: Hasser, sections 6.3-6.4 (Fig. 27, Table 7). SI units throughout.
+That is a hand from a table or file, an encoder that is ``none``, and how the controller is sampled.
 """
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, ModelWrapValidatorHandler, PrivateAttr, Tag, model_validator
 
-from hknob_cli.specs.controller import ControllerSpec
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.part import Part as Part
-from hknob_cli.specs.parts import Actuator, Bias, Encoder, Knob, Scene, Wall
+from hknob_cli.specs.part import model_with_fields
+from hknob_cli.specs.parts import Encoder, Scene
 
 
 def _sensor(value: Any) -> Any:
@@ -18,34 +18,41 @@ def _sensor(value: Any) -> Any:
     return "none" if isinstance(value, str) else "encoder"
 
 
-class SceneSpec(Part):
+_Listed = model_with_fields(Scene, "Listed", but=("sampled",))
+
+
+class SceneSpec(_Listed):  # type: ignore[misc, valid-type]
     """Knob and wall, and whatever else is listed."""
 
-    knob: Knob
-    wall: Wall
     hand: HandSpec | None = None
-    bias: Bias | None = None
     encoder: Annotated[
         Annotated[Encoder, Tag("encoder")] | Annotated[Literal["none"], Tag("none")],
         Discriminator(_sensor),
         Field(default_factory=Encoder, description="none: a continuous sensor"),
     ]
-    actuator: Actuator | None = None
-    controller: ControllerSpec | None = None
     sampling: Annotated[
         Literal["zero_order_hold", "continuous"],
         Field(description="how the controller acts in time; continuous: without a sample clock, at once"),
     ] = "zero_order_hold"
 
+    _given: frozenset[str] = PrivateAttr(default=frozenset())
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _keep_given(cls, value: Any, read: ModelWrapValidatorHandler[Self]) -> Self:
+        made = read(value)
+        made._given = frozenset(value["controller"]) if made.controller else frozenset()
+        return made
+
+    @property
+    def given(self) -> frozenset[str]:
+        """Keys of the controller that are listed, if only at their defaults."""
+        return self._given
+
     def plain(self) -> Scene:
         """The scene as plain values."""
-        return Scene(
-            knob=self.knob,
-            wall=self.wall,
-            hand=self.hand.plain() if self.hand else None,
-            bias=self.bias,
-            encoder=None if isinstance(self.encoder, str) else self.encoder,
-            actuator=self.actuator,
-            sampled=self.sampling == "zero_order_hold",
-            controller=self.controller.plain() if self.controller else None,
-        )
+        parts: dict[str, Any] = {key: getattr(self, key, None) for key in Scene._fields}
+        parts["hand"] = self.hand.plain() if self.hand else None
+        parts["encoder"] = None if isinstance(self.encoder, str) else self.encoder
+        parts["sampled"] = self.sampling == "zero_order_hold"
+        return Scene(**parts)
