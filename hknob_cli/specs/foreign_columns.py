@@ -12,7 +12,7 @@ from hknob_cli.specs.identification import ColumnPlan
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.quantity import Unit
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.unit_text import to_si
+from hknob_cli.specs.units import to_si
 
 ColumnName = Literal[
     "subject",

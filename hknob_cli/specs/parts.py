@@ -4,11 +4,11 @@ Each is declared once: what the rest of the program uses is what a spec is held 
 (Fig. 27, Table 7).
 """
 
+from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.controller_plan import Controller
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.origin import Origin
 from hknob_cli.specs.quantity import Damping, Held, Inertia, Seconds, Stiffness, Torque
 
 
@@ -85,6 +85,17 @@ class Fingerpad(NamedTuple):
 
     damping: Annotated[Damping, "damping of the fingerpads"] = 0.0
     stiffness: Annotated[Stiffness, "stiffness of the fingerpads"] = 0.0
+
+
+class Origin(NamedTuple):
+    """Where a hand or a population comes from: the ``file`` it was read from, and its digest; None: no file.
+
+    ``notes``: what a user must know of what was taken.
+    """
+
+    file: Path | None = None
+    sha256: str = ""
+    notes: tuple[str, ...] = ()
 
 
 class Hand(NamedTuple):

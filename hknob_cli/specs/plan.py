@@ -21,8 +21,8 @@ from hknob_cli.specs.parts import Knob as Knob
 from hknob_cli.specs.parts import Scene as Scene
 from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.specs.unit_points import Points
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 GRIP, PERSON = "hand.grip_n", "person"

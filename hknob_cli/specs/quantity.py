@@ -37,7 +37,7 @@ class Unit:
             return value
         from pydantic_core import PydanticCustomError
 
-        from hknob_cli.specs.unit_text import to_si
+        from hknob_cli.specs.units import to_si
 
         try:
             return to_si(value, self.name)
@@ -116,3 +116,17 @@ PositiveSeconds = Annotated[float, Quantity("s", gt=0, le=1e6)]
 KnobRadius = Annotated[float, Quantity("m", gt=0, le=1.0)]
 SoundGain = Annotated[float, Quantity("Pa*s/rad", gt=0, le=1e9)]
 SampleRate = Annotated[float, Quantity("Hz", ge=1e-3, le=1e9)]
+
+# Of a trial on a knob: within what a target takes (docs/wire.md), or a person can do.
+Force = Annotated[float, Quantity("N", gt=0, le=100)]
+ForceNoise = Annotated[float, Quantity("N", ge=0, le=10)]
+WallStiffness = Annotated[float, Quantity("N*m/rad", ge=0, le=1000)]
+WallDamping = Annotated[float, Quantity("N*m*s/rad", ge=0, le=1000)]
+TorqueLimit = Annotated[float, Quantity("N*m", gt=0, le=10)]
+SpeedLimit = Annotated[float, Quantity("rad/s", gt=0, le=1e4)]
+Watchdog = Annotated[float, Quantity("s", ge=0.001, le=0.05)]
+Minutes = Annotated[float, Quantity("s", gt=0, le=900)]
+SomeSeconds = Annotated[float, Quantity("s", ge=0, le=60)]
+AngleNoise = Annotated[float, Quantity("rad", ge=0, le=0.1)]
+TimeNoise = Annotated[float, Quantity("s", ge=0, le=0.1)]
+Share = Annotated[float, Held(strict=True, ge=0, le=0.5)]
