@@ -4,14 +4,15 @@ A count stands for one angle, so it has one torque. Where a pattern goes round t
 computed with whole numbers: a count that lies half way between two detents does so exactly.
 """
 
-from math import gcd, inf, isclose, lcm, pi
+from math import gcd, inf, lcm, pi
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.specs.plan import DeadZone, Detents, EndStops, Profile, Scene
+from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile, ways_round
+from hknob_cli.specs.plan import Scene
 
 Array = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -45,7 +46,7 @@ class Clock(NamedTuple):
 
 def is_shaped(scene: Scene) -> bool:
     """Whether a scene has a torque over the angle other than its wall."""
-    return any((scene.profile, scene.detents, scene.end_stops, scene.dead_zone))
+    return any(getattr(scene, name) for name in OVER_ANGLE)
 
 
 def table_of(scene: Scene, clock: Clock, *, kappa: float, unit_nm: float) -> Array:
@@ -127,14 +128,6 @@ def profile_piece(part: Profile, counts: Counts, clock: Clock) -> Piece:
         found = np.searchsorted(places, at + near, side="right") - 1
         return piece._replace(torque=torques[np.maximum(found, 0)])
     return piece._replace(torque=np.interp(at, places, torques))
-
-
-def ways_round(span: float) -> tuple[int, int] | None:
-    """How often a pattern goes into how many revolutions, one of the two being 1; None where it goes into none."""
-    for times, turns in ((round(2.0 * pi / span), 1), (1, round(span / (2.0 * pi)))):
-        if times > 0 and turns > 0 and isclose(span * times, 2.0 * pi * turns, rel_tol=1e-9):
-            return times, turns
-    return None
 
 
 def detent_piece(part: Detents, counts: Counts, clock: Clock) -> Piece:

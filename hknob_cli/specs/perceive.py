@@ -6,8 +6,7 @@ from pydantic import Field
 
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.quantity import KnobRadius, SoundGain
-from hknob_cli.specs.whole import WHOLE
+from hknob_cli.specs.quantity import WHOLE, KnobRadius, SoundGain
 
 
 class TouchSpec(Part):

@@ -7,156 +7,32 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from hknob_cli.specs.campaign import HwRunPlan
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller_plan import Controller as Controller
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.identification import SysidPlan
-from hknob_cli.specs.origin import Origin
 from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.over_angle import DeadZone as DeadZone
+from hknob_cli.specs.over_angle import Detents as Detents
+from hknob_cli.specs.over_angle import EndStops as EndStops
+from hknob_cli.specs.over_angle import Profile as Profile
+from hknob_cli.specs.parts import Actuator as Actuator
+from hknob_cli.specs.parts import Bias as Bias
+from hknob_cli.specs.parts import Encoder as Encoder
+from hknob_cli.specs.parts import Finger as Finger
+from hknob_cli.specs.parts import Fingerpad as Fingerpad
+from hknob_cli.specs.parts import Hand as Hand
+from hknob_cli.specs.parts import Knob as Knob
+from hknob_cli.specs.parts import Scene as Scene
+from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.specs.unit_points import Points
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 GRIP, PERSON = "hand.grip_n", "person"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
-
-
-class Knob(NamedTuple):
-    """Moment of inertia (kg·m²), viscous damping (N·m·s/rad), Coulomb friction (N·m) of the device."""
-
-    inertia: float
-    damping: float = 0.0
-    coulomb_torque: float = 0.0
-
-
-class Finger(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the fingers, to ground."""
-
-    inertia: float
-    damping: float = 0.0
-    stiffness: float = 0.0
-
-
-class Fingerpad(NamedTuple):
-    """Damping (N·m·s/rad) and stiffness (N·m/rad) between finger and knob."""
-
-    damping: float = 0.0
-    stiffness: float = 0.0
-
-
-class Hand(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
-
-    The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
-    ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
-    persons are numbered from 1; ``origin``: the file that they are from.
-    """
-
-    inertia: float = 0.0
-    damping: float = 0.0
-    stiffness: float = 0.0
-    finger: Finger | None = None
-    fingerpad: Fingerpad | None = None
-    by_grip: tuple[tuple[float, "Hand"], ...] = ()
-    by_person: tuple["Hand", ...] = ()
-    origin: Origin | None = None
-
-
-class Wall(NamedTuple):
-    """Stiffness (N·m/rad) and damping (N·m·s/rad) of the virtual wall."""
-
-    stiffness: float
-    damping: float = 0.0
-
-
-class Profile(NamedTuple):
-    """Torque over the measured angle, point by point: (angle, torque), rad and N·m, angles increasing.
-
-    ``interpolation``: linear, or stepped, where a torque holds from its angle up to the next. Beyond the ends the last
-    torque holds; ``periodic``: it repeats.
-    """
-
-    points: tuple[tuple[float, float], ...]
-    interpolation: str = "linear"
-    periodic: bool = False
-
-
-class Detents(NamedTuple):
-    """Places of rest at equal distances: so many a revolution, or a spacing (rad); ``torque`` (N·m): the largest.
-
-    ``shape``: sine, triangle or spring, the latter with a zone without torque, ``dead_zone`` (rad) wide. ``centre``:
-    angle of one of them; ``range``: angles between which they act, None: everywhere.
-    """
-
-    torque: float
-    per_revolution: int | None = None
-    spacing: float | None = None
-    shape: str = "sine"
-    dead_zone: float = 0.0
-    centre: float = 0.0
-    range: tuple[float, float] | None = None
-
-
-class EndStops(NamedTuple):
-    """Springs (N·m/rad) below an angle and above another (rad); None where there is no stop on that side."""
-
-    stiffness: float
-    low: float | None = None
-    high: float | None = None
-
-
-class DeadZone(NamedTuple):
-    """A spring (N·m/rad) back to a zone without torque: its width and centre (rad); ``torque``: its largest (N·m)."""
-
-    width: float
-    stiffness: float
-    centre: float = 0.0
-    torque: float | None = None
-
-
-class Bias(NamedTuple):
-    """Torque into the wall (N·m), or half the torque step of a count."""
-
-    torque: float | None = None
-    half_quantum: bool | None = None
-
-
-class Encoder(NamedTuple):
-    """How a position is rounded to a count, and where the edges lie (counts above the wall's edge)."""
-
-    rounding: str = "floor"
-    offset_counts: float = 0.0
-
-
-class Actuator(NamedTuple):
-    """Delay (samples), lag (s), saturation and step (N·m) from command to torque."""
-
-    delay_samples: float = 0.0
-    time_constant: float = 0.0
-    torque_limit: float | None = None
-    torque_step: float = 0.0
-
-
-class Scene(NamedTuple):
-    """What exists; None where it does not.
-
-    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
-    """
-
-    knob: Knob
-    wall: Wall
-    hand: Hand | None
-    bias: Bias | None
-    encoder: Encoder | None
-    actuator: Actuator | None
-    sampled: bool = True
-    controller: Controller | None = None
-    profile: Profile | None = None
-    detents: Detents | None = None
-    end_stops: EndStops | None = None
-    dead_zone: DeadZone | None = None
 
 
 class Starts(NamedTuple):

@@ -8,12 +8,12 @@ from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.grid import MAX_CELLS, Grid
 from hknob_cli.specs.perceive import PerceiveSpec
 from hknob_cli.specs.plan import RATE, Axes, Pulse, Record, SweepPlan
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
 from hknob_cli.specs.refusals import Faults, apart, refusals, start_refusals
 from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.starts import AnyStarts, StartsSpec, kind_of_starts, plain_starts
+from hknob_cli.specs.unit_points import Points
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
