@@ -137,7 +137,7 @@ def detent_piece(part: Detents, counts: Counts, clock: Clock) -> Piece:
     if ways and ways[1] == 1:
         phase = _phase(counts, clock, times=ways[0], turns=1, centre=part.centre)
     else:
-        phase = ((counts + clock.offset) * clock.quantum_rad - part.centre) / spacing
+        phase = np.asarray(((counts + clock.offset) * clock.quantum_rad - part.centre) / spacing, dtype=np.float64)
     away = phase - np.floor(phase + 0.5 + NEAR * clock.quantum_rad / spacing)
     torque: Array = -part.torque * _shape(part, np.clip(away, -0.5, 0.5), spacing)
     if part.range is None:

@@ -1,18 +1,17 @@
 """Torque over the measured angle, beside the wall or instead of it: profile, detents, end stops and a dead zone.
 
-Each is a function of the angle that the encoder reports, on both sides; their torques add up. A torque above 0 turns the
-knob to larger angles.
+Each is a function of the angle that the encoder reports, on both sides; their torques add up. A torque above 0 turns
+the knob to larger angles.
 """
 
 from math import isclose, pi
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Angle, Held, PositiveAngle, SignedTorque, Stiffness, Torque
+from hknob_cli.specs.quantity import Angle, Held, PositiveAngle, SignedTorque, Stiffness, Torque, Width
 
 OVER_ANGLE = ("profile", "detents", "end_stops", "dead_zone")  # the keys of a scene
 
-_Width = Annotated[float, *Angle.__metadata__, Held(ge=0)]  # type: ignore[valid-type]
 _Number = Annotated[int, Held(strict=True, ge=1, le=10**9)]
 
 
@@ -67,7 +66,7 @@ class Detents(NamedTuple):
         Literal["sine", "triangle", "spring"],
         "sine; triangle: largest a quarter of a spacing away; spring: largest half way, where it jumps to the next",
     ] = "sine"
-    dead_zone: Annotated[_Width, "width of the zone without torque in each, of shape spring"] = 0.0
+    dead_zone: Annotated[Width, "width of the zone without torque in each, of shape spring"] = 0.0
     centre: Annotated[Angle, "angle of one of them"] = 0.0
     range: Annotated[tuple[Angle, Angle] | None, "angles between which they act; null: everywhere"] = None
 
@@ -112,7 +111,7 @@ class EndStops(NamedTuple):
 class DeadZone(NamedTuple):
     """A spring that pulls back to a zone in which it has no torque."""
 
-    width: Annotated[_Width, "of the zone"]
+    width: Annotated[Width, "of the zone"]
     stiffness: Annotated[Stiffness, "of the spring outside of it, on both sides"]
     centre: Annotated[Angle, "middle of the zone"] = 0.0
     torque: Annotated[Torque | None, "largest torque of the spring; null: no limit"] = None

@@ -10,11 +10,11 @@ from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller_plan import Controller as Controller
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.identification import SysidPlan
-from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.over_angle import DeadZone as DeadZone
 from hknob_cli.specs.over_angle import Detents as Detents
 from hknob_cli.specs.over_angle import EndStops as EndStops
 from hknob_cli.specs.over_angle import Profile as Profile
+from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.parts import Actuator as Actuator
 from hknob_cli.specs.parts import Bias as Bias
 from hknob_cli.specs.parts import Encoder as Encoder

@@ -5,6 +5,8 @@ from collections.abc import Iterable, Sequence
 from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
 from hknob_cli.specs.controller_plan import KINDS, Controller
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
+from hknob_cli.specs.over_angle import OVER_ANGLE
+from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
@@ -53,13 +55,16 @@ def apart(asked: Iterable[str], starts: str) -> Faults:
 
 def _places(part: str, scene: SceneSpec, axes: Axes, *, people: bool) -> list[Place]:
     """Where a spec has a part; what a scene amounts to is at the scene."""
+    over = [name for name in OVER_ANGLE if getattr(scene, name)]
     there = {
         "bare": scene.encoder == "none",
         "unsampled": scene.sampling == "continuous",
         "controller": scene.controller is not None,
         "people": people,
         "handless": not scene.hand and not people,
-        "unpushed": not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0,
+        "unpushed": not scene.bias or scene.bias.torque == 0.0 or not (over or scene.wall.stiffness > 0.0),
+        **dict.fromkeys(OVER_ANGLE, False),
+        **dict.fromkeys(over, True),
     }
     path = PARTS[part].path
     if part in there:
@@ -99,6 +104,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
             if f"hand.{key}" in axes:
                 found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
+    found += over_angle_contradictions(scene, axes)
     if scene.controller:
         found += _of_another_kind(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["controllers"])
