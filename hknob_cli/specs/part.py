@@ -27,19 +27,26 @@ def model_of(kind: Any) -> type[BaseModel] | None:
 @cache
 def _model_of_declared(kind: Any) -> type[BaseModel]:
     """The model that validates a named tuple of `declared`."""
-    made: type[BaseModel] = model_with_fields(kind, f"{kind.__name__}Spec", json_schema_extra=kind.json_schema_extra)
+    made: type[BaseModel] = model_with_fields(
+        kind, f"{kind.__name__}Spec", but=kind.unread, json_schema_extra=kind.json_schema_extra
+    )
     return made
 
 
 def model_with_fields(kind: Any, name: str, *, but: tuple[str, ...] = (), **config: Any) -> Any:
     """A model called ``name`` with the fields of a named tuple, ``but`` some; ``config`` as pydantic takes it."""
     fields: dict[str, Any] = {
-        key: (_described(annotation), kind._field_defaults.get(key, ...))
+        key: (_described(annotation), _default(kind._field_defaults.get(key, ...)))
         for key, annotation in kind.__annotations__.items()
         if key not in but
     }
     module = kind.__module__
     return create_model(name, __base__=Part, __doc__=kind.__doc__, __module__=module, __cls_kwargs__=config, **fields)
+
+
+def _default(value: Any) -> Any:
+    """A default as pydantic takes it; that of a part is made anew, and is not written into the JSON Schema."""
+    return Field(default_factory=lambda: value) if is_declared(type(value)) else value
 
 
 def _described(annotation: Any) -> Any:
