@@ -1,7 +1,7 @@
 """What every mapping of a spec is: immutable, without unknown keys; and where in a spec something stands."""
 
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -51,10 +51,10 @@ def _default(value: Any) -> Any:
 
 def _described(annotation: Any) -> Any:
     """An annotation with its text as pydantic takes it."""
-    kind, *held = get_args(annotation) if hasattr(annotation, "__metadata__") else (annotation,)
-    for one in held:
-        kind = Annotated[kind, Field(description=one) if isinstance(one, str) else one]
-    return kind
+    if not hasattr(annotation, "__metadata__"):
+        return annotation
+    held = (Field(description=one) if isinstance(one, str) else one for one in annotation.__metadata__)
+    return Annotated[(annotation.__origin__, *held)]
 
 
 def validator_of(kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
