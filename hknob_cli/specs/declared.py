@@ -10,16 +10,16 @@ from typing import Any, TypeVar
 T = TypeVar("T")
 
 
-def declared(schema: Any = None) -> Callable[[type[T]], type[T]]:
+def declared(schema: Any = None, *, unread: tuple[str, ...] = ()) -> Callable[[type[T]], type[T]]:
     """Let pydantic read a named tuple from a mapping of its keys, and from nothing else.
 
     A field is annotated with its type, what it is held to (`specs.quantity`) and a text that describes it. A method
     ``wrong``, if there is one, says what is wrong with the values together; empty if nothing is. ``schema``: what the
-    JSON Schema has besides, or a function that adds to it.
+    JSON Schema has besides, or a function that adds to it. ``unread``: fields that are no keys of a spec.
     """
 
     def mark(kind: type[T]) -> type[T]:
-        kind.json_schema_extra = schema  # type: ignore[attr-defined]
+        kind.json_schema_extra, kind.unread = schema, unread  # type: ignore[attr-defined]
         kind.__get_pydantic_core_schema__ = classmethod(_validator)  # type: ignore[attr-defined]
         return kind
 

@@ -1,7 +1,7 @@
 """What every mapping of a spec is: immutable, without unknown keys; and where in a spec something stands."""
 
 from functools import cache
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, create_model
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -27,14 +27,16 @@ def model_of(kind: Any) -> type[BaseModel] | None:
 @cache
 def _model_of_declared(kind: Any) -> type[BaseModel]:
     """The model that validates a named tuple of `declared`."""
-    made: type[BaseModel] = model_with_fields(kind, f"{kind.__name__}Spec", json_schema_extra=kind.json_schema_extra)
+    made: type[BaseModel] = model_with_fields(
+        kind, f"{kind.__name__}Spec", but=kind.unread, json_schema_extra=kind.json_schema_extra
+    )
     return made
 
 
 def model_with_fields(kind: Any, name: str, *, but: tuple[str, ...] = (), **config: Any) -> Any:
     """A model called ``name`` with the fields of a named tuple, ``but`` some; ``config`` as pydantic takes it."""
     fields: dict[str, Any] = {
-        key: (_described(annotation), kind._field_defaults.get(key, ...))
+        key: (_described(annotation), _default(kind._field_defaults.get(key, ...)))
         for key, annotation in kind.__annotations__.items()
         if key not in but
     }
@@ -42,12 +44,17 @@ def model_with_fields(kind: Any, name: str, *, but: tuple[str, ...] = (), **conf
     return create_model(name, __base__=Part, __doc__=kind.__doc__, __module__=module, __cls_kwargs__=config, **fields)
 
 
+def _default(value: Any) -> Any:
+    """A default as pydantic takes it; that of a part is made anew, and is not written into the JSON Schema."""
+    return Field(default_factory=lambda: value) if is_declared(type(value)) else value
+
+
 def _described(annotation: Any) -> Any:
     """An annotation with its text as pydantic takes it."""
-    kind, *held = get_args(annotation) if hasattr(annotation, "__metadata__") else (annotation,)
-    for one in held:
-        kind = Annotated[kind, Field(description=one) if isinstance(one, str) else one]
-    return kind
+    if not hasattr(annotation, "__metadata__"):
+        return annotation
+    held = (Field(description=one) if isinstance(one, str) else one for one in annotation.__metadata__)
+    return Annotated[(annotation.__origin__, *held)]
 
 
 def validator_of(kind: Any, handler: GetCoreSchemaHandler) -> CoreSchema:

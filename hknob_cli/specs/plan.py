@@ -4,10 +4,11 @@ This is what the rest of the program sees. Defaults and absences are resolved: a
 """
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller_plan import Controller as Controller
+from hknob_cli.specs.declared import declared
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.specs.over_angle import DeadZone as DeadZone
@@ -25,6 +26,7 @@ from hknob_cli.specs.parts import Knob as Knob
 from hknob_cli.specs.parts import Scene as Scene
 from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
+from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
 from hknob_cli.specs.remedies_plan import RemediesPlan
 from hknob_cli.specs.unit_points import Points
 
@@ -61,11 +63,12 @@ class Starts(NamedTuple):
 BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
 
 
+@declared()
 class Pulse(NamedTuple):
-    """Torque (N·m, away from the wall) on the knob for a duration (s)."""
+    """A torque pulse on the knob from the start of a recording, away from the wall (Hasser, sec. 4.2.2)."""
 
-    torque: float
-    duration: float
+    torque: Annotated[SignedTorque, "height of the pulse"]
+    duration: Annotated[PositiveSeconds, "length of the pulse"]
 
 
 class Record(NamedTuple):

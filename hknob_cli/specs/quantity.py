@@ -4,6 +4,7 @@ Nothing here loads pydantic before a spec is read, so that the classes that are 
 """
 
 from collections.abc import Callable, Iterator
+from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any
 
 if TYPE_CHECKING:
@@ -20,9 +21,14 @@ class Held:
         self.bounds = bounds
 
     def __iter__(self) -> Iterator[Any]:
+        return iter(self._metadata)
+
+    @cached_property
+    def _metadata(self) -> list[Any]:
         from pydantic import Field
 
-        yield from Field(**self.bounds).metadata
+        made: list[Any] = Field(**self.bounds).metadata
+        return made
 
 
 class Unit:
