@@ -6,7 +6,7 @@ What sounds is the knob's speed; what a device makes of it is not known here.
 import base64
 from collections.abc import Sequence
 
-from hknob_cli.figures.settled import settled_period
+from hknob_cli.figures.recording import settled_period
 from hknob_cli.page.book import Clip
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.page_plan import Listen

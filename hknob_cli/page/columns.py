@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.grid import axis_name
 
 _NAMES = {
     "p2p_rad": "peak to peak",

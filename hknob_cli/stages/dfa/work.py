@@ -62,7 +62,7 @@ class DfaWork(Work):
 
         drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:
-            from hknob_cli.figures.what_matters_picture import draw_by
+            from hknob_cli.figures.what_matters import draw_by
 
             axes, name = list(job.plan.axes), job.plan.name
             drawn = draw_by(

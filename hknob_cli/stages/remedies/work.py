@@ -51,7 +51,7 @@ class RemediesWork(Work):
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """The pictures that there are."""
         from hknob_cli.figures.plot import draw_trial
-        from hknob_cli.figures.remedies_over_picture import draw_over
+        from hknob_cli.figures.remedies import draw_over
 
         further = list(job.plan.varied.items())
         drawn = []

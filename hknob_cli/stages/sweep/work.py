@@ -237,7 +237,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:
-    from hknob_cli.figures.what_matters_picture import draw_matters
+    from hknob_cli.figures.what_matters import draw_matters
 
     scales = job.plan.points.scales if job.plan.points else {}
     return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales, total=total)

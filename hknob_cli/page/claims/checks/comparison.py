@@ -3,8 +3,7 @@
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
-from hknob_cli.results.matching import Where, matching
-from hknob_cli.results.result_set import CAMPAIGN, MissingError, ResultSet, Rows
+from hknob_cli.results.result_set import CAMPAIGN, MissingError, ResultSet, Rows, Where, matching
 
 QUANTITIES = {
     "p2p": "p2p_difference",

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where
 
 if TYPE_CHECKING:
     from hknob_cli.theory.working_edge import WorkingEdge

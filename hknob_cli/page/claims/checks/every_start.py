@@ -3,8 +3,7 @@
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.rows import percent, rows_of
-from hknob_cli.results.matching import Where, matching
-from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
 
 
 def _complete(evidence: ResultSet, result: str, where: Where | None, column: str) -> list[dict[str, float]]:

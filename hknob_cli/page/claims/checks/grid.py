@@ -6,8 +6,7 @@ from math import log, nan
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import Line, averaged, lines, one_number, percent, rows_of
-from hknob_cli.results.matching import Where, matching
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where, matching
 
 
 @check

@@ -5,8 +5,7 @@ from typing import Any
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.grid import exponent
 from hknob_cli.page.claims.checks.rows import Line, lines, one_number, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where
 
 
 @check
