@@ -10,7 +10,7 @@ from hknob_cli.figures.panel import key
 from hknob_cli.figures.pulses import modelled, rule_pulse, time_of
 from hknob_cli.identify.finger_network import FINGER_INERTIA, respond_fourth, split
 from hknob_cli.identify.second_order import Plant
-from hknob_cli.printed.hands import apparatus_inertia
+from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -71,7 +71,7 @@ def _means(evidence: ResultSet, of: Of, number: int, estimator: str) -> list[dic
 
 
 def _rule_apparatus(panel: "Axes", tables: Sequence[int], *, translational: bool) -> None:
-    from hknob_cli.printed.hands import apparatus_inertia
+    from hknob_cli.printed.tables import apparatus_inertia
 
     inertia = QUANTITIES[0]
     scales = {number: scale_of(inertia, number, translational=translational) for number in tables}

@@ -32,7 +32,7 @@ def cycle_spectra(
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    from hknob_cli.recordings.harmonics import recorded_harmonics
+    from hknob_cli.recordings.spectrum import recorded_harmonics
 
     results = [of] if isinstance(of, str) else list(of)
     titles = list(names or results)

@@ -22,7 +22,7 @@ def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
     The loudest takes half of full scale, and sets the factor from speed to sample of all.
     """
     from hknob_cli.perception import sound
-    from hknob_cli.recordings.harmonics import recorded_harmonics
+    from hknob_cli.recordings.spectrum import recorded_harmonics
 
     motions = []
     for one in wanted:

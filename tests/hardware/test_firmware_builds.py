@@ -13,13 +13,11 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
-from hknob_cli.hardware import build_target as building
-from hknob_cli.hardware import run_target as running
-from hknob_cli.hardware.build_target import SOURCES, Target, build_target, compiler
-from hknob_cli.hardware.port import Block, Device, Settings
-from hknob_cli.hardware.run_target import QEMU, run_target
+from hknob_cli.hardware import reference_target as building
+from hknob_cli.hardware import reference_target as running
+from hknob_cli.hardware.port import Block, Device, Settings, Simulated, Sine
+from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
-from hknob_cli.hardware.simulated import Simulated, Sine
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.hardware.wire.answers import Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, Status, Trip
@@ -182,7 +180,7 @@ def test_it_ends_with_a_killed_parent(target: Target, built: Path) -> None:
     need(target)
     build_target(target, built)
     code = (
-        "import sys, time\nfrom pathlib import Path\nfrom hknob_cli.hardware.run_target import run_target\n"
+        "import sys, time\nfrom pathlib import Path\nfrom hknob_cli.hardware.reference_target import run_target\n"
         f"with run_target({target!r}, Path({os.fspath(built)!r})) as path:\n"
         "    children = Path('/proc/self/task/' + str(__import__('os').getpid()) + '/children').read_text()\n"
         "    print(children, flush=True)\n    time.sleep(60)\n"

@@ -14,7 +14,7 @@ from hknob_cli.figures import draw, theme
 from hknob_cli.figures.recording import settled_period
 from hknob_cli.page.clips import DURATION_S, MOST_BYTES, RATE_HZ, clips
 from hknob_cli.page.layout import lay_out
-from hknob_cli.recordings.harmonics import recorded_harmonics
+from hknob_cli.recordings.spectrum import recorded_harmonics
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.results.store import write

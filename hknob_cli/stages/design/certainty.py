@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from hknob_cli.perception.doubt import REDRAWS, Doubt
+from hknob_cli.perception.published import REDRAWS, Doubt
 from hknob_cli.stages.design.people import Judged, exceeded_by
 from hknob_cli.stages.design.space import Design
 

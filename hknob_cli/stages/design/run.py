@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.perception.doubt import doubts
+from hknob_cli.perception.published import doubts
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.stages.design.certainty import answer_if, redrawn

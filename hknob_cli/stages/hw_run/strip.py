@@ -6,7 +6,7 @@ import time
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
+from hknob_cli.hardware.trial_run import HANDS_OFF, Nobody, Operator, View, Wish
 from hknob_cli.terminal.console import heed
 from hknob_cli.terminal.keys import Keys, keys
 

@@ -18,12 +18,13 @@ from hknob_cli.theory.laws import (
     RMS_ARCS,
     RMS_SINE,
     Prediction,
+    WorkingEdge,
     describing_function,
     energy_balance,
     quantum_period,
+    working_edge,
 )
 from hknob_cli.theory.passivity import DEVICE, LIMITS, Verdict, verdict
-from hknob_cli.theory.working_edge import WorkingEdge, working_edge
 
 Progress = Callable[[int, int], None]
 Law = Callable[[WorkingEdge], Prediction]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.identify.quality import MISFIT, ODDS
+from hknob_cli.identify.fit import MISFIT, ODDS
 from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.matrix import short
 from hknob_cli.report.table import table

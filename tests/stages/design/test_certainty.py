@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from hknob_cli.perception.doubt import Doubt, doubts, other_sets
+from hknob_cli.perception.published import Doubt, doubts, other_sets
 from hknob_cli.specs.design_plan import Limit
 from hknob_cli.stages.design.certainty import answer_if, meets, redrawn
 from hknob_cli.stages.design.people import Judged, judge

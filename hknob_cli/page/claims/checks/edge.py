@@ -9,7 +9,7 @@ from hknob_cli.page.claims.checks.rows import one_number, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
 
 if TYPE_CHECKING:
-    from hknob_cli.theory.working_edge import WorkingEdge
+    from hknob_cli.theory.laws import WorkingEdge
 
 _STEPS = 4096
 
@@ -17,7 +17,7 @@ _STEPS = 4096
 def edge_of(evidence: ResultSet, result: str, row: dict[str, Any]) -> "WorkingEdge":
     """Inertia, damping, stiffness, torque step, ... of the cell of a row (SI units)."""
     from hknob_cli.specs.plan import scene_at
-    from hknob_cli.theory.working_edge import working_edge
+    from hknob_cli.theory.laws import working_edge
 
     cell = {axis: row[axis] for axis in evidence[result].axes}
     return working_edge(scene_at(evidence[result].scene, cell), cell)

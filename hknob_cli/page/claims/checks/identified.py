@@ -5,7 +5,7 @@ from typing import Any
 
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.pulse import peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table

@@ -18,8 +18,8 @@ def cycles_where_limit(
     `_with_hand`, by that of knob and hand; `gil_hulin`, `niemeyer`.
     """
     from hknob_cli.specs.plan import scene_at
+    from hknob_cli.theory.laws import working_edge
     from hknob_cli.theory.passivity import LIMITS, verdict
-    from hknob_cli.theory.working_edge import working_edge
 
     if limit not in LIMITS:
         raise UsageError(f"limit: must be one of {', '.join(LIMITS)}, got '{limit}'")

@@ -1,10 +1,51 @@
-"""Harmonics of a recording against waves whose series is known in closed form."""
+"""Harmonics of a recording against waves whose series is known in closed form.
+
+The pitch of a recorded buzz: maxima of the angle, or rises of the torque where the encoder misses maxima.
+
+Rises of the wall's torque, against pulses whose number is known.
+"""
+
+from math import pi
 
 import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.recordings.harmonics import recorded_harmonics
+from hknob_cli.recordings.spectrum import pitch_hz, recorded_harmonics, torque_rises_hz
+
+FINE = 640_000  # counts per revolution of the device's own encoder
+
+
+@pytest.mark.parametrize(("own_counts", "pitch"), [(9.9, 200.0), (10.1, 100.0)])
+def test_pitch_of_a_swing_too_small_to_see_is_that_of_the_torque(own_counts: float, pitch: float) -> None:
+    p2p = own_counts * 2.0 * pi / FINE
+    found = pitch_hz(p2p_rad=p2p, cycle_hz=100.0, torque_hz=200.0, native_counts=FINE, counts_per_rev=256)
+    assert found == pitch
+
+
+def test_a_coarse_encoder_of_the_device_leaves_only_maxima() -> None:
+    """Where the wall sees counts nearly as fine as the device's own, a swing of ten of these crosses several."""
+    found = pitch_hz(p2p_rad=1e-4, cycle_hz=100.0, torque_hz=200.0, native_counts=2048, counts_per_rev=512)
+    assert found == 100.0
+
+
+@pytest.mark.parametrize("cycle_s", [0.004, 0.0125])
+def test_one_pulse_a_cycle(cycle_s: float) -> None:
+    """Sampled at 4 kHz, the first and the last rise are each late by less than a sample."""
+    time = np.arange(0.0, 1.0, 0.25e-3)
+    torque = np.where((time + 1e-9) % cycle_s < 0.3 * cycle_s, 1e-3, 0.0)
+    found = torque_rises_hz(time, torque)
+    assert found == pytest.approx(1.0 / cycle_s, rel=2 * 0.25e-3 / 0.9)
+
+
+def test_a_step_more_is_a_rise_more() -> None:
+    time = np.arange(8.0)
+    assert torque_rises_hz(time, np.array([0.0, 1.0, 2.0, 0.0, 1.0, 2.0, 0.0, 1.0])) == pytest.approx(4.0 / 6.0)
+
+
+@pytest.mark.parametrize("torque", [[0.0] * 5, [1.0] * 5, [0.0, 1.0, 1.0, 0.0, 0.0], [], [1.0]])
+def test_fewer_than_two_rises_have_no_pitch(torque: list[float]) -> None:
+    assert torque_rises_hz(np.arange(float(len(torque))), np.array(torque)) == 0.0
 
 
 def test_a_triangle_of_speed_has_its_fourier_series() -> None:

@@ -6,9 +6,15 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.combine import over_blocks, over_subjects, student
 from hknob_cli.identify.fit import Estimate, Fit
-from hknob_cli.identify.models import at_the_skin, damping_ratio, without_apparatus
+from hknob_cli.identify.identified import (
+    at_the_skin,
+    damping_ratio,
+    over_blocks,
+    over_subjects,
+    student,
+    without_apparatus,
+)
 from hknob_cli.identify.output_error import output_error
 from tests.identify.pulses import LIGHT, motion, pulse, seen
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.scene.sampled_knob import sample_knob
-from hknob_cli.theory.nyquist import crossing, plant_curve
+from hknob_cli.theory.relay import crossing, plant_curve
 from tests.conftest import loaded
 
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from hknob_cli.identify.smooth import CUTOFF, ORDER, differentiate, low_pass, smooth
+from hknob_cli.identify.motion import CUTOFF, ORDER, differentiate, low_pass, smooth
 
 RATE = 10_000.0
 MIDDLE = slice(500, -500)
