@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import axes_of, axis_label, column_label
 from hknob_cli.figures.numbers import is_geometric, tick_labels
-from hknob_cli.report.matrix import short
-from hknob_cli.report.means import WORST, differs
+from hknob_cli.report.table import short
+from hknob_cli.results.means import WORST, differs
 from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ import numpy as np
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.panel import edges_between, scale_of
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.plan import COUNTS, RATE
 

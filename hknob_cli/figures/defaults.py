@@ -13,8 +13,8 @@ from hknob_cli.figures.campaign import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
-from hknob_cli.report.means import differs
-from hknob_cli.report.perceived import perceived_levels
+from hknob_cli.report.sweep_words import perceived_levels
+from hknob_cli.results.means import differs
 from hknob_cli.results.result_set import CAMPAIGN, Result
 from hknob_cli.specs.page_plan import FigurePlan, Sentence
 from hknob_cli.specs.plan import PERSON

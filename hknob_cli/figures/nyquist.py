@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, RATE
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Row, axes_of, axis_label
 from hknob_cli.figures.numbers import is_geometric, number, tick_labels
-from hknob_cli.report.matrix import short
-from hknob_cli.report.means import MEANS
+from hknob_cli.report.table import short
+from hknob_cli.results.means import MEANS
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 from hknob_cli.specs.plan import COUNTS, RATE
 

@@ -6,7 +6,7 @@ import pyarrow as pa
 
 from hknob_cli.figures.defaults import cases_of, figures_of, planned
 from hknob_cli.figures.sheet import write_sheet
-from hknob_cli.report.matrix import is_whole
+from hknob_cli.report.table import is_whole
 from hknob_cli.results.result_set import Held, Rows
 from hknob_cli.specs.plan import DfaPlan
 

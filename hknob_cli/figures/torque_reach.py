@@ -7,7 +7,7 @@ import numpy as np
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import grid
 from hknob_cli.figures.numbers import log_ticks
-from hknob_cli.report.means import WORST
+from hknob_cli.results.means import WORST
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, joined, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
-from hknob_cli.results.place import create, make_folder, refuse_link
+from hknob_cli.results.files import create, make_folder, refuse_link
 from hknob_cli.results.store import partial
 
 _ABORTED = "aborted"

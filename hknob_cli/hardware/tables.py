@@ -15,7 +15,7 @@ from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.hw_run_columns import TIMING, TRIALS
+from hknob_cli.results.campaign_files import TIMING, TRIALS
 from hknob_cli.specs.campaign import CoursePlan
 
 

@@ -21,8 +21,8 @@ from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
-from hknob_cli.results.hw_run_columns import MORE_SAMPLES
-from hknob_cli.results.place import create
+from hknob_cli.results.campaign_files import MORE_SAMPLES
+from hknob_cli.results.files import create
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 from hknob_cli.specs.parquet import table_of

@@ -13,8 +13,8 @@ from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
-from hknob_cli.results.digest import digest
-from hknob_cli.results.marked import mark
+from hknob_cli.results.files import digest
+from hknob_cli.results.provenance import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
 from hknob_cli.stages.job import Job

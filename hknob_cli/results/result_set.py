@@ -14,7 +14,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
-from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
+from hknob_cli.results.campaign_files import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
 from hknob_cli.results.provenance import DESIGN, axes_in, record_of

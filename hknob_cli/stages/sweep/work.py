@@ -70,7 +70,7 @@ class SweepWork(Work):
 
     def finished(self, job: Job) -> str:
         """Cells of a long sweep."""
-        from hknob_cli.results.parting import Parting
+        from hknob_cli.results.parted import Parting
         from hknob_cli.specs.cells import cells_of
         from hknob_cli.stages.sweep.assembly import finished
 
@@ -215,8 +215,8 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
     if drawn or not axes:
         return drawn
-    from hknob_cli.report.means import WORST
     from hknob_cli.report.what_matters import axes_that_matter, columns_of
+    from hknob_cli.results.means import WORST
 
     names = axes_that_matter(axes, cells.column_names)
     return _draw_matters(job, columns_of(cells, [*names, *WORST, "at_rest_fraction"]), names, path)

@@ -12,7 +12,7 @@ import pytest
 from hknob_cli.errors import SpecError
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.recording import settled_period
-from hknob_cli.page.clips import DURATION_S, MOST_BYTES, RATE_HZ, clips
+from hknob_cli.page.compose import DURATION_S, MOST_BYTES, RATE_HZ, clips
 from hknob_cli.page.layout import lay_out
 from hknob_cli.recordings.spectrum import recorded_harmonics
 from hknob_cli.results.provenance import describe

@@ -10,7 +10,7 @@ FAULTS = """\
 import resource, sys
 import numpy as np
 import pyarrow as pa
-from hknob_cli.spread.memory import keep_memory
+from hknob_cli.spread.processes import keep_memory
 
 if sys.argv[1] == "kept":
     keep_memory()

@@ -7,8 +7,7 @@ import pytest
 
 from hknob_cli.perception.published import Doubt, doubts, other_sets
 from hknob_cli.specs.design_plan import Limit
-from hknob_cli.stages.design.certainty import answer_if, meets, redrawn
-from hknob_cli.stages.design.people import Judged, judge
+from hknob_cli.stages.design.people import Judged, answer_if, judge, meets, redrawn
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.design.space import Design
 from tests.designs import DESIGN, planned
