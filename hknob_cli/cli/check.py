@@ -13,7 +13,7 @@ from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
 from hknob_cli.stage_table import CLAIMS, PIPELINE, SCHEMAS
 from hknob_cli.stages.job import Job
-from hknob_cli.terminal.console import reporting, say, tell
+from hknob_cli.terminal import reporting, say, tell
 
 
 def schema(

@@ -27,7 +27,7 @@ from hknob_cli.cli.options import (
 )
 from hknob_cli.errors import UsageError
 from hknob_cli.stage_table import STAGES, loaded
-from hknob_cli.terminal.console import reporting
+from hknob_cli.terminal import reporting
 
 
 def submit_stage(

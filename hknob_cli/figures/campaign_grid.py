@@ -106,9 +106,17 @@ def campaign_lines(
         panel.set_yscale("log")
     for i, (one, name) in enumerate(zip(grids, names or of, strict=True)):
         for panel, count in zip(panels, counts, strict=False):
-            _draw_resolution(
-                panel, one, count, column, factor, name, i, last=one is grids[-1], thin=law is not None and i == 0
+            look = (
+                {"color": "black", "marker": "o", "linestyle": "none", "markersize": 5.0, "zorder": 4}
+                if one is grids[-1]
+                else {**theme.series(i), "linewidth": 0.8 if law is not None and i == 0 else 1.3}
             )
+            xs, ys = _line(one, count, column, factor)
+            panel.plot(xs, ys, label=name, **look)
+            if one is grids[-1]:
+                at_rest = _at_rest(one, count)
+                panel.plot(at_rest, [0.05] * len(at_rest), transform=panel.get_xaxis_transform(), color="black",
+                           marker="x", linestyle="none", markersize=6.0)  # fmt: skip
     for panel in panels[len(counts) :]:
         panel.set_visible(False)
     panels[0].set_xticks(grids[-1].acrosses, tick_labels(grids[-1].acrosses))
@@ -123,22 +131,14 @@ def campaign_lines(
     return drawn
 
 
-def _draw_resolution(
-    panel: object, one: Grid, count: object, column: str, factor: float, name: str, i: int, *, last: bool, thin: bool
-) -> None:
-    """One resolution of one result."""
-    from matplotlib.axes import Axes
-
-    assert isinstance(panel, Axes)
+def _line(one: Grid, count: object, column: str, factor: float) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Rates and values of one resolution of one result, where there is a value above 0."""
     line = one.values(column, factor)[one.downs.index(count)] if count in one.downs else []
     pairs = [(x, y) for x, y in zip(one.acrosses, line, strict=False) if y == y and y > 0.0]
+    return tuple(x for x, _ in pairs), tuple(y for _, y in pairs)
+
+
+def _at_rest(one: Grid, count: object) -> list[float]:
+    """Rates at which every trial of one resolution comes to rest."""
     cells = one.cells[one.downs.index(count)] if count in one.downs else []
-    at_rest = [x for x, cell in zip(one.acrosses, cells, strict=False) if cell and cell.get("at_rest_fraction") == 1.0]
-    xs, ys = zip(*pairs, strict=True) if pairs else ((), ())
-    if last:
-        panel.plot(xs, ys, color="black", marker="o", linestyle="none", markersize=5.0, label=name, zorder=4)
-        panel.plot(at_rest, [0.05] * len(at_rest), transform=panel.get_xaxis_transform(), color="black", marker="x",
-                   linestyle="none", markersize=6.0)  # fmt: skip
-        return
-    style = theme.series(i)
-    panel.plot(xs, ys, label=name, **{**style, "linewidth": 0.8 if thin else 1.3})
+    return [x for x, cell in zip(one.acrosses, cells, strict=False) if cell and cell.get("at_rest_fraction") == 1.0]

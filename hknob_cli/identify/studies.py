@@ -162,6 +162,7 @@ def _at(
 
 
 FASTEST = 1e9  # rate of the finger times the interval, beyond which rounding costs the fitted damping more than 1e-6
+PULSE_S, WINDOW_S, DT_S = 0.02, 0.03, 1e-4  # length of the pulse, of the record, and between samples
 RATIOS = tuple(float(ratio) for ratio in np.geomspace(1.0, 1000.0, 13))
 
 
@@ -183,9 +184,6 @@ def hidden_inertia(
     inertia: float,
     finger_inertia: float = FINGER_INERTIA,
     ratios: Sequence[float] = RATIOS,
-    pulse_s: float = 0.02,
-    window_s: float = 0.03,
-    dt_s: float = 1e-4,
     progress: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> list[Hidden]:
     """Second-order fits of noiseless pulse responses of the fourth-order hand, by least squares and output error.
@@ -195,30 +193,30 @@ def hidden_inertia(
     model's own, so that nothing but the model's order is at work. Raises `UsageError` for a finger too light to follow.
     """
     for ratio in ratios:
-        if (1.0 + ratio) ** 2 / ratio * damping / finger_inertia * dt_s > FASTEST:
+        if (1.0 + ratio) ** 2 / ratio * damping / finger_inertia * DT_S > FASTEST:
             raise UsageError(
                 f"a finger of {finger_inertia:g} kg*m^2 at the ratio {ratio:g} is too fast to be followed; "
                 "make it heavier, or the ratio nearer to 1"
             )
-    torque = np.zeros(round(window_s / dt_s) + 1)
-    torque[: round(pulse_s / dt_s)] = 1.0
+    torque = np.zeros(round(WINDOW_S / DT_S) + 1)
+    torque[: round(PULSE_S / DT_S)] = 1.0
     found = []
     for done, ratio in enumerate(ratios):
         progress(done, len(ratios))
         parts = {"inertia": inertia, "finger_inertia": finger_inertia, **split(damping, stiffness, ratio)}
-        torque_nm = torque * (0.08 / float(np.max(respond_fourth(parts, torque, dt_s))))
-        motion = _motion(parts, torque_nm, dt_s)
+        torque_nm = torque * (0.08 / float(np.max(respond_fourth(parts, torque, DT_S))))
+        motion = _motion(parts, torque_nm)
         for fit in (least_squares(motion), output_error(motion)):
             whole, loss, spring = (fit.parameters[name].value for name in ("inertia", "damping", "stiffness"))
             found.append(Hidden(ratio, fit.estimator, whole, loss, spring, fit.vaf))
     return found
 
 
-def _motion(parts: dict[str, float], torque_nm: Array, dt_s: float) -> Motion:
+def _motion(parts: dict[str, float], torque_nm: Array) -> Motion:
     matrix, push = network(parts)
-    move, added = (one[0] for one in hold_matrices(matrix, push, dt_s))
+    move, added = (one[0] for one in hold_matrices(matrix, push, DT_S))
     states = np.zeros((len(torque_nm), 4))
     for i, torque in enumerate(torque_nm[:-1]):
         states[i + 1] = move @ states[i] + added * torque
     rates = states @ matrix.T + np.outer(torque_nm, push)
-    return Motion(dt_s, torque_nm, states[:, 0].copy(), states[:, 1].copy(), rates[:, 1].copy())
+    return Motion(DT_S, torque_nm, states[:, 0].copy(), states[:, 1].copy(), rates[:, 1].copy())

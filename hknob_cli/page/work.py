@@ -19,7 +19,7 @@ from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, counted
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')
 _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')

@@ -107,20 +107,19 @@ def find_buzz(
     time_s: Array,
     torque_nm: Array,
     *,
-    pause_s: float = PAUSE_S,
     least_s: float = LEAST_S,
     settle_s: float = SETTLE_S,
 ) -> Buzz:
     """Find the longest buzz in samples of the part of a trial in which the wall was on, arrays (n,).
 
     ``torque_nm``: commanded, which changes when the knob crosses an edge of the wall's encoder. A trial is *sustained*
-    if it changed at least every ``pause_s`` for ``least_s`` without a break, anywhere before the end: a person may let
+    if it changed at least every `PAUSE_S` for ``least_s`` without a break, anywhere before the end: a person may let
     go before the trial is stopped. The steady part leaves out the first ``settle_s`` of it.
     """
     changes = np.flatnonzero(np.diff(torque_nm) != 0.0) + 1
     if not changes.size:
         return Buzz()
-    breaks = np.flatnonzero(np.diff(time_s[changes]) > pause_s) + 1
+    breaks = np.flatnonzero(np.diff(time_s[changes]) > PAUSE_S) + 1
     starts = np.concatenate([[0], breaks])
     ends = np.concatenate([breaks, [changes.size]]) - 1
     lengths = time_s[changes[ends]] - time_s[changes[starts]]
@@ -168,30 +167,26 @@ def measure_trial(
     running: Flags,
     *,
     step_rad: float,
-    noise_rad: float | None = None,
-    pause_s: float = PAUSE_S,
     least_s: float = LEAST_S,
     settle_s: float = SETTLE_S,
 ) -> TrialMeasures:
     """Measure a trial of n samples, arrays (n,).
 
     ``angle_rad`` by the device's own encoder, whose step is ``step_rad``; ``running``: where the wall was on.
-    ``grip_n`` before the start is the cell's zero; one that was subtracted before is 0 there. ``noise_rad``: rms of the
-    encoder's noise, by default what it shows before the start, where the knob rests but for a touch. The others: see
-    `find_buzz`.
+    ``grip_n`` before the start is the cell's zero; one that was subtracted before is 0 there. The
+    encoder's rms noise is taken from before the start, where the knob hardly moves. The others: see `find_buzz`.
 
     p2p is at best good to ``step_rad`` and to what `find_swing` says of peaks between samples.
     """
     on = np.flatnonzero(running)
     rest = slice(0, int(on[0]) if on.size else time_s.size)
     zero = float(grip_n[rest].mean()) if rest.stop else 0.0
-    if noise_rad is None:
-        noise_rad = _noise(angle_rad[rest])
+    noise_rad = _noise(angle_rad[rest])
     if not on.size:
         return _at_rest((0, 0), time_s, torque_nm, grip_n, zero)
     first, last = int(on[0]), int(on[-1])
     whole = slice(first, last + 1)
-    buzz = find_buzz(time_s[whole], torque_nm[whole], pause_s=pause_s, least_s=least_s, settle_s=settle_s)
+    buzz = find_buzz(time_s[whole], torque_nm[whole], least_s=least_s, settle_s=settle_s)
     if not buzz.sustained:
         begin = int(np.searchsorted(time_s[whole], time_s[last] - 1.0))
         return _at_rest((first + begin, last), time_s, torque_nm, grip_n, zero)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus import spoil
+from tests.apparatus import spoil
 from hknob_cli.apparatus.experiment import record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.trial import Trial

@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.apparatus import spoil
+from tests.apparatus import spoil
 from hknob_cli.apparatus.experiment import record_experiments, truths
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.figures.sysid_picture import draw_hands

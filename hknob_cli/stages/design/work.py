@@ -11,7 +11,7 @@ from hknob_cli.stages.input_files import threshold_files, threshold_inputs
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class DesignWork(Work):

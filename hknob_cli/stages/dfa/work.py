@@ -11,7 +11,7 @@ from hknob_cli.stages.dfa import listed
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class DfaWork(Work):

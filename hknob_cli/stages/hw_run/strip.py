@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.hardware.trial_run import HANDS_OFF, Nobody, Operator, View, Wish
-from hknob_cli.terminal.console import heed
+from hknob_cli.terminal import heed
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -23,7 +23,7 @@ from hknob_cli.stages.hw_run.strip import watching
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import interrupt, say
+from hknob_cli.terminal import interrupt, say
 
 HARDWARE = "hardware"
 

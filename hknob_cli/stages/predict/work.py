@@ -9,7 +9,7 @@ from hknob_cli.stages.job import Job
 from hknob_cli.stages.predict.run import predict
 from hknob_cli.stages.predict.text import describe_predictions, predictions_text
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class PredictWork(Work):

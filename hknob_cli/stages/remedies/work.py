@@ -9,7 +9,7 @@ from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.remedies.text import describe_trial, trial_text
 from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class RemediesWork(Work):

@@ -14,7 +14,7 @@ from hknob_cli.spread.gather import Range, Ranges, Workers, gather
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, unit_of
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.terminal.console import heed, spread_progress
+from hknob_cli.terminal import heed, spread_progress
 
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:

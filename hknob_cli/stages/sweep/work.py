@@ -15,7 +15,7 @@ from hknob_cli.stages.sweep.completeness_text import completeness_text, describe
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import Tables, Work, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
