@@ -172,6 +172,17 @@ def modelled(plant: Plant, one: Pulsed, *, coulomb_nm: float = 0.0, lag_s: float
     return respond(plant, one.motion.torque_nm, one.motion.dt_s, lag_s=lag_s)
 
 
+def _draw_terms(
+    panel: "Axes", time: np.ndarray, commanded: np.ndarray, terms: dict[str, np.ndarray], *, factor: float, step: str
+) -> None:
+    """Torques over time: the command wide, their sum dotted, and each term; ``factor`` to the axis's unit."""
+    wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
+    panel.plot(time, factor * commanded, label="commanded", drawstyle=step, **wide)
+    panel.plot(time, factor * sum(terms.values()), label="sum", color="black", linewidth=1.0, linestyle=":")
+    for i, (name, values) in enumerate(terms.items()):
+        panel.plot(time, factor * values, label=name, **theme.series(i))
+
+
 @drawing
 def identified_terms(
     evidence: ResultSet,
@@ -202,11 +213,7 @@ def identified_terms(
     time = time_of(one)
     drawn = theme.figure(3.4)
     panel = drawn.subplots()
-    wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
-    panel.plot(time, 1e3 * motion.torque_nm, label="commanded", drawstyle="steps-post", **wide)
-    panel.plot(time, 1e3 * sum(terms.values()), label="sum", color="black", linewidth=1.0, linestyle=":")
-    for i, (name, values) in enumerate(terms.items()):
-        panel.plot(time, 1e3 * values, label=name, **theme.series(i))
+    _draw_terms(panel, time, motion.torque_nm, terms, factor=1e3, step="steps-post")
     panel.set_xlabel("time from the onset, ms")
     panel.set_ylabel("torque, mN\u00b7m")
     panel.set_xlim(float(time[0]), float(time[-1]))
@@ -237,12 +244,7 @@ def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: floa
     drawn = theme.figure(3.4)
     panel = drawn.subplots()
     commanded = np.where(middle < one.pulse.duration, one.pulse.torque, 0.0)
-    wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
-    panel.plot(time.factor * middle, unit.factor * commanded, label="commanded", drawstyle="steps-mid", **wide)
-    total = np.sum(list(terms.values()), axis=0)
-    panel.plot(time.factor * middle, unit.factor * total, label="sum", color="black", linewidth=1.0, linestyle=":")
-    for i, (name, values) in enumerate(terms.items()):
-        panel.plot(time.factor * middle, unit.factor * values, label=name, **theme.series(i))
+    _draw_terms(panel, time.factor * middle, commanded, terms, factor=unit.factor, step="steps-mid")
     panel.set_xlabel(f"time, {time.prefix}s")
     panel.set_ylabel(f"torque, {unit.prefix}N\u00b7m")
     panel.set_xlim(0.0, time.factor * float(one.time[-1]))

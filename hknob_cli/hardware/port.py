@@ -172,3 +172,31 @@ class Device(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Release and close it."""
+
+
+class ComputedDevice:
+    """What devices without a motor and a clock of their own share."""
+
+    @property
+    def torque(self) -> Torque:
+        """Off: there is no motor."""
+        return Torque.OFF
+
+    @property
+    def drift(self) -> Drift | None:
+        """None: it has no clock."""
+        return None
+
+    def release(self) -> None:
+        """End it, whatever state it is in."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        """Open the device."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Release it."""
+        self.release()

@@ -10,15 +10,14 @@ The replay device: plays recorded trials back through the device port, each for 
 from collections.abc import Iterable
 from math import tau
 from pathlib import Path
-from types import TracebackType
-from typing import Any, NamedTuple, Self
+from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.csv as pc
 
 from hknob_cli.errors import DeviceError, UsageError
-from hknob_cli.hardware.port import Array, Block, Counts, Drift, Flags, Identity, Settings, Simulated, Torque
+from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Flags, Identity, Settings, Simulated
 from hknob_cli.hardware.safety import wall_torque
 from hknob_cli.recordings.files import RecordingFile, first_line
 from hknob_cli.recordings.read import read
@@ -190,7 +189,7 @@ def _round_rate(time_s: Array) -> float:
 _SAME_RATE = 1e-3  # by how much a recorded sample rate may be off
 
 
-class ReplayDevice:
+class ReplayDevice(ComputedDevice):
     """A device that gives what was recorded, as fast as it is read.
 
     A trial is found by its sample rate and counts per revolution; where there are several, they take turns, in the
@@ -212,16 +211,6 @@ class ReplayDevice:
     def identity(self) -> Identity:
         """Who answers: nobody any more; ``native_counts`` are those of the recording's encoder."""
         return self._identity
-
-    @property
-    def torque(self) -> Torque:
-        """Off: there is no motor."""
-        return Torque.OFF
-
-    @property
-    def drift(self) -> Drift | None:
-        """None: it has no clock."""
-        return None
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:  # noqa: ARG002 - was somebody
         """Find the recording for a trial's settings. Raises `DeviceError`, with what is there, if there is none."""
@@ -263,16 +252,6 @@ class ReplayDevice:
     def release(self) -> None:
         """End it, whatever state it is in."""
         self._playing = None
-
-    def __enter__(self) -> Self:
-        """Open the device."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Release it."""
-        self.release()
 
     def _must(self, is_so: bool, what: str) -> None:
         if not is_so:

@@ -12,15 +12,14 @@ happens here while the host is silent.
 
 from enum import IntEnum
 from math import floor, isfinite, tau
-from types import TracebackType
-from typing import NoReturn, Self
+from typing import NoReturn
 
 import numpy as np
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Disturbances, Nuisances
-from hknob_cli.hardware.port import Array, Block, Counts, Drift, Identity, Settings, Simulated, Sine, Torque
+from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 
 _MOST_COUNTS = 2**31
@@ -156,7 +155,7 @@ class State(IntEnum):
     TRIPPED = 3
 
 
-class VirtualDevice:
+class VirtualDevice(ComputedDevice):
     """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given."""
 
     def __init__(self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY) -> None:
@@ -177,16 +176,6 @@ class VirtualDevice:
     def state(self) -> State:
         """Idle, armed, running or tripped."""
         return self._state
-
-    @property
-    def torque(self) -> Torque:
-        """Off: there is no motor."""
-        return Torque.OFF
-
-    @property
-    def drift(self) -> Drift | None:
-        """None: it has no clock."""
-        return None
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Take a trial's settings, and who holds the knob. Raises `DeviceError` if a value is out of range."""
@@ -235,16 +224,6 @@ class VirtualDevice:
     def release(self) -> None:
         """Torque off, whatever state the device is in."""
         self._state, self._trial = State.IDLE, None
-
-    def __enter__(self) -> Self:
-        """Open the device."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Release it."""
-        self.release()
 
     def _must_be(self, *states: State) -> None:
         if self._state is State.TRIPPED:

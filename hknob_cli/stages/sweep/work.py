@@ -8,7 +8,7 @@ from typing import Any
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON
-from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
@@ -20,7 +20,7 @@ from hknob_cli.terminal import progress_bar
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
 
-class SweepWork(Work):
+class SweepWork(PerceivingWork):
     """Limit cycles over a grid."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
@@ -37,14 +37,6 @@ class SweepWork(Work):
         """Recordings and maps of basins, where none are asked for."""
         recorded = () if job.plan.record else ("trajectories.parquet", "trajectories.png")
         return *recorded, *(() if job.plan.basins else ("basins.parquet", "basins.png"))
-
-    def inputs(self, job: Job) -> dict[str, str]:
-        """The published thresholds, where levels above them are asked for."""
-        return threshold_inputs(job.plan.perceive)
-
-    def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The files of those thresholds, too."""
-        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""
