@@ -1,21 +1,20 @@
-"""The measures of one attractor of the plain loop or under a controller, in SI units: a row of ``orbits.parquet``.
-
-The measures of what a trial under a controller settles to.
-"""
+"""The measures of one attractor of the plain loop or under a controller, in SI units: a row of ``orbits.parquet``."""
 
 from collections.abc import Sequence
 from math import fsum, nan
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.controllers.search import Settled
 from hknob_cli.engine.attractors import Attractor, Engine
 from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_holds
 from hknob_cli.engine.orbit.holds import PART, fill_part
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.harmonics import Harmonics, harmonic_count, of_holds, of_parts, scaled
 from hknob_cli.scene.sampled_knob import SampledKnob
+
+if TYPE_CHECKING:
+    from hknob_cli.controllers.search import Settled
 
 
 class OrbitMeasures(NamedTuple):
@@ -99,7 +98,7 @@ class Measurer:
         return of_cycle(self.knob, attractor.period, found) if found.cycles else OrbitMeasures()
 
 
-def measure_settled(knob: SampledKnob, parts: Sequence[float], settled: Settled) -> OrbitMeasures:
+def measure_settled(knob: SampledKnob, parts: Sequence[float], settled: "Settled") -> OrbitMeasures:
     """Measures of an orbit, of rest, or of the window of a motion that does not repeat.
 
     ``parts``: lengths of the parts of a sample interval.
@@ -133,7 +132,7 @@ def measure_settled(knob: SampledKnob, parts: Sequence[float], settled: Settled)
     )
 
 
-def settled_harmonics(knob: SampledKnob, parts: Sequence[float], settled: Settled, highest_hz: float) -> Harmonics:
+def settled_harmonics(knob: SampledKnob, parts: Sequence[float], settled: "Settled", highest_hz: float) -> Harmonics:
     """Harmonics of an orbit up to ``highest_hz``, exact; ``parts`` as in `measure_settled`."""
     samples = len(settled.drive) // len(parts)
     count = harmonic_count(samples, sample_period_s=knob.period_s, highest_hz=highest_hz)
