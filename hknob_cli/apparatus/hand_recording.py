@@ -19,6 +19,8 @@ from hknob_cli.recordings.trial import Array, Key, Trial
 DURATION_S = 0.02  # section 4.2.1
 PEAK_RAD = 0.09  # the middle of 0.07 - 0.11 rad, ibid.
 
+_REACH = 6.0  # standard deviations of the grip cell's noise: the ramp starts that far below the threshold
+
 
 class Pulse(NamedTuple):
     """A commanded torque (N·m) for a time (s), from the sample on that fires it."""
@@ -50,9 +52,6 @@ def scaled_pulse(experiment: int, grip_n: float, *, peak_rad: float = PEAK_RAD) 
     Friction is not allowed for: with that of the apparatus the peaks are lower, and still within 0.07 - 0.11 rad.
     """
     return Pulse(peak_rad / peak_per_torque(mean_hand(experiment, grip_n)))
-
-
-_REACH = 6.0  # standard deviations of the grip cell's noise: the ramp starts that far below the threshold
 
 
 def record_trial(rig: Rig, hand: Hand, pulse: Pulse, key: Key, rng: np.random.Generator) -> Trial:

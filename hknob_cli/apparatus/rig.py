@@ -10,6 +10,8 @@ from typing import Any
 from hknob_cli.errors import UsageError
 from hknob_cli.specs.identification import SysidPlan
 
+_POSITIVE = ("sample_rate_hz", "small_knob_kg_m2", "medium_knob_kg_m2", "grip_ramp_s", "trigger_share", "after_s")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Rig:
@@ -75,9 +77,6 @@ class Rig:
     def count_rad(self) -> float:
         """Angle of a count; 0 without quantisation."""
         return 2.0 * pi / self.counts_per_rev if self.counts_per_rev else 0.0
-
-
-_POSITIVE = ("sample_rate_hz", "small_knob_kg_m2", "medium_knob_kg_m2", "grip_ramp_s", "trigger_share", "after_s")
 
 
 def virtual_rig(plan: SysidPlan) -> Rig:

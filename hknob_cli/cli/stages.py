@@ -29,6 +29,11 @@ from hknob_cli.errors import UsageError
 from hknob_cli.stage_table import STAGES, loaded
 from hknob_cli.terminal import reporting
 
+STAGE = STAGES["hw-run"]
+UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
+JOBS = "As for every stage; without effect, for trials follow one another."
+FORCE = "Begin anew even where results are up to date; recordings of a device are moved to DIR/earlier."
+
 
 def submit_stage(
     kind: str, spec: Path, out: Path | None, sets: list[str] | None, *, refuse: str, **options: Any
@@ -83,13 +88,6 @@ def stage_command(kind: str) -> Callable[..., None]:
         )
 
     return command
-
-
-STAGE = STAGES["hw-run"]
-UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
-
-JOBS = "As for every stage; without effect, for trials follow one another."
-FORCE = "Begin anew even where results are up to date; recordings of a device are moved to DIR/earlier."
 
 
 def hw_run(

@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 
 MOST = 30  # attractors
 
+MOST_PANELS = 6
+MOST_NAMED = 8  # attractors in a legend
+MOST_EDGES = 120  # count edges that are drawn as lines
+# Colours that people with any kind of colour vision tell apart (Okabe & Ito 2008), pale ones last.
+_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
+
 
 @drawing
 def attractors(evidence: ResultSet, of: str) -> "Figure":
@@ -82,13 +88,6 @@ def _said(row: dict[str, float | str | None]) -> str:
     pitch = f", {number(float(row['frequency_hz']))} Hz" if row["frequency_hz"] else ""
     proven = "" if row["certified"] else ", not proven"
     return f"{number(1e3 * float(row['p2p_rad']))} mrad{pitch}{proven}"
-
-
-MOST_PANELS = 6
-MOST_NAMED = 8  # attractors in a legend
-MOST_EDGES = 120  # count edges that are drawn as lines
-# Colours that people with any kind of colour vision tell apart (Okabe & Ito 2008), pale ones last.
-_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
 
 
 @drawing

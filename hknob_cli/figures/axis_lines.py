@@ -23,6 +23,8 @@ _CHOICES = {"dfa": "method", "predict": "law"}
 _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts", "person": "person {}"}
 SIZE, PITCH = ("peak to peak, mrad", 1e3), ("frequency, Hz", 1.0)
 
+_FEW = 10  # values of the axis that have a tick each
+
 
 class Point(NamedTuple):
     """A cell's values as drawn, one a panel; None where it has none. The first is 0 at rest."""
@@ -104,9 +106,6 @@ def _points(rows: Rows, columns: tuple[tuple[str, float], ...]) -> list[Point]:
     return [
         Point(row, tuple(None if row[name] is None else factor * row[name] for name, factor in columns)) for row in rows
     ]
-
-
-_FEW = 10  # values of the axis that have a tick each
 
 
 @drawing

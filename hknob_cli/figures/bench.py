@@ -24,6 +24,10 @@ _ACCURATE = 1e-6
 _OFF = 1e5  # where runs off the scale stand
 _TEXTS = {1e-15: "10\u207b\u00b9\u2075", 1e-10: "10\u207b\u00b9\u2070", 1e-5: "10\u207b\u2075", 1.0: "1", _OFF: "none"}
 
+_SYMBOLS = dict(zip(VERDICTS, ("\u2713", "\u2248", "\u2260", "\u2715", "\u2013", "?"), strict=True))
+_COLOURS = dict(zip(VERDICTS, ("#1f4e79", "#7fb0d8", "#f0c75e", "#f7ecd0", "#d9d9d9", "#ffffff"), strict=True))
+_ROW = 0.4  # inches
+
 
 class Style(NamedTuple):
     """How the points of a method look."""
@@ -134,11 +138,6 @@ def _key(figure: "Figure", rows: Rows) -> None:
         handles.append(Line2D([], [], linestyle="-", linewidth=0.6, marker="o", markersize=3, color="black",
                               label="small: smoothed or soft friction"))  # fmt: skip
     figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=3.0)
-
-
-_SYMBOLS = dict(zip(VERDICTS, ("\u2713", "\u2248", "\u2260", "\u2715", "\u2013", "?"), strict=True))
-_COLOURS = dict(zip(VERDICTS, ("#1f4e79", "#7fb0d8", "#f0c75e", "#f7ecd0", "#d9d9d9", "#ffffff"), strict=True))
-_ROW = 0.4  # inches
 
 
 @drawing

@@ -28,6 +28,8 @@ CAUSES = {
 }
 LINEAR_PERCENT = 1.0  # up to which the scale of the bias is linear, beyond it logarithmic
 
+ASSUMED = 10.0  # section 4.4.1: K1 = 10 K2, B1 = 10 B2
+
 
 @drawing
 def bias_curves(
@@ -99,9 +101,6 @@ def _rule(panel: "Axes", levels: list[float]) -> None:
         panel.set_xscale("log")
     panel.set_xticks(some, [f"{level:g}" for level in some], rotation=45)
     panel.xaxis.set_minor_locator(NullLocator())
-
-
-ASSUMED = 10.0  # section 4.4.1: K1 = 10 K2, B1 = 10 B2
 
 
 @drawing

@@ -22,6 +22,10 @@ if TYPE_CHECKING:
 Row = dict[str, Any]
 MOST = 6  # rows, and columns, of thumbnails
 
+LEAST_COUNTS = 3  # of the device's own encoder: less is not drawn larger, to either side
+_STILL_S = 0.1  # of a trial at rest
+_MARKED = 250  # samples up to which each has its dot
+
 
 @dataclass(frozen=True)
 class Held:
@@ -91,11 +95,6 @@ def one_trial(evidence: ResultSet, of: str, *, sample_rate_hz: float, counts_per
         if abs(trial.row[RATE] - sample_rate_hz) < 1e-6 and trial.row[COUNTS] == counts_per_rev:
             return trial
     raise MissingError(f"'{of}' has no trial at {sample_rate_hz:g} Hz and {counts_per_rev} counts")
-
-
-LEAST_COUNTS = 3  # of the device's own encoder: less is not drawn larger, to either side
-_STILL_S = 0.1  # of a trial at rest
-_MARKED = 250  # samples up to which each has its dot
 
 
 @drawing

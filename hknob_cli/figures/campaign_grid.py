@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 LOWEST, TARGET, HIGHEST = 0.60, 0.71, 0.82  # N; the target is in the middle of the colours (Hasser, sec. 8.2)
 
+_MOST = 6  # panels
+_WIDE = 3  # of them from which on they stand in two rows
+
 
 class Forces(NamedTuple):
     """Mean grip force (N) by resolution, upward, and rate; not a number where there is none."""
@@ -71,10 +74,6 @@ def _draw_forces(panel: "Axes", forces: Forces) -> None:
     every = [force for line in forces.newtons for force in line if force == force]
     spread = f" \u00b1 {stdev(every):.2f}" if len(every) > 1 else ""
     panel.set_xlabel(f"sample rate, Hz\nmean {fmean(every):.2f}{spread} N")
-
-
-_MOST = 6  # panels
-_WIDE = 3  # of them from which on they stand in two rows
 
 
 @drawing

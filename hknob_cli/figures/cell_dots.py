@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 MOST_CURVES = 7
 
+MOST = 30  # cells that have a row of their own
+_WIDE = 30.0  # largest over least value, from which a scale is logarithmic
+
 
 @drawing
 def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: float = 3.4) -> "Figure":
@@ -72,10 +75,6 @@ def cumulative(values: list[float], scale: float) -> tuple[list[float], list[flo
     """
     parts = [100.0 * (i + 1) / len(values) for i in range(len(values))]
     return [scale * value for value in values[:1] + values], [0.0, *parts]
-
-
-MOST = 30  # cells that have a row of their own
-_WIDE = 30.0  # largest over least value, from which a scale is logarithmic
 
 
 @drawing

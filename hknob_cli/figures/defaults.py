@@ -19,18 +19,36 @@ from hknob_cli.results.result_set import CAMPAIGN, Result
 from hknob_cli.specs.page_plan import FigurePlan, Sentence
 from hknob_cli.specs.plan import PERSON
 
+_WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
+_PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
+_VALUES = "Every condition by every estimator; bars are the deviations and errors of the table."
+_BIAS = "Mean estimate less truth, in per cent of the truth, over how much there is of each cause."
+MOST_CASES = 8  # of a trial of remedies that have a picture each
+_NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
+_MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
+_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
+_PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
+_BASINS = "In the colour of the cycle that a start ends in; dots are samples of the cycles."
+_ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
+_ORBITS = "A dot for each orbit, sized by its share of the trials."
+_LINES = "A cell at rest is at 0."
+_ROWS = "A row a cell."
+_SHARES = "How many of the cells, in per cent, have at most so large a value."
+_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
+_MATTERS = "The axes, the one that explains most of the size of limit cycles first."
+_LARGEST = "Of several cycles in a cell the largest."
+_AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
+_PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
+_CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
+_REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
+_DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."
+
 
 def planned(result: Result, draw: str, what: str, caption: str, **options: Any) -> FigurePlan:
     """The plan of a drawing of a result; ``what`` it shows names it, so that no two figures are alike in that."""
     slug = "".join(letter if letter.isalnum() else "-" for letter in f"{result.name}-{what}".lower()).strip("-")
     title = f"{result.name}: {what}"
     return FigurePlan(f"fig-{slug}", draw, (result.name,), options, title, Sentence(caption), title)
-
-
-_WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
-_PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
-_VALUES = "Every condition by every estimator; bars are the deviations and errors of the table."
-_BIAS = "Mean estimate less truth, in per cent of the truth, over how much there is of each cause."
 
 
 def sysid_figures(result: Result) -> list[FigurePlan]:
@@ -85,9 +103,6 @@ def _biases(result: Result) -> list[FigurePlan]:
         options["estimators"] = list(dict.fromkeys(row["estimator"] for row in mine))
         figures.append(planned(result, "bias_curves", f"bias at {grip:g} N", _BIAS, **options))
     return figures
-
-
-MOST_CASES = 8  # of a trial of remedies that have a picture each
 
 
 def figures_of(result: Result) -> tuple[FigurePlan, ...]:
@@ -271,23 +286,3 @@ def _campaign(result: Result) -> list[FigurePlan]:
     if few and "samples.parquet" in result.files:
         figures.append(planned(result, "campaign_thumbnails", "motion", "The end of each trial."))
     return figures
-
-
-_NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
-_MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
-_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
-_PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
-_BASINS = "In the colour of the cycle that a start ends in; dots are samples of the cycles."
-_ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
-_ORBITS = "A dot for each orbit, sized by its share of the trials."
-_LINES = "A cell at rest is at 0."
-_ROWS = "A row a cell."
-_SHARES = "How many of the cells, in per cent, have at most so large a value."
-_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
-_MATTERS = "The axes, the one that explains most of the size of limit cycles first."
-_LARGEST = "Of several cycles in a cell the largest."
-_AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
-_PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
-_CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
-_REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
-_DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."

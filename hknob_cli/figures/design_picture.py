@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 DesignRow = dict[str, object]
 MOST = 600  # designs drawn, which each take room in the file
 
+Row = dict[str, Any]
+MARKS = "osD^vPX<>"
+
 
 @drawing
 def design_costs(evidence: ResultSet, of: str) -> "Figure":
@@ -86,10 +89,6 @@ def _thinned(rows: Rows) -> Rows:
     marked = [row for row in rows if row["front"] or row["chosen"] or row["present"]]
     others = [row for row in rows if not (row["front"] or row["chosen"] or row["present"])]
     return marked[:MOST] + others[:: 1 + len(others) // MOST]
-
-
-Row = dict[str, Any]
-MARKS = "osD^vPX<>"
 
 
 def draw_design(plan: DesignPlan, rows: list[Row], *, path: Path) -> None:

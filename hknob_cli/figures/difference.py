@@ -20,6 +20,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_BESIDE = 5  # columns up to which the maps stand side by side, else below each other
+Printed = dict[str, float]
+_PANELS = (("frequency_hz", "pitch over the simulated"), ("p2p_rad", "peak to peak over the simulated"))
+_SPREAD = 0.2  # of dots about their row
+
 
 @drawing
 def grid_difference(
@@ -120,9 +125,6 @@ def _percent(value: float) -> str:
     return f"{_signed(value)} %"
 
 
-_BESIDE = 5  # columns up to which the maps stand side by side, else below each other
-
-
 @drawing
 def hardware_grid(
     evidence: ResultSet,
@@ -168,11 +170,6 @@ def hardware_grid(
         said.append(f"factor: mean {mean}, from {number(min(found), 2)} to {number(max(found), 2)}, {len(found)} cells")
     figure.supxlabel(";  ".join(filter(None, said)), fontsize=8)
     return figure
-
-
-Printed = dict[str, float]
-_PANELS = (("frequency_hz", "pitch over the simulated"), ("p2p_rad", "peak to peak over the simulated"))
-_SPREAD = 0.2  # of dots about their row
 
 
 @drawing

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 Of = str | Sequence[str]
 
+Line = list[tuple[float, float, float]]
+
 
 @drawing
 def grasp_parameters(
@@ -118,9 +120,6 @@ def normalised_grasp(
 
 def _middle(values: list[float]) -> float:
     return 0.5 * (min(values) + max(values))
-
-
-Line = list[tuple[float, float, float]]
 
 
 @drawing

@@ -32,14 +32,7 @@ _AXES = {
     "hand_stiffness_nm_per_rad": "stiffness of the person's hand, N·m/rad",
 }
 
-
-def axis_name(axis: str) -> str:
-    """Name of a grid axis, with its unit."""
-    return _AXES.get(axis, axis)
-
-
 Row = dict[str, Any]
-
 _TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
 _CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
@@ -65,6 +58,11 @@ _ORBIT_MEASURES = (*MEANS, *MEANS.values(), "p2p_counts", "rms_rad")
 _ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
 MOST_WRITTEN = 16  # values of an axis up to which a map has its values written in
 MOST = 24  # values of an axis that a map shows
+
+
+def axis_name(axis: str) -> str:
+    """Name of a grid axis, with its unit."""
+    return _AXES.get(axis, axis)
 
 
 class Grid(NamedTuple):

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
     from matplotlib.figure import Figure
 
+LEVELS = 32  # steps of colour; few enough for a key without a raster image
+CELL = 0.36  # inches of height
+MOST_LETTERS = 92  # of a row of cells, at full size
+LETTER = 0.0625  # inches that a letter of a key's label takes at full size
+_DIFFERENCE = ("#08306b", "#5b9bd0", "#f4f4f4", "#f0a24a", "#b35806")
+
 
 def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, float] | None = None) -> list[list[str]]:
     """Draw one map; the colour in which to write on each of its cells.
@@ -42,13 +48,6 @@ def colour_map(axes: "Axes", values: Any, label: str, *, limits: tuple[float, fl
         ["white" if dark and some else "black" for dark, some in zip(*row, strict=True)]
         for row in zip(light < 0.5, np.isfinite(shown), strict=True)
     ]
-
-
-LEVELS = 32  # steps of colour; few enough for a key without a raster image
-CELL = 0.36  # inches of height
-MOST_LETTERS = 92  # of a row of cells, at full size
-LETTER = 0.0625  # inches that a letter of a key's label takes at full size
-_DIFFERENCE = ("#08306b", "#5b9bd0", "#f4f4f4", "#f0a24a", "#b35806")
 
 
 def norm_of(values: list[float], *, log: bool) -> "Normalize":

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 _MOST = 16  # values of an axis; more are thinned
 _SHORT = {"sample_rate_hz": "rate, Hz", "counts_per_rev": "counts"}
 
+_LESS, _MORE = "#1f4e79", "#f0c75e"
+
 
 def draw_mesh(
     figure: "Figure", place: "SubplotSpec", grid: Grid, values: list[list[float]], *, norm: "Normalize", log: bool
@@ -186,9 +188,6 @@ def _note(grids: list[Grid], column: str) -> str:
     """What the cells' marks mean, and where the axes not drawn stand, if any vary in nothing but are not trivial."""
     fixed: dict[str, Any] = dict.fromkeys(one.fixed for one in grids if one.fixed)
     return ";  ".join(filter(None, [notes(grids, column), *fixed]))
-
-
-_LESS, _MORE = "#1f4e79", "#f0c75e"
 
 
 @drawing

@@ -20,6 +20,15 @@ if TYPE_CHECKING:
 
 _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts"}
 
+_SIZES = ((0.75, 5.0, "three quarters or more of the trials"), (0.25, 3.4, "a quarter or more"), (0.0, 1.8, "fewer"))
+_PANELS = {
+    "frequency_hz": (1.0, "frequency, Hz"),
+    "p2p_rad": (1e3, "peak to peak, mrad"),
+    "period_samples": (1.0, "samples per cycle"),
+}
+_FEW = 8  # values of the axis that have a tick each
+_RATIOS = (*range(2, 17), 18, *range(20, 60, 5), *range(60, 200, 20), 500, 1000)
+
 
 @drawing
 def cases(evidence: ResultSet, of: str | list[str], *, names: list[str] | None = None) -> "Figure":
@@ -75,16 +84,6 @@ def cases(evidence: ResultSet, of: str | list[str], *, names: list[str] | None =
         fontsize=8,
     )
     return figure
-
-
-_SIZES = ((0.75, 5.0, "three quarters or more of the trials"), (0.25, 3.4, "a quarter or more"), (0.0, 1.8, "fewer"))
-_PANELS = {
-    "frequency_hz": (1.0, "frequency, Hz"),
-    "p2p_rad": (1e3, "peak to peak, mrad"),
-    "period_samples": (1.0, "samples per cycle"),
-}
-_FEW = 8  # values of the axis that have a tick each
-_RATIOS = (*range(2, 17), 18, *range(20, 60, 5), *range(60, 200, 20), 500, 1000)
 
 
 @drawing

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 THIN = 6  # of the samples of a thumbnail one in so many is drawn: 0.6 ms of a motion of 20
 
+THIN_DATA = 3  # of the samples one in so many is drawn
+
 
 @drawing
 def trial_thumbnails(
@@ -116,9 +118,6 @@ def _pulse_ms(one: Pulsed) -> float:
 def rule_pulse(panel: "Axes", one: Pulsed) -> None:
     """Shade the time of the pulse."""
     panel.axvspan(0.0, _pulse_ms(one), color="black", alpha=0.06, linewidth=0)
-
-
-THIN_DATA = 3  # of the samples one in so many is drawn
 
 
 @drawing

@@ -18,6 +18,8 @@ from hknob_cli.specs.sweep import RecordSpec
 Of = str | Sequence[str]
 At = dict[str, float]
 
+CLOSE = 1e-3  # of the swing: how far two periods in a row may be apart, 60 dB below the cycle
+
 
 @dataclass(frozen=True)
 class Recording:
@@ -137,9 +139,6 @@ def _recording(result: Result, cell: dict[str, Any], scene: Scene, values: dict[
         finger=values.get("finger_angle_rad"),
         finger_velocity=values.get("finger_velocity_rad_s"),
     )
-
-
-CLOSE = 1e-3  # of the swing: how far two periods in a row may be apart, 60 dB below the cycle
 
 
 def settled_period(evidence: ResultSet, of: str, *, at: At | None = None) -> Recording:

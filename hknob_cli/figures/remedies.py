@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+REACH = 3.0  # of the colours: eight times smaller or larger
+
 
 @drawing
 def remedy_dots(evidence: ResultSet, of: str, *, case: str, felt: bool = False) -> "Figure":
@@ -163,9 +165,6 @@ def _dress(panels: "list[Axes]", names: list[str]) -> None:
     for panel in panels[3:]:
         panel.axvline(0.0, color="black", linewidth=0.6, alpha=0.5)
         panel.set_xlabel("felt more than\nthe reference, dB")
-
-
-REACH = 3.0  # of the colours: eight times smaller or larger
 
 
 def draw_over(rows: list[dict[str, Any]], axis: str, unit: str, *, title: str, path: Path) -> None:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 _LINE: dict[str, Any] = {"color": "black", "linewidth": 1.2, "solid_capstyle": "round", "solid_joinstyle": "round"}
 
+SCALE = 0.85  # inches to one unit of a drawing
+
 
 def spring(panel: "Axes", x0: float, x1: float, y: float, label: str) -> None:
     """A zigzag from ``x0`` to ``x1``, its name above."""
@@ -61,9 +63,6 @@ def arrow(panel: "Axes", x0: float, x1: float, y: float, label: str) -> None:
     look = {"arrowstyle": "-|>", "color": "black", "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
     panel.annotate("", (x1, y), xytext=(x0, y), arrowprops=look)
     panel.text(0.5 * (x0 + x1), y + 0.06, label, ha="center", va="bottom")
-
-
-SCALE = 0.85  # inches to one unit of a drawing
 
 
 @drawing

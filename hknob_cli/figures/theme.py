@@ -24,6 +24,36 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.ticker import Formatter
 
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8C7A00", "#56B4E9", "#7F7F7F")
+STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
+MARKERS = ("o", "s", "^", "D", "v", "x", "+")
+MAP = "cividis"
+ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whatever the page's colours
+_TAG = re.compile("<[^>]+>")  # not what is written between them
+_BLACK = re.compile(r'(?<=[" ;])(fill|stroke): ?#000000')
+_ID = re.compile(r'\b(id="|href="#|url\(#)')
+WIDTH = 7.2  # inches, of a full-width figure
+_SETTINGS: Any = {  # matplotlib types its settings one by one
+    "font.family": ["DejaVu Sans", "sans-serif"],
+    "font.size": 9.0,
+    "axes.titlesize": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "grid.color": "black",
+    "grid.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8.0,
+    "lines.linewidth": 1.3,
+    "figure.facecolor": "none",
+    "axes.facecolor": "none",
+    "savefig.facecolor": "none",
+    "svg.fonttype": "none",
+    "path.simplify": True,
+    "path.simplify_threshold": 0.2,
+}
+
 
 @contextlib.contextmanager
 def literal(figure: "Figure") -> Iterator[None]:
@@ -76,38 +106,6 @@ def _shown(text: str) -> str:
 def _without_formulas(text: str) -> str:
     """A text that is taken as it is written where formulas are looked for."""
     return _shown(text).replace("$", r"\$")
-
-
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8C7A00", "#56B4E9", "#7F7F7F")
-STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
-MARKERS = ("o", "s", "^", "D", "v", "x", "+")
-MAP = "cividis"
-ON_LIGHT, ON_DARK = "#010101", "#ffffff"  # writing on the cells of a map, whatever the page's colours
-_TAG = re.compile("<[^>]+>")  # not what is written between them
-_BLACK = re.compile(r'(?<=[" ;])(fill|stroke): ?#000000')
-_ID = re.compile(r'\b(id="|href="#|url\(#)')
-WIDTH = 7.2  # inches, of a full-width figure
-
-_SETTINGS: Any = {  # matplotlib types its settings one by one
-    "font.family": ["DejaVu Sans", "sans-serif"],
-    "font.size": 9.0,
-    "axes.titlesize": 9.0,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "grid.color": "black",
-    "grid.linewidth": 0.5,
-    "legend.frameon": False,
-    "legend.fontsize": 8.0,
-    "lines.linewidth": 1.3,
-    "figure.facecolor": "none",
-    "axes.facecolor": "none",
-    "savefig.facecolor": "none",
-    "svg.fonttype": "none",
-    "path.simplify": True,
-    "path.simplify_threshold": 0.2,
-}
 
 
 def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":

@@ -35,6 +35,9 @@ _MOST_DOTS = 4000
 _MOST_TICKS = 6
 _SHARES = {"at_rest_fraction": "at rest, %", "in_domain": "in domain, %"}
 
+_FIGURE_ACROSS = 3
+_DOTS = 100  # cells drawn in a panel, which each take room in the file
+
 
 def draw_matters(
     series: Mapping[str, Columns],
@@ -219,10 +222,6 @@ def note_of(matters: Sequence[Matter], first: str, width: int) -> str:
         "buzz, each by its largest cycle"
     )
     return fill(text.replace(" %", "~%"), width).replace("~%", " %")  # a number stays with its sign
-
-
-_FIGURE_ACROSS = 3
-_DOTS = 100  # cells drawn in a panel, which each take room in the file
 
 
 @drawing

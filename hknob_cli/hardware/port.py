@@ -21,6 +21,10 @@ import numpy as np
 
 MOST_SINES = 4
 
+Array = np.ndarray[Any, np.dtype[np.float64]]
+Counts = np.ndarray[Any, np.dtype[np.int64]]
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
 
 class Sine(NamedTuple):
     """``amplitude`` sin(2 pi ``frequency_hz`` t + ``phase``)."""
@@ -44,11 +48,6 @@ class Simulated(NamedTuple):
     grip_offset_n: float
     push_sines: tuple[Sine, ...] = ()
     grip_sines: tuple[Sine, ...] = ()
-
-
-Array = np.ndarray[Any, np.dtype[np.float64]]
-Counts = np.ndarray[Any, np.dtype[np.int64]]
-Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class Identity(NamedTuple):

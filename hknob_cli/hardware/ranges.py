@@ -7,6 +7,9 @@ from math import inf, isfinite
 
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
 
+# A block must come well before silence counts as a dead link.
+LONGEST_BLOCK_S = 0.05
+
 
 def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
     """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/wire.md`."""
@@ -46,10 +49,6 @@ def faults_of_simulated(simulated: Simulated) -> list[str]:
     if max(len(simulated.push_sines), len(simulated.grip_sines)) > MOST_SINES:
         faults.append(f"at most {MOST_SINES} sines of push and of grip each")
     return faults
-
-
-# A block must come well before silence counts as a dead link.
-LONGEST_BLOCK_S = 0.05
 
 
 def faults(settings: Settings, identity: Identity) -> list[str]:

@@ -36,6 +36,14 @@ NEEDS = {
     "qemu": "arm-none-eabi-gcc with newlib (Debian: apt install gcc-arm-none-eabi libnewlib-arm-none-eabi)",
 }
 
+QEMU = "qemu-system-arm"
+NEEDS_QEMU = f"{QEMU} (Debian: apt install qemu-system-arm)"
+BOOT_WORD = 0x203FFFF0  # see firmware/board_qemu.c
+# 8 ns an instruction, asleep by this machine's clock: a sample takes the same time whether this machine is busy or not.
+EMULATED_SPEED = "shift=3"
+READY_WITHIN_S = 10.0
+PRIORITY = 20
+
 
 def compiler(target: Target) -> list[str]:
     """The compiler of a target and the options in ``$CC``, if any. Raises `DeviceError` that names what to install."""
@@ -103,31 +111,6 @@ def _digest(command: list[str]) -> str:
 def _first_error(text: str) -> str:
     lines = [line.strip() for line in text.splitlines() if "error" in line] or text.strip().splitlines()
     return lines[0] if lines else "no message"
-
-
-def main(folder: str) -> None:
-    """Build every target into a folder, and say where it is or what it needs; ends with 1 if one cannot be built."""
-    missing = False
-    for target in get_args(Target):
-        try:
-            print(f"{target}: {build_target(target, Path(folder))}")
-        except DeviceError as error:
-            print(f"{target}: {error}", file=sys.stderr)
-            missing = True
-    sys.exit(missing)
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])
-
-
-QEMU = "qemu-system-arm"
-NEEDS_QEMU = f"{QEMU} (Debian: apt install qemu-system-arm)"
-BOOT_WORD = 0x203FFFF0  # see firmware/board_qemu.c
-# 8 ns an instruction, asleep by this machine's clock: a sample takes the same time whether this machine is busy or not.
-EMULATED_SPEED = "shift=3"
-READY_WITHIN_S = 10.0
-PRIORITY = 20
 
 
 @contextlib.contextmanager
@@ -258,3 +241,19 @@ def _last_words(process: "subprocess.Popen[bytes]") -> str:
     assert process.stderr is not None
     lines = process.stderr.read().decode(errors="replace").strip().splitlines()
     return lines[-1] if lines else f"it ended with {code}"
+
+
+def main(folder: str) -> None:
+    """Build every target into a folder, and say where it is or what it needs; ends with 1 if one cannot be built."""
+    missing = False
+    for target in get_args(Target):
+        try:
+            print(f"{target}: {build_target(target, Path(folder))}")
+        except DeviceError as error:
+            print(f"{target}: {error}", file=sys.stderr)
+            missing = True
+    sys.exit(missing)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

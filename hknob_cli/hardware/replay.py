@@ -46,6 +46,8 @@ _RANGES = {
 }
 _ALIKE = 0.98  # share of the samples whose torque must be the wall's: one by an edge may be rounded to the other side
 
+_SAME_RATE = 1e-3  # by how much a recorded sample rate may be off
+
 
 class RecordedTrial(NamedTuple):
     """One recorded trial, arrays (n,) as in a `Block`; ``number``: index of each sample since arming.
@@ -184,9 +186,6 @@ def _round_rate(time_s: Array) -> float:
     rate = 1.0 / float(np.median(np.diff(time_s)))
     whole = float(round(rate))
     return whole if abs(rate - whole) <= 1e-3 * rate else rate
-
-
-_SAME_RATE = 1e-3  # by how much a recorded sample rate may be off
 
 
 class ReplayDevice(ComputedDevice):

@@ -23,6 +23,13 @@ import numpy as np
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Array, Block, Counts, Settings
 
+_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
+# By how much a reported torque may differ from the wall's: a share of its parts, and of the limit. Single precision on
+# the target, and the 24 bits that travel, make some 1e-6.
+LAW_SHARE = 1e-4
+LAW_LIMIT_SHARE = 1e-6
+
 
 class WallTorque(NamedTuple):
     """Torque of the wall at samples (n,), N·m; ``terms``: sizes of its parts added, which roundings are shares of.
@@ -51,9 +58,6 @@ def wall_torque(angle_counts: Counts, settings: Settings, native_counts: int, *,
     return WallTorque(torque, np.where(inside, np.abs(spring) + np.abs(damper), 0.0), coarse)
 
 
-_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
-
-
 @contextlib.contextmanager
 def undisturbed() -> Iterator[None]:
     """Put off what interrupts, where this thread would hear it.
@@ -72,13 +76,6 @@ def undisturbed() -> Iterator[None]:
             signal.signal(kind, signal.SIG_DFL if handler is None else handler)
         for number in dict.fromkeys(heard):
             signal.raise_signal(number)
-
-
-_SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
-# By how much a reported torque may differ from the wall's: a share of its parts, and of the limit. Single precision on
-# the target, and the 24 bits that travel, make some 1e-6.
-LAW_SHARE = 1e-4
-LAW_LIMIT_SHARE = 1e-6
 
 
 class LimitMonitor:

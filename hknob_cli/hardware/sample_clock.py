@@ -16,6 +16,13 @@ from hknob_cli.hardware.port import Array, Block, Counts, Drift, Settings
 
 MOST_DRIFT = 0.01  # by which share the clocks may differ; quartz clocks differ by 1e-4 at most
 
+PERCENTILES = (50.0, 95.0, 99.0, 99.9)
+CLOCK_S = 1e-6  # the device tells whole microseconds
+_AHEAD = 8  # samples among which one is in time
+MOST_OFF = 0.01  # by which share a rate may be off: quartz clocks are within 1e-4, and Chapter 8's cells are far apart
+LEAST_SAMPLES = 100
+_LEAST_MISSED = 5  # ticks; fewer are this or that late sample
+
 
 def drift_fault(drift: Drift | None) -> str:
     """What is wrong with a clock that differs so; empty if nothing is."""
@@ -26,11 +33,6 @@ def drift_fault(drift: Drift | None) -> str:
         f"the target's clock is {abs(drift.share):.1%} {how} by this computer's (sure to {drift.uncertainty:.1%}, "
         f"at most {MOST_DRIFT:.0%} is allowed): its times are wrong, or its loop does not run at the rate it was told"
     )
-
-
-PERCENTILES = (50.0, 95.0, 99.0, 99.9)
-CLOCK_S = 1e-6  # the device tells whole microseconds
-_AHEAD = 8  # samples among which one is in time
 
 
 class Timing(NamedTuple):
@@ -140,11 +142,6 @@ def histogram(jitter_s: Array, *, bins: int = 61) -> tuple[Array, np.ndarray[Any
     edges = width * (np.arange(bins + 1) - 0.5 * bins)
     counts, _ = np.histogram(jitter_s, edges)
     return edges, counts.astype(np.int64)
-
-
-MOST_OFF = 0.01  # by which share a rate may be off: quartz clocks are within 1e-4, and Chapter 8's cells are far apart
-LEAST_SAMPLES = 100
-_LEAST_MISSED = 5  # ticks; fewer are this or that late sample
 
 
 class SampleClock:

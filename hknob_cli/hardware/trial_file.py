@@ -27,6 +27,9 @@ from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 from hknob_cli.specs.parquet import table_of
 
+ABOUT = b"hknob.trial"
+_COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
+
 
 class Samples(NamedTuple):
     """Samples of a trial, arrays (n,) as in a `Block`; ``number`` of each since arming, ``overruns`` in all."""
@@ -56,10 +59,6 @@ def joined(blocks: Sequence[Block]) -> Samples:
         running=np.concatenate([np.empty(0, dtype=bool), *(block.running for block in blocks)]),
         overruns=max((block.overruns for block in blocks), default=0),
     )
-
-
-ABOUT = b"hknob.trial"
-_COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
 
 
 class Recorded(NamedTuple):

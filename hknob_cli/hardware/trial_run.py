@@ -19,6 +19,14 @@ from hknob_cli.specs.campaign import CoursePlan
 
 HANDS_OFF = "hands off"  # the state of a trial that has not begun
 
+# A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
+# Shorter, it would take a pause of this computer's own for silence.
+PATIENCE_S = 3.0
+# By how much a phase may last longer than its samples say, by this computer's clock: blocks may be on their way.
+LATE_S = 3.0
+# A clock that is simulated may be slower than any real one: under an emulator, on a busy computer, several times.
+OWN_TIME_SLOWER, OWN_TIME_LATE_S = 20.0, 60.0
+
 
 class Wish(str, Enum):
     """What the operator wants of the trial at hand."""
@@ -61,15 +69,6 @@ class Nobody:
     def look(self, _view: View) -> Wish:
         """Go on."""
         return Wish.GO_ON
-
-
-# A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
-# Shorter, it would take a pause of this computer's own for silence.
-PATIENCE_S = 3.0
-# By how much a phase may last longer than its samples say, by this computer's clock: blocks may be on their way.
-LATE_S = 3.0
-# A clock that is simulated may be slower than any real one: under an emulator, on a busy computer, several times.
-OWN_TIME_SLOWER, OWN_TIME_LATE_S = 20.0, 60.0
 
 
 class RepeatTrialError(Exception):

@@ -24,6 +24,10 @@ from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 
 _MOST_COUNTS = 2**31
 
+NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
+SHORTEST_PERIOD_NS = 1000
+IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1)
+
 
 class VirtualLoop:
     """The control loop of one trial, from arming on; ``fault`` says why it tripped."""
@@ -139,11 +143,6 @@ def _sum(sines: tuple[Sine, ...], t: Array) -> Array:
 
 def _single(values: Array) -> Array:
     return values.astype(np.float32).astype(np.float64)
-
-
-NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
-SHORTEST_PERIOD_NS = 1000
-IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1)
 
 
 class State(IntEnum):

@@ -19,6 +19,8 @@ from hknob_cli.recordings.trial import Array
 LEVERAGE = 0.9  # the most that one residual's leverage counts for
 WINDOW = 5.0  # correlation times that the kernel spans
 
+CHANCE = 1e-6  # p-value of white residuals above which they may be white after all, in one fit of very many
+
 
 def cautious(slopes: Array, residuals: Array) -> Array:
     """Covariance (p, p) of least squares: the `sandwich`, its variances no less than the `classical` ones.
@@ -104,9 +106,6 @@ def bandwidth(residuals: Array) -> int:
             return lag
         time += float(residuals[lag:] @ residuals[:-lag]) / power
     return most
-
-
-CHANCE = 1e-6  # p-value of white residuals above which they may be white after all, in one fit of very many
 
 
 class Widened(NamedTuple):

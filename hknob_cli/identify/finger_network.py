@@ -12,6 +12,10 @@ import numpy as np
 
 from hknob_cli.recordings.trial import Array
 
+ORDER = ("inertia", "finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness")
+FINGER_INERTIA = 3.0e-7  # Section 4.4.1: "a generous estimate"
+SPLIT = 10.0  # Section 4.4.1: K1 = 10 K2, B1 = 10 B2
+
 
 def hold_matrices(
     matrix: Array, push: Array, dt_s: float, matrices: Array | None = None, pushes: Array | None = None
@@ -57,11 +61,6 @@ def respond_linear(move: Array, push: Array, torque_nm: Array) -> tuple[Array, A
         kernel = compiled("pulse")["follow_linear"]
         kernel(torque, move[0], push[0], move[1:], push[1:], np.zeros((count + 2, order)), angle, slopes)
     return angle, slopes
-
-
-ORDER = ("inertia", "finger_inertia", "finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness")
-FINGER_INERTIA = 3.0e-7  # Section 4.4.1: "a generous estimate"
-SPLIT = 10.0  # Section 4.4.1: K1 = 10 K2, B1 = 10 B2
 
 
 def network(parameters: Mapping[str, float]) -> tuple[Array, Array]:

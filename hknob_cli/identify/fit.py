@@ -14,6 +14,13 @@ from hknob_cli.recordings.trial import Array
 
 PARAMETERS = ("inertia", "damping", "stiffness", "coulomb")
 
+LAGS = 20
+ODDS = 0.01  # p-value below which residuals are called not white
+MISFIT = "the model does not fit"
+EXCESS = 1.5  # residuals this many times the known noise are more than noise
+ROUNDING = 1e-14  # share of variance below which what is left is the arithmetic's own
+OVERDAMPED, UNDAMPED = 1.5, 0.05  # damping ratios beyond which a pulse tells two of the parameters badly
+
 
 class Estimate(NamedTuple):
     """A value and its standard error, in SI units; ``identifiable`` False where the data cannot tell it.
@@ -49,14 +56,6 @@ class Fit(NamedTuple):
     offset_rad: float = 0.0
     covariance: tuple[tuple[float, ...], ...] | None = None
     misfit: tuple[tuple[float, ...], ...] | None = None
-
-
-LAGS = 20
-ODDS = 0.01  # p-value below which residuals are called not white
-MISFIT = "the model does not fit"
-EXCESS = 1.5  # residuals this many times the known noise are more than noise
-ROUNDING = 1e-14  # share of variance below which what is left is the arithmetic's own
-OVERDAMPED, UNDAMPED = 1.5, 0.05  # damping ratios beyond which a pulse tells two of the parameters badly
 
 
 def vaf(measured: Array, modelled: Array) -> float:

@@ -16,6 +16,8 @@ import numpy as np
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.fit import Estimate, Fit, judged
 
+SQUARED_ARM = ("inertia", "damping", "stiffness")
+
 
 class Spread(NamedTuple):
     """Mean, standard deviation (n - 1; NaN of one), coefficient of variation std/mean, and how many."""
@@ -58,9 +60,6 @@ def student(level: float, degrees: int) -> float:
     from scipy.special import stdtrit
 
     return float(stdtrit(degrees, 0.5 + 0.5 * level))
-
-
-SQUARED_ARM = ("inertia", "damping", "stiffness")
 
 
 def damping_ratio(fit: Fit) -> Estimate:

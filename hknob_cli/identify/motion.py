@@ -9,6 +9,11 @@ import numpy as np
 
 from hknob_cli.recordings.trial import Array
 
+# A Butterworth low-pass of fourth order, forwards and backwards: no phase, gain 1/(1 + (f/cutoff)^8), so that every
+# polynomial up to degree 7 passes unchanged. Its cutoff, in shares of the Nyquist frequency that decimation leaves.
+ORDER = 4
+CUTOFF = 0.8
+
 
 class Motion(NamedTuple):
     """Torque and angle at a uniform interval ``dt_s``, the angle from its rest value before the pulse.
@@ -55,12 +60,6 @@ class Motion(NamedTuple):
         """Share of the peak angle by which the averaged trials scatter beyond noise; None of a single trial."""
         peak = float(np.max(np.abs(self.angle_rad)))
         return None if self.scatter_rad is None or not peak > 0.0 else self.scatter_rad / peak
-
-
-# A Butterworth low-pass of fourth order, forwards and backwards: no phase, gain 1/(1 + (f/cutoff)^8), so that every
-# polynomial up to degree 7 passes unchanged. Its cutoff, in shares of the Nyquist frequency that decimation leaves.
-ORDER = 4
-CUTOFF = 0.8
 
 
 def low_pass(signal: Array, factor: int) -> Array:

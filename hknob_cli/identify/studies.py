@@ -40,6 +40,10 @@ UNITS = {"noise_rad": "rad", "coulomb_nm": "N*m", "lag_s": "s", "counts_per_rev"
 DECIMATION, QUIET_RAD = 10, 1e-5  # smoothing while noise or friction varies; noise while smoothing does
 BEFORE, AFTER, MARGIN = 20, 300, 400  # samples kept before and after the onset, and taken up by the filter's ends
 
+FASTEST = 1e9  # rate of the finger times the interval, beyond which rounding costs the fitted damping more than 1e-6
+PULSE_S, WINDOW_S, DT_S = 0.02, 0.03, 1e-4  # length of the pulse, of the record, and between samples
+RATIOS = tuple(float(ratio) for ratio in np.geomspace(1.0, 1000.0, 13))
+
 
 class Bias(NamedTuple):
     """An estimate's mean error and standard deviation, in per cent of the ``truth`` (SI; of friction: its level)."""
@@ -159,11 +163,6 @@ def _at(
             mean, truth = float(np.mean(values)), getattr(true, parameter)
             rows.append(Bias(grip_n, nuisance, level, estimator_name, parameter, truth, mean, std))
     return rows
-
-
-FASTEST = 1e9  # rate of the finger times the interval, beyond which rounding costs the fitted damping more than 1e-6
-PULSE_S, WINDOW_S, DT_S = 0.02, 0.03, 1e-4  # length of the pulse, of the record, and between samples
-RATIOS = tuple(float(ratio) for ratio in np.geomspace(1.0, 1000.0, 13))
 
 
 class Hidden(NamedTuple):

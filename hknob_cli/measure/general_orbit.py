@@ -25,6 +25,11 @@ from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scal
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.scene.general_knob import GeneralKnob
 
+MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
+_BLOCK = 1 << 19  # numbers worked on at once
+_SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
+SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
+
 
 class Leak(NamedTuple):
     """Work of the wall over one period by when it is done, in units of J (counts per sample)²."""
@@ -46,11 +51,6 @@ def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: fl
         analog: Whether the sensor has no counts.
     """
     return Leak(*find_leak(x.tolist(), torque.tolist(), len(torque), 0.0, edge, kappa, offset, analog))
-
-
-MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
-_BLOCK = 1 << 19  # numbers worked on at once
-_SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
 
 
 def of_chart(body: Body, chart: PeriodSegments, period_samples: int, split: float, count: int) -> Complex:
@@ -98,9 +98,6 @@ def _transform(times: Array, jumps: Array, n: int, split: float, w: Array) -> Co
         # Not a matrix product, whose last digit may depend on the number of threads.
         found[part] += np.einsum("ij,jk->ik", np.exp(-1j * np.outer(w[part], times[left])), jumps[left])
     return found
-
-
-SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
 
 
 class Turns(NamedTuple):

@@ -29,6 +29,9 @@ RATE_HZ = 16000
 DURATION_S = 1.2
 MOST_BYTES = 60_000  # of a clip in the page
 
+_NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
+Progress = Callable[[int, int], None]
+
 
 def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
     """WAV clips of the cycles that trials end in, as data: addresses. Raises `MissingError`.
@@ -51,10 +54,6 @@ def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
         data = base64.b64encode(sound.wav_bytes(made)).decode("ascii")
         found.append(Clip(one.name, f"data:audio/wav;base64,{data}"))
     return tuple(found)
-
-
-_NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
-Progress = Callable[[int, int], None]
 
 
 class Judgement(NamedTuple):

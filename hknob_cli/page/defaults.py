@@ -54,6 +54,8 @@ _FILES = {
 }
 _FLAGS = ("chosen", "present", "next_cheaper", "front")
 
+T = TypeVar("T")
+
 
 def tables_of(result: Result) -> tuple[TablePlan, ...]:
     """A table of each file that is there and has rows; recordings are drawn, not listed."""
@@ -86,9 +88,6 @@ def _table(result: Result, file: str) -> TablePlan:
         first_are="the front, the answer, the next cheaper and the present design" if is_design else "",
         made=made,
     )
-
-
-T = TypeVar("T")
 
 
 def chapters_of(evidence: ResultSet) -> tuple[ChapterPlan, ...]:

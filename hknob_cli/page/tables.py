@@ -92,6 +92,33 @@ _ENDING = re.compile(
 )
 _PER_AXIS = re.compile(r", (?=[^,]*$)")
 
+Row = dict[str, Any]
+WHOLE = 100  # rows up to which a table is shown whole
+CUT = 40  # rows of a longer one
+NOTHING = "\N{EN DASH}"
+# What identifies a row, or is what everybody looks for: a column even where all rows have the same, or none a value.
+_ALWAYS = ("p2p_rad", "p2p_max_rad", "frequency_hz")
+# Columns of a table of several rows that stay in the file.
+_LEFT_OUT = {
+    "cells": ("p2p_counts",),
+    "orbits": (
+        "min_rad", "max_rad", "margin_counts", "closure_rad", "wall_work_j", "damping_loss_j", "friction_loss_j",
+        "late_entry_j", "late_exit_j", "staircase_j", "hand_inertia_kg_m2", "hand_damping_nm_s_per_rad",
+        "hand_stiffness_nm_per_rad",
+    ),
+    "dfa": ("amplitude_rad", "amplitude_difference", "samples_inside"),
+    "predict": ("amplitude_rad", "amplitude_difference", "rms_sine_rad"),
+    "remedies": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
+    "cases": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
+    "trials": ("steady_first", "steady_last", "torque_hz", "grip_zero_n", "native_counts", "device"),
+    "bench": ("samples", "error_counts", "reference_swing_rad", "p2p_relative_error"),
+}  # fmt: skip
+# What a search for a design is for, which stands before the sizes.
+_ANSWER = ("chosen", "present", "feasible", "fails", "touch_db")
+_DIGITS = 4
+_AXIS_DIGITS = 6
+UPRIGHT = (Head("quantity", "", "", True), Head("value", "", "", False), Head("meaning", "", "", True))
+
 
 class Shown(NamedTuple):
     """A column as a table has it: head, unit (empty where there is none), factor, meaning, and whether it is text."""
@@ -135,36 +162,6 @@ def _plain(name: str) -> str:
 def _written(unit: str) -> str:
     """A unit with points and powers as they are printed."""
     return "" if unit == "1" else unit.replace("*", "·").replace("^2", "²")
-
-
-Row = dict[str, Any]
-WHOLE = 100  # rows up to which a table is shown whole
-CUT = 40  # rows of a longer one
-NOTHING = "\N{EN DASH}"
-# What identifies a row, or is what everybody looks for: a column even where all rows have the same, or none a value.
-_ALWAYS = ("p2p_rad", "p2p_max_rad", "frequency_hz")
-# Columns of a table of several rows that stay in the file.
-_LEFT_OUT = {
-    "cells": ("p2p_counts",),
-    "orbits": (
-        "min_rad", "max_rad", "margin_counts", "closure_rad", "wall_work_j", "damping_loss_j", "friction_loss_j",
-        "late_entry_j", "late_exit_j", "staircase_j", "hand_inertia_kg_m2", "hand_damping_nm_s_per_rad",
-        "hand_stiffness_nm_per_rad",
-    ),
-    "dfa": ("amplitude_rad", "amplitude_difference", "samples_inside"),
-    "predict": ("amplitude_rad", "amplitude_difference", "rms_sine_rad"),
-    "remedies": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
-    "cases": ("touch_reference_db", "hearing_reference_db", "hearing_relative_reference_db"),
-    "trials": ("steady_first", "steady_last", "torque_hz", "grip_zero_n", "native_counts", "device"),
-    "bench": ("samples", "error_counts", "reference_swing_rad", "p2p_relative_error"),
-}  # fmt: skip
-# What a search for a design is for, which stands before the sizes.
-_ANSWER = ("chosen", "present", "feasible", "fails", "touch_db")
-_DIGITS = 4
-_AXIS_DIGITS = 6
-
-
-UPRIGHT = (Head("quantity", "", "", True), Head("value", "", "", False), Head("meaning", "", "", True))
 
 
 class _Cut(NamedTuple):

@@ -17,6 +17,8 @@ _PACKAGE = Path(__file__).parent
 FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "perception")
 SENSES = ("touch", "torque", "hearing")
 
+REDRAWS = 1000  # of the people, with replacement
+
 
 def folder(candidates: tuple[Path, ...] | None = None) -> Path:
     """The folder of the data: the first of the candidates, by default `FOLDERS`, that has it.
@@ -72,9 +74,6 @@ def data_digest() -> str:
     for path in data_files():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
-
-
-REDRAWS = 1000  # of the people, with replacement
 
 
 class Doubt(NamedTuple):

@@ -29,6 +29,9 @@ from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
 from hknob_cli.stages.work import Work
 
+Said = Callable[[str, str], None]
+_MANY = "results"  # of a report: results by name, also where there is one
+
 
 class FileNode:
     """A file, or a folder of results, that a step reads or writes.
@@ -141,10 +144,6 @@ class Step:
     def execute(self, **_inputs: Any) -> None:
         """Run it."""
         self.computed = self.run()
-
-
-Said = Callable[[str, str], None]
-_MANY = "results"  # of a report: results by name, also where there is one
 
 
 def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:

@@ -23,6 +23,16 @@ _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.
 FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "printed")
 
+# Which apparatus of Table 10 each table was measured with: the 17.8 mm knob, or the 29.9 mm knob.
+_SETUPS = {
+    1: "small_experimental",
+    2: "small_experimental",
+    3: "medium_experimental",
+    4: "medium_experimental",
+    5: "medium_experimental",
+}
+_G_CM2 = Decimal("1e-7")  # kg m^2
+
 
 def folder(candidates: tuple[Path, ...] | None = None) -> Path:
     """The folder of the tables: the first of the candidates, by default `FOLDERS`, that has them.
@@ -119,17 +129,6 @@ def _value(text: str) -> Value:
         return float(text)
     except ValueError:
         return text or None
-
-
-# Which apparatus of Table 10 each table was measured with: the 17.8 mm knob, or the 29.9 mm knob.
-_SETUPS = {
-    1: "small_experimental",
-    2: "small_experimental",
-    3: "medium_experimental",
-    4: "medium_experimental",
-    5: "medium_experimental",
-}
-_G_CM2 = Decimal("1e-7")  # kg m^2
 
 
 class Grasp(NamedTuple):

@@ -18,6 +18,10 @@ from hknob_cli.specs.messages import shown
 
 _MISSING = ["", "na", "nan", "null", "n/a", "none"]
 
+_WHOLE = ("block", "trial")
+_NUMBERS = ("grip_target_n", *_WHOLE)
+_LARGEST_WHOLE = 2.0**53
+
 
 class Bad(NamedTuple):
     """A cell that is wrong: its row in the array, and the value as it is shown."""
@@ -102,11 +106,6 @@ def _is_text(kind: pa.DataType) -> bool:
     if pa.types.is_dictionary(kind):
         kind = kind.value_type
     return any(test(kind) for test in (pa.types.is_string, pa.types.is_large_string, pa.types.is_string_view))
-
-
-_WHOLE = ("block", "trial")
-_NUMBERS = ("grip_target_n", *_WHOLE)
-_LARGEST_WHOLE = 2.0**53
 
 
 class Block(NamedTuple):

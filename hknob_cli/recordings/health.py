@@ -19,6 +19,21 @@ _FREE_FALL_S = 5e-3
 _MARGIN = 4.0
 _FAST = 5.0
 
+FEWEST_BEFORE = 10
+FEWEST_DURING = 10
+FEWEST_COUNTS = 20
+MOST_TORQUE_NM = 1.0
+MOST_MOTION_RAD = 3.0  # of a hand on a knob, in a pulse
+WRONG_SIGN = "pulse of the wrong sign"
+LONGEST_PULSE_S = 0.5  # a hand reacts long before
+GAP = 1.5
+REST_S = 0.02
+FINER = 0.5  # of a count; an encoder of that many counts changes by whole ones, but for digits lost in a file
+GRIP_SHARE = 0.2
+REST_SHARE = 0.05
+TORQUE_SHARE = 0.2
+RATE_SHARE = 0.01
+
 
 def quantum(angle_rad: Array) -> float:
     """Smallest change between samples, rad: the encoder's step where there is one; 0 if nothing changes."""
@@ -65,22 +80,6 @@ def stuck(angle_rad: Array) -> int:
         if even and abs(usual) > _FAST * step and changes[end] / usual > 0.5 * (end - start + 1):
             found += 1
     return found
-
-
-FEWEST_BEFORE = 10
-FEWEST_DURING = 10
-FEWEST_COUNTS = 20
-MOST_TORQUE_NM = 1.0
-MOST_MOTION_RAD = 3.0  # of a hand on a knob, in a pulse
-WRONG_SIGN = "pulse of the wrong sign"
-LONGEST_PULSE_S = 0.5  # a hand reacts long before
-GAP = 1.5
-REST_S = 0.02
-FINER = 0.5  # of a count; an encoder of that many counts changes by whole ones, but for digits lost in a file
-GRIP_SHARE = 0.2
-REST_SHARE = 0.05
-TORQUE_SHARE = 0.2
-RATE_SHARE = 0.01
 
 
 def flags(trial: Trial, *, counts_per_rev: float | None = None, sample_rate_hz: float | None = None) -> tuple[str, ...]:

@@ -14,6 +14,11 @@ from hknob_cli.recordings.spectrum import principal_frequency
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
+PAUSE_S = 0.05  # a buzz is no slower than 20 Hz, above a hand's tremor of 8-12 Hz
+LEAST_S = 1.0  # "After 1-3 seconds of sustained buzzing" (Hasser, sec. 8.2)
+SETTLE_S = 0.5  # first contact, and a grip that is still rising
+Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
 
 class Swing(NamedTuple):
     """Angles (rad) and times (s) of local maxima and minima, in turn; arrays."""
@@ -85,11 +90,6 @@ def _alternate(times: Array, values: Array, least: float) -> Swing:
     return Swing(values[tops], values[lows], times[tops], times[lows])
 
 
-PAUSE_S = 0.05  # a buzz is no slower than 20 Hz, above a hand's tremor of 8-12 Hz
-LEAST_S = 1.0  # "After 1-3 seconds of sustained buzzing" (Hasser, sec. 8.2)
-SETTLE_S = 0.5  # first contact, and a grip that is still rising
-
-
 class Buzz(NamedTuple):
     """The longest stretch in which the wall's torque never kept still for longer than a pause.
 
@@ -128,9 +128,6 @@ def find_buzz(
     begin = first + int(np.searchsorted(time_s[first : last + 1], time_s[first] + settle_s))
     sustained = bool(lengths[longest] >= least_s) and last - begin >= 4
     return Buzz(first, min(begin, last), last, sustained)
-
-
-Flags = np.ndarray[Any, np.dtype[np.bool_]]
 
 
 class TrialMeasures(NamedTuple):

@@ -20,6 +20,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 ABOVE_HZ = 20.0  # slower is the hand: its tremor of 8-12 Hz, its drift
 
+LEAST_COUNTS = 10.0  # of the device's own encoder: of a smaller swing it misses maxima
+
 
 def principal_frequency(time_s: Array, angle_rad: Array, *, above_hz: float = ABOVE_HZ) -> float:
     """Frequency (Hz) of the highest peak above ``above_hz``; 0 if there is none, as at rest. Arrays (n,).
@@ -52,9 +54,6 @@ def principal_frequency(time_s: Array, angle_rad: Array, *, above_hz: float = AB
     bend = low - 2.0 * mid + high
     shift = 0.5 * (low - high) / bend if bend < 0.0 else 0.0
     return float((at + shift) / (4.0 * duration))
-
-
-LEAST_COUNTS = 10.0  # of the device's own encoder: of a smaller swing it misses maxima
 
 
 def pitch_hz(

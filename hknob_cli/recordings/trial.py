@@ -9,6 +9,9 @@ import numpy as np
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
+# A command is part of the pulse from this share of its peak on: a real pulse is square, zero around it.
+SHARE = 0.1
+
 
 class Key(NamedTuple):
     """What tells trials apart: person, experiment (grasp and knob), target of the grip force (N), block, trial."""
@@ -37,10 +40,6 @@ class Trial(NamedTuple):
     source: str = ""
     first_row: int = 1
     notes: tuple[str, ...] = ()
-
-
-# A command is part of the pulse from this share of its peak on: a real pulse is square, zero around it.
-SHARE = 0.1
 
 
 class Pulse(NamedTuple):

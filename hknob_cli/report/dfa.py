@@ -12,6 +12,8 @@ import pyarrow as pa
 
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 
+_NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
+
 
 def overlap_text(summary: dict[str, Any]) -> list[str]:
     """A line where the sweep has some of the cells only; nothing where it has all, or there is none."""
@@ -19,9 +21,6 @@ def overlap_text(summary: dict[str, Any]) -> list[str]:
     if not found or found["with_partner"] == found["cells"]:
         return []
     return [f"{found['with_partner']} of {found['cells']} cells are in the sweep, too; only these are compared with it"]
-
-
-_NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:

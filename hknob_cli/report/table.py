@@ -23,6 +23,9 @@ _TIED = "\u00a0±\u00a0"
 
 Rows = Sequence[Sequence[str]]
 
+MAX_ROWS = 60  # of a table on the terminal
+Mark = Callable[[dict[str, Any]], str]
+
 
 def columns() -> int:
     """Width to write for: $COLUMNS, else of the terminal that any standard stream is, else 80."""
@@ -193,11 +196,6 @@ def _listed(lines: Rows, room: int) -> Iterator[str]:
     for row in rows:
         for head, text in zip(heads, row, strict=True):
             yield from _folded(f"{head}: {text}" if head else text, room) if text else ()
-
-
-MAX_ROWS = 60  # of a table on the terminal
-
-Mark = Callable[[dict[str, Any]], str]
 
 
 def short(value: float | None, digits: int = 4) -> str:

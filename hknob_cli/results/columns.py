@@ -9,6 +9,20 @@ import pyarrow as pa
 
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
+# Columns that need samples, or a period of them.
+SAMPLED = (
+    "period_samples",
+    "margin_counts",
+    "closure_rad",
+    "wall_work_j",
+    "damping_loss_j",
+    "friction_loss_j",
+    "late_entry_j",
+    "late_exit_j",
+    "staircase_j",
+)
+
 
 class Column(NamedTuple):
     """One column; ``unit`` is "1" for pure numbers, empty where there is none."""
@@ -22,8 +36,6 @@ class Column(NamedTuple):
         """Arrow field with unit and meaning as metadata."""
         return pa.field(self.name, self.type, metadata={"unit": self.unit, "meaning": self.meaning})
 
-
-_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
 CELLS = (
     Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, mean of the trials that cycle; null where none does"),
@@ -124,18 +136,6 @@ PEOPLE = (
     Column("hand_inertia_kg_m2", _REAL, "kg*m^2", "inertia that the person's hand adds to the knob"),
     Column("hand_damping_nm_s_per_rad", _REAL, "N*m*s/rad", "damping of the person's hand"),
     Column("hand_stiffness_nm_per_rad", _REAL, "N*m/rad", "stiffness of the person's hand"),
-)
-# Columns that need samples, or a period of them.
-SAMPLED = (
-    "period_samples",
-    "margin_counts",
-    "closure_rad",
-    "wall_work_j",
-    "damping_loss_j",
-    "friction_loss_j",
-    "late_entry_j",
-    "late_exit_j",
-    "staircase_j",
 )
 
 _AXES = {

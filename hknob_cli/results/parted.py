@@ -24,6 +24,8 @@ from hknob_cli.specs.regular import is_endless
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
 
+PART = b"hknob.part"
+
 
 def write_table(table: pa.Table, stream: BinaryIO) -> None:
     """Write a table to a file. Raises `OSError`.
@@ -76,9 +78,6 @@ class Parting(NamedTuple):
     def metadata(self, number: int) -> dict[bytes, bytes]:
         """What a part says of itself."""
         return part_metadata(number, self.parts, self.provenance)
-
-
-PART = b"hknob.part"
 
 
 class Parted(NamedTuple):

@@ -18,6 +18,11 @@ from hknob_cli.specs.plan import PERSON, Scene
 _MARK = re.compile(rb"<!-- hknob (?P<stage>[a-z-]+) (?P<name>[A-Za-z0-9._-]+) (?P<digest>[0-9a-f]{16}) -->")
 _HEAD = 300  # bytes
 
+KEYWORD = "Source"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+KEY = b"hknob.provenance"
+DESIGN = "design"  # the key of a grid that is no axis
+
 
 def mark(stage: str, name: str, stamp: bytes) -> str:
     """The comment, for the results of a stage with the provenance ``stamp``."""
@@ -41,10 +46,6 @@ def _found(path: Path) -> re.Match[bytes] | None:
         return _MARK.search(stream.read(_HEAD))
 
 
-KEYWORD = "Source"
-SIGNATURE = b"\x89PNG\r\n\x1a\n"
-
-
 def source_text(stage: str, name: str) -> str:
     """What the text chunk of a picture says."""
     return f"hknob {stage} {name}"
@@ -65,10 +66,6 @@ def picture_origin(path: Path) -> tuple[str, str] | None:
             if kind == b"tEXt" and keyword == KEYWORD.encode() and words[0] == "hknob" and len(words) == 3:
                 return words[1], words[2]
     return None
-
-
-KEY = b"hknob.provenance"
-DESIGN = "design"  # the key of a grid that is no axis
 
 
 def describe(

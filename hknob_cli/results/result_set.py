@@ -30,6 +30,9 @@ _BOUNDS: dict[str, Callable[[float, float], bool]] = {
     "below": lambda value, bound: value < bound * (1.0 - 1e-9),
 }
 
+Rows = list[dict[str, Any]]
+CAMPAIGN = "hw-run"
+
 
 def matching(rows: list[dict[str, Any]], asked: Where) -> list[dict[str, Any]]:
     """Those of the rows that have what is asked. Raises `UsageError` for an unknown bound."""
@@ -46,10 +49,6 @@ def _is(value: Any, asked: Any) -> bool:
     if isinstance(asked, str | bool) or value is None:
         return bool(value == asked)
     return bool(abs(value - asked) <= SAME * abs(asked))
-
-
-Rows = list[dict[str, Any]]
-CAMPAIGN = "hw-run"
 
 
 class MissingError(UsageError):

@@ -19,6 +19,13 @@ SHORTEST = 0.05  # s that its last pieces should take: beside that, what it cost
 MOST = 65_536  # items in a piece, which bounds the memory that it takes
 GROWTH = 4.0  # from one piece to the next, at most
 
+DEATHS = 8  # of the worker that has an item, after which it is given up
+# Of them, after which it is done with nothing beside it: it has all the memory then, and no other piece is blamed that
+# was waiting at the same worker of a cluster.
+SUSPECT = 2
+_SOON = 0.05  # s between two looks at whether somebody has come
+_TICK = 0.2  # s between two looks at whether there was an interruption
+
 
 class Pace:
     """Sizes of pieces by measured cost."""
@@ -106,14 +113,6 @@ class Ranges:
             halves = [Range(one.start, middle, one.deaths + 1), Range(middle, one.stop, one.deaths + 1)]
             self._left += [half for half in halves if half.items]
         self._left.sort(reverse=True)
-
-
-DEATHS = 8  # of the worker that has an item, after which it is given up
-# Of them, after which it is done with nothing beside it: it has all the memory then, and no other piece is blamed that
-# was waiting at the same worker of a cluster.
-SUSPECT = 2
-_SOON = 0.05  # s between two looks at whether somebody has come
-_TICK = 0.2  # s between two looks at whether there was an interruption
 
 
 class Workers(Protocol):

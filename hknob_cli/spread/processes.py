@@ -30,6 +30,11 @@ from hknob_cli.errors import ComputationError, HknobError
 _M_MMAP_THRESHOLD, _M_TRIM_THRESHOLD, _M_TOP_PAD = -3, -1, -2
 _SETTINGS = {_M_MMAP_THRESHOLD: 32 << 20, _M_TRIM_THRESHOLD: 256 << 20, _M_TOP_PAD: 16 << 20}
 
+Work = Callable[[int, int], bytes]  # items start to stop, to their results
+Done = tuple[float, bytes]  # seconds, results
+_BOTH = {signal.SIGINT, signal.SIGTERM}
+_END = b""  # in place of a piece of work: there is no more
+
 
 def keep_memory() -> None:
     """From now on, in this process and those that it forks; nothing where the C library is not GNU's.
@@ -43,13 +48,6 @@ def keep_memory() -> None:
     for what, size in _SETTINGS.items():
         mallopt(what, size)
     pa.set_memory_pool(pa.system_memory_pool())  # the same memory, for tables
-
-
-Work = Callable[[int, int], bytes]  # items start to stop, to their results
-Done = tuple[float, bytes]  # seconds, results
-
-_BOTH = {signal.SIGINT, signal.SIGTERM}
-_END = b""  # in place of a piece of work: there is no more
 
 
 @contextlib.contextmanager

@@ -16,6 +16,16 @@ from typing import NamedTuple
 
 from hknob_cli.specs.plan import COUNTS, RATE, Actuator, Bias, Cell, Encoder, Hand, Scene
 
+MOST_DELAY_ANGLE = 0.5  # rad; the first term that the describing function's limit leaves out is then 4 %
+MOST_COUNTS = 2.0  # peak to peak; beyond, a motion that is symmetric about its edge reaches the next one
+LEAST_BALANCE, MOST_BALANCE = 0.2, 0.8  # torque steps; the laws assume 0.5
+MOST_FRICTION = 0.12  # Coulomb friction in torque steps; beyond, the velocity is not triangular enough
+MOST_FRICTION_SHARE = 0.1  # of the energy that the delay feeds in, for laws that know no friction
+MOST_SPRING = 0.25  # torque of the hand's spring at the peak over the relay's, for laws that know no spring
+RMS_SINE = 0.707 / 2.0  # of peak to peak: the correction as printed (Hasser, sec. 9.3)
+RMS_ARCS = sqrt(8.0 / 15.0) / 2.0  # of peak to peak: parabolic arcs, which are what constant torques make
+FRICTION_HOLDS = "friction holds the knob"
+
 
 class WorkingEdge(NamedTuple):
     """What the laws and stability limits need of one cell; SI units.
@@ -91,19 +101,6 @@ def working_edge(scene: Scene, cell: Cell) -> WorkingEdge:
         torque_step=step,
         balance=left / step if step > 0.0 else 0.0,
     )
-
-
-MOST_DELAY_ANGLE = 0.5  # rad; the first term that the describing function's limit leaves out is then 4 %
-MOST_COUNTS = 2.0  # peak to peak; beyond, a motion that is symmetric about its edge reaches the next one
-LEAST_BALANCE, MOST_BALANCE = 0.2, 0.8  # torque steps; the laws assume 0.5
-MOST_FRICTION = 0.12  # Coulomb friction in torque steps; beyond, the velocity is not triangular enough
-MOST_FRICTION_SHARE = 0.1  # of the energy that the delay feeds in, for laws that know no friction
-MOST_SPRING = 0.25  # torque of the hand's spring at the peak over the relay's, for laws that know no spring
-
-RMS_SINE = 0.707 / 2.0  # of peak to peak: the correction as printed (Hasser, sec. 9.3)
-RMS_ARCS = sqrt(8.0 / 15.0) / 2.0  # of peak to peak: parabolic arcs, which are what constant torques make
-
-FRICTION_HOLDS = "friction holds the knob"
 
 
 class Prediction(NamedTuple):

@@ -18,6 +18,11 @@ LATENESS_S = 0.01  # by which the earliest arrivals at both ends of a trial may 
 _LEAST_BLOCKS = 12
 _FIRST_S, _THEN = 0.4, 1.25  # of the target's time: when to look first, and by how much later each time after
 
+ASK_EVERY_S = 0.02
+GAP_PATIENCE_S = 0.1
+# What may be held while a gap is being filled; what is further ahead is asked for later.
+MOST_AHEAD = 256
+
 
 class HostClock:
     """Arrivals of the blocks of one trial."""
@@ -61,12 +66,6 @@ def _earliest(told: Array, late: Array) -> tuple[float, float, float]:
     """When the least late block was taken, how late it was, and how much later than that the next tenth were."""
     i = int(np.argmin(late))
     return float(told[i]), float(late[i]), float(np.percentile(late, 10.0) - late[i])
-
-
-ASK_EVERY_S = 0.02
-GAP_PATIENCE_S = 0.1
-# What may be held while a gap is being filled; what is further ahead is asked for later.
-MOST_AHEAD = 256
 
 
 class BlockOrder:

@@ -18,6 +18,8 @@ MOST_READ_BYTES = 65536
 # A longer pause than this was this computer's (stopped, or too busy): time spent not listening is not silence.
 LONGEST_STEP_S = 0.05
 
+WRITE_S = 0.02
+
 
 class Pump:
     """Runs a session over an open pyserial port; ``changed`` guards the session, and tells when something came."""
@@ -71,9 +73,6 @@ class Pump:
                 self._port.write(data)
             except serial.SerialTimeoutException:
                 return  # nobody takes the bytes: commands are sent again, and silence is noticed
-
-
-WRITE_S = 0.02
 
 
 def open_port(url: str, *, baud: int) -> Any:

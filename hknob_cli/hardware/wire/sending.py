@@ -15,6 +15,17 @@ from hknob_cli.hardware.wire.codes import Kind, State, Status
 AGAIN_AFTER_S = 0.03
 TIMES_AGAIN = 5
 
+# After these a target that did as it was told is in this state. One that trips meanwhile, armed or running, says so.
+_AFTER = {
+    Kind.CONFIGURE: (State.IDLE,),
+    Kind.SIMULATE: (State.IDLE,),
+    Kind.ZERO: (State.IDLE,),
+    Kind.ARM: (State.ARMED, State.TRIPPED),
+    Kind.START: (State.RUNNING, State.TRIPPED),
+    Kind.STOP: (State.IDLE,),
+    Kind.RELEASE: (State.IDLE,),
+}
+
 
 class Sending:
     """A command that has no answer yet. The caller says what time it is, in seconds of any clock."""
@@ -37,18 +48,6 @@ class Sending:
     def is_given_up(self, now: float) -> bool:
         """Whether the last sending has had its time too."""
         return self._sent > TIMES_AGAIN and now >= self._next
-
-
-# After these a target that did as it was told is in this state. One that trips meanwhile, armed or running, says so.
-_AFTER = {
-    Kind.CONFIGURE: (State.IDLE,),
-    Kind.SIMULATE: (State.IDLE,),
-    Kind.ZERO: (State.IDLE,),
-    Kind.ARM: (State.ARMED, State.TRIPPED),
-    Kind.START: (State.RUNNING, State.TRIPPED),
-    Kind.STOP: (State.IDLE,),
-    Kind.RELEASE: (State.IDLE,),
-}
 
 
 def wrong_state(ack: Ack) -> str:

@@ -19,6 +19,9 @@ from hknob_cli.specs.scene import Part
 Real = Annotated[float, Field(allow_inf_nan=False)]
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
+Text = Annotated[str, Field(min_length=1)]
+Arguments = dict[str, Any]
+
 
 class Bounds(Part):
     """An interval of computed values, about the printed value or absolute. What is not given does not bind."""
@@ -51,10 +54,6 @@ class Bounds(Part):
         if self.at_least is not None and computed < self.at_least - slack:
             return False
         return self.at_most is None or computed <= self.at_most + slack
-
-
-Text = Annotated[str, Field(min_length=1)]
-Arguments = dict[str, Any]
 
 
 class Reading(Part):

@@ -69,6 +69,8 @@ REST = 1e-3
 
 Angles = list[float]
 
+Progress = Callable[[int, int], None]
+
 
 class Measure(NamedTuple):
     """Lowest and highest angle and swing (rad), and the counts that the encoder shows, of a trial's last third."""
@@ -126,9 +128,6 @@ def _over(value: float, scale: float) -> float:
     if value == 0.0:
         return 0.0
     return value / scale if scale > 0.0 else inf
-
-
-Progress = Callable[[int, int], None]
 
 
 class Entry(NamedTuple):

@@ -18,6 +18,8 @@ Rows = Sequence[dict[str, Any]]
 ANY = Limit(most_db=0.0, people=0.0, above_present=False)  # where there is no limit
 ROUNDING = 1e-9  # relative, of stiffness: a wall that renders exactly what is asked renders it
 
+SENSES = ("touch", "hearing")
+
 
 class Judged(NamedTuple):
     """A design's numbers, as columns say them, and its failures: limit to how far it is from being met, in words."""
@@ -119,9 +121,6 @@ def exceeded_by(levels: Sequence[float], share: float) -> float:
 def _mean(rows: Rows, column: str) -> float:
     values = [row[column] for row in rows if row[column] is not None]
     return sum(values) / len(values) if values else nan
-
-
-SENSES = ("touch", "hearing")
 
 
 def meets(one: Judged, doubt: Doubt) -> bool:

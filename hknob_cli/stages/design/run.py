@@ -63,6 +63,9 @@ DOMAIN = Column(
     "in_domain", _FLAG, "", "whether the controller is within its stated domain for everyone; null without one"
 )
 
+BATCH = 12  # designs evaluated at once
+Progress = Callable[[int, int], None]
+
 
 def design_columns(
     choices: Sequence[tuple[str, str]],
@@ -80,10 +83,6 @@ def design_columns(
     axes = [axis_column(name, unit) for name, unit in choices]
     more = [*([REDRAWN] if drawn else []), *([DOMAIN] if domain else []), *(RANGED if ranged else [])]
     return (REMEDY, *axes, COST, *MOTION, *([HEARING_DB] if gained else []), *PEOPLE, *VERDICT, *more)
-
-
-BATCH = 12  # designs evaluated at once
-Progress = Callable[[int, int], None]
 
 
 class _Search(NamedTuple):

@@ -20,6 +20,18 @@ if TYPE_CHECKING:
 
     from hknob_cli.specs.campaign import CoursePlan
 
+REFRESH_S = 0.1
+WIDTH = 41  # of the gauge, odd so that the target is in its middle
+_WISHES = {" ": Wish.END, "r": Wish.REPEAT, "q": Wish.STOP}
+_SAID = {
+    HANDS_OFF: "hands off the knob",
+    "zero": "hands off: reading the empty grip cell",
+    "grip": "grip the knob, into the band",
+    "buzz": "buzzing: hold it",
+    "rest": "at rest: hold it",
+}
+_WITHOUT_CELL = {"zero": "hands off", "grip": "hold the knob"}
+
 
 class Keys:
     """Keys as they are pressed; none where there is no terminal."""
@@ -63,19 +75,6 @@ def keys() -> Iterator[Keys]:
         yield Keys(descriptor)
     finally:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
-
-
-REFRESH_S = 0.1
-WIDTH = 41  # of the gauge, odd so that the target is in its middle
-_WISHES = {" ": Wish.END, "r": Wish.REPEAT, "q": Wish.STOP}
-_SAID = {
-    HANDS_OFF: "hands off the knob",
-    "zero": "hands off: reading the empty grip cell",
-    "grip": "grip the knob, into the band",
-    "buzz": "buzzing: hold it",
-    "rest": "at rest: hold it",
-}
-_WITHOUT_CELL = {"zero": "hands off", "grip": "hold the knob"}
 
 
 def gauge(grip_n: float | None, target_n: float, band_n: float) -> str:

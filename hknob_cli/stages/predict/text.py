@@ -20,6 +20,12 @@ _WITH_HAND = "_with_hand"
 
 Rows = list[dict[str, Any]]
 
+_DIFFERENCES = {
+    "p2p_difference": "p2p",
+    "p2p_max_difference": "p2p, to the largest",
+    "frequency_difference": "frequency",
+}
+
 
 def describe_limits(rows: Rows) -> dict[str, Any]:
     """Cells that satisfy each limit, and what binds; with the hand's damping too where the scene has a hand."""
@@ -112,13 +118,6 @@ def _with_hand(row: dict[str, Any], name: str) -> str:
 
 def _plain(name: str) -> str:
     return name.removesuffix(_WITH_HAND)
-
-
-_DIFFERENCES = {
-    "p2p_difference": "p2p",
-    "p2p_max_difference": "p2p, to the largest",
-    "frequency_difference": "frequency",
-}
 
 
 def describe_predictions(laws: dict[str, Rows], passivity: Rows, *, axes: list[str]) -> dict[str, Any]:

@@ -50,6 +50,12 @@ CASES = (
 )
 _OVER = "over the reference's, same cell and hand; null where one of them has no level"
 
+NEEDS = (
+    Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),
+    Column("source", _TEXT, "", "where the remedy is from"),
+)
+Row = dict[str, Any]
+
 
 def felt_columns(*, gained: bool) -> tuple[Column, ...]:
     """What ``perceive`` adds; ``gained``: with a sound gain."""
@@ -64,15 +70,6 @@ def felt_columns(*, gained: bool) -> tuple[Column, ...]:
         Column("touch_change_db", _REAL, "dB", f"touch_db {_OVER}"),
         Column("hearing_change_db", _REAL, "dB", f"{heard.name} {_OVER}"),
     )
-
-
-NEEDS = (
-    Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),
-    Column("source", _TEXT, "", "where the remedy is from"),
-)
-
-
-Row = dict[str, Any]
 
 
 def level_columns(plan: RemediesPlan) -> tuple[Column, ...]:

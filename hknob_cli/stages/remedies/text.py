@@ -16,6 +16,11 @@ from hknob_cli.results.means import from_where, together
 Row = dict[str, Any]
 _HEADS = ("smaller", "least", "at rest %", "proven %")
 
+LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
+_HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
+_RANGED = ("from", "one start")
+_FELT = ("touch dB", "louder", "by ear")
+
 
 def grid_text(grid: dict[str, Row]) -> list[str]:
     """A line for each remedy, that which makes the buzz smallest first, and what the columns say."""
@@ -41,12 +46,6 @@ def grid_text(grid: dict[str, Row]) -> list[str]:
 
 def _times(value: float | None) -> str:
     return "-" if value is None else f"{value:.3g}"
-
-
-LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
-_HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
-_RANGED = ("from", "one start")
-_FELT = ("touch dB", "louder", "by ear")
 
 
 def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ()) -> dict[str, Any]:

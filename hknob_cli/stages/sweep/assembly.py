@@ -24,6 +24,8 @@ from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbi
 _HEAD = 8  # bytes, that say how long the first file is
 _MOST = 32_768  # cells found at a time, which bounds the memory that a piece takes
 
+TABLES = ("cells", "orbits")
+
 
 class PieceFinder:
     """Finds pieces of a sweep; small to send from process to process, and keeps its engine between pieces."""
@@ -104,9 +106,6 @@ def files_of(data: bytes) -> tuple[memoryview, memoryview]:
 def decode(data: bytes) -> tuple[pa.Table, ...]:
     """Cells and orbits of a piece. Raises `pa.ArrowException` or `OSError` where it is none."""
     return tuple(pq.ParquetFile(pa.BufferReader(file)).read().replace_schema_metadata() for file in files_of(data))
-
-
-TABLES = ("cells", "orbits")
 
 
 def finished(staging: Staging, parting: Parting) -> int:

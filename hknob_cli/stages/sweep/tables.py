@@ -37,6 +37,11 @@ from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
 Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
+NEEDS_COUNTS = ("p2p_counts", "margin_counts")
+_OUTCOMES = [outcome.name.lower() for outcome in Outcome]
+_REASONS = [WORDS[reason] for reason in Reason]
+Axes = Mapping[str, NDArray[Any]]
+
 
 class AttractorColumns(NamedTuple):
     """Attractors of cells, those of a cell together, the most frequent first; arrays with one entry an attractor.
@@ -103,13 +108,6 @@ def in_columns(results: Sequence[CellResult]) -> AttractorColumns:
 
 def _whole(values: list[Any]) -> Whole:
     return np.array(values, dtype=np.int64)
-
-
-NEEDS_COUNTS = ("p2p_counts", "margin_counts")
-_OUTCOMES = [outcome.name.lower() for outcome in Outcome]
-_REASONS = [WORDS[reason] for reason in Reason]
-
-Axes = Mapping[str, NDArray[Any]]
 
 
 class SweepTables(NamedTuple):

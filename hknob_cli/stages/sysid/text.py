@@ -26,6 +26,15 @@ NUISANCES = {
 }
 PARAMETERS = ("inertia", "damping", "stiffness", "coulomb")
 
+MOST_REMARKS = 6
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
+_COLUMNS = (
+    ("J g*cm^2", "inertia_kg_m2", 1e7),
+    ("B mN*m*s", "damping_nm_s_per_rad", 1e3),
+    ("K mN*m/rad", "stiffness_nm_per_rad", 1e3),
+    ("zeta", "damping_ratio", 1.0),
+)
+
 
 def study_text(summary: dict[str, Any]) -> str:
     """One table a grip force and nuisance; and one of the finger behind its pad."""
@@ -73,16 +82,6 @@ def _hidden(rows: list[Row]) -> list[str]:
         for ratio in dict.fromkeys(row["ratio"] for row in rows)
     ]
     return [*lines, *table(["ratio", *estimators], body)]
-
-
-MOST_REMARKS = 6
-_NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
-_COLUMNS = (
-    ("J g*cm^2", "inertia_kg_m2", 1e7),
-    ("B mN*m*s", "damping_nm_s_per_rad", 1e3),
-    ("K mN*m/rad", "stiffness_nm_per_rad", 1e3),
-    ("zeta", "damping_ratio", 1.0),
-)
 
 
 def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:

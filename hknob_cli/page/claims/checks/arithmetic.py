@@ -31,6 +31,15 @@ _FUNCTIONS: dict[str, Callable[..., float]] = {
 }
 _CONSTANTS = {"pi": math.pi}
 
+_STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
+    "mean": mean,
+    "std": stdev,
+    "least": min,
+    "largest": max,
+}
+Place = tuple[int, float | str, str]
+Names = dict[str, float | str | Place]
+
 
 def evaluate(expression: str, names: Mapping[str, float] | None = None) -> float:
     """Value of an arithmetic expression; ``names`` are bound beside ``pi``.
@@ -62,17 +71,6 @@ def evaluate(expression: str, names: Mapping[str, float] | None = None) -> float
     if not math.isfinite(found):
         raise TypeError(f"no value of '{expression}': it is not finite")
     return found
-
-
-_STATISTICS: dict[str, Callable[[Sequence[float]], float]] = {
-    "mean": mean,
-    "std": stdev,
-    "least": min,
-    "largest": max,
-}
-
-Place = tuple[int, float | str, str]
-Names = dict[str, float | str | Place]
 
 
 def bound(where: Names | None) -> dict[str, float]:

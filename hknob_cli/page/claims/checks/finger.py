@@ -16,6 +16,9 @@ from hknob_cli.results.result_set import MissingError, ResultSet, Where
 
 Matrix = np.ndarray[Any, np.dtype[np.float64]]
 
+Values = np.ndarray
+_NEEDS = ("time_s", "angle_rad", "velocity_rad_s")
+
 
 def network(parameters: dict[str, float]) -> tuple[Matrix, Matrix]:
     """Equation 1 as ``x' = A x + B T``: A [4, 4] and B [4] for J1, B1, K1, J2, B2, K2 in SI units."""
@@ -77,11 +80,6 @@ def fitted_inertia(
     acceleration = states @ rates[1] + enters[1] * torques
     regressors = np.column_stack([acceleration, states[:, 1], states[:, 0]])
     return float(np.linalg.lstsq(regressors, torques, rcond=None)[0][0])
-
-
-Values = np.ndarray
-
-_NEEDS = ("time_s", "angle_rad", "velocity_rad_s")
 
 
 def _recording(evidence: ResultSet, result: str, where: Where | None, *more: str) -> dict[str, Values]:
