@@ -1,7 +1,4 @@
-"""The stage commands: one way to be called, told apart by kind, and ``hknob hw-run``, which takes one option more.
-
-``hknob hw-run``: trials on a knob, real or simulated, recorded and measured.
-"""
+"""The stage commands: one way to be called, told apart by kind, and ``hknob hw-run``, which takes one option more."""
 
 from collections.abc import Callable
 from pathlib import Path

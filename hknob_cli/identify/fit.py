@@ -1,7 +1,4 @@
-"""What an estimator says, how far it can be trusted, and what is wrong with it.
-
-What an estimator says: parameters with standard errors, how well they explain the motion, and what is wrong.
-"""
+"""What an estimator says, how far it can be trusted, and what is wrong with it."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite, nan, sqrt

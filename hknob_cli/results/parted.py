@@ -3,9 +3,8 @@
 pandas, Polars, DuckDB and Arrow read the folder as one table. Every part says in its metadata which of how many it is,
 so that a folder that lacks some is known for what it is.
 
-How tables are laid out in Parquet files.
-
-How the rows of a large result are cut into parts: by the number of their item, so many items to a part.
+`write_table` is the layout of every Parquet file. The rows of a large result are cut into parts by the number of their
+item, so many items to a part.
 """
 
 import shutil

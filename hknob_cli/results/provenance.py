@@ -1,8 +1,7 @@
 """Where a result comes from: the spec as run, and what ran it; the mark of it in tables, pages and pictures.
 
-Where a page or an SVG comes from: a comment at its head, as Parquet files have their provenance.
-
-Where a picture comes from: a text chunk in the PNG file, as Parquet files have their provenance.
+It has no clock time: the same work gives the same bytes. A Parquet file says it in its metadata, a page or an SVG in a
+comment at its head, a PNG file in a text chunk.
 """
 
 import hashlib
