@@ -14,6 +14,7 @@ from hknob_cli.specs.origin import Origin
 from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.points_plan import Points
+from hknob_cli.specs.preset_plan import Preset
 from hknob_cli.specs.remedies_plan import RemediesPlan
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -167,6 +168,7 @@ class DfaPlan(NamedTuple):
     against: str | None
     values: dict[str, Any]
     points: Points | None = None
+    preset: Preset | None = None
 
 
 class PredictPlan(NamedTuple):
@@ -186,6 +188,7 @@ class PredictPlan(NamedTuple):
     values: dict[str, Any]
     case_file: Path | None = None
     points: Points | None = None
+    preset: Preset | None = None
 
 
 class SweepPlan(NamedTuple):
@@ -193,7 +196,8 @@ class SweepPlan(NamedTuple):
 
     ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
     ``growth_s``: time over which the energy of bounces is fitted, ``basins``: starts a side of the map of basins, where
-    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited.
+    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited. ``preset``: what the scene is from, if
+    it is from one; the same in the other plans.
     """
 
     name: str
@@ -209,6 +213,7 @@ class SweepPlan(NamedTuple):
     points: Points | None = None
     seconds_per_cell: float | None = None
     basins: int | None = None
+    preset: Preset | None = None
 
 
 class BenchScene(NamedTuple):

@@ -1,4 +1,4 @@
-"""Files that results depend on beside the spec: those that hands are from, and the published thresholds."""
+"""Files that results depend on beside the spec: those of hands and presets, and the published thresholds."""
 
 import json
 from collections.abc import Iterator
@@ -49,6 +49,18 @@ def _digests(plan: Any) -> dict[str, str]:
 def hand_notes(plan: Any) -> tuple[str, ...]:
     """Messages, each once."""
     return tuple(dict.fromkeys(text for _, origin in _measured(plan) for text in origin.notes))
+
+
+def preset_inputs(plan: Any) -> dict[str, str]:
+    """Name and digest of the preset that the scene of a plan is from; none where it is from none."""
+    preset = getattr(plan, "preset", None)
+    return {"preset": preset.name, "preset_sha256": preset.sha256} if preset else {}
+
+
+def preset_files(plan: Any) -> tuple[Path, ...]:
+    """The file of that preset."""
+    preset = getattr(plan, "preset", None)
+    return (preset.file,) if preset else ()
 
 
 def threshold_inputs(how: Perceive | None) -> dict[str, str]:

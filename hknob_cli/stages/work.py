@@ -5,6 +5,7 @@ from typing import Any
 
 from hknob_cli.results import provenance
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.stages.input_files import preset_files
 from hknob_cli.stages.job import Job
 from hknob_cli.terminal.console import say
 
@@ -46,7 +47,7 @@ class Work:
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """Files, and folders of results, that the result depends on beside the spec."""
-        return provenance.tables_of(job.plan.values)
+        return (*provenance.tables_of(job.plan.values), *preset_files(job.plan))
 
     def surroundings(self) -> dict[str, str]:
         """What of this machine the result depends on beside `versions`, by name."""
