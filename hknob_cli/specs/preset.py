@@ -34,6 +34,7 @@ class PresetSpec(Part):
     """A preset's file."""
 
     title: Annotated[Text, Field(description="what the knob is, in a few words")]
+    about: Annotated[str, Field(description="where to read more: the repository and commit, the publication")] = ""
     scene: Annotated[dict[str, Any], Field(min_length=1, description="parts of a scene; a value may say its source")]
     grid: Annotated[
         dict[str, Any], Field(description="sample_rate_hz and counts_per_rev of the knob, taken where a spec has none")
@@ -99,7 +100,7 @@ def read_preset(name: str, beside: Path) -> Read:
     grid = _plain(source, spec.grid, ("grid",), values, faults)
     if faults:
         raise SpecError(faults)
-    preset = Preset(name, spec.title, path, digest, tuple(values), tuple(spec.left_out))
+    preset = Preset(name, spec.title, " ".join(spec.about.split()), path, digest, tuple(values), tuple(spec.left_out))
     return Read(preset, scene, grid, dict(_places(source, scene, grid)))
 
 

@@ -23,13 +23,14 @@ class PresetValue(NamedTuple):
 
 
 class Preset(NamedTuple):
-    """A preset in use: its name or path as a spec has it, its file and digest, its values, and what it leaves out.
+    """A preset in use: its name or path as a spec has it, what it is, its file and digest, and what it leaves out.
 
-    ``values`` of a spec's own are not among these.
+    ``about``: where to read more. ``values`` of a spec's own are not among these.
     """
 
     name: str
     title: str
+    about: str
     file: Path
     sha256: str
     values: tuple[PresetValue, ...]
@@ -40,6 +41,7 @@ class Preset(NamedTuple):
         """What a user is told of the preset, a line each."""
         return [
             f"preset {self.name}: {self.title}",
+            *([f"  from: {self.about}"] if self.about else []),
             *(f"  {one.text}" for one in self.values),
             *(f"  left out: {one}" for one in self.left_out),
         ]

@@ -1,4 +1,4 @@
-"""A scene from a preset: the merge, what a grid takes from it, its faults with their places, and the presets that ship."""
+"""A scene from a preset: the merge, what a grid takes from it, faults with their places, and the presets that ship."""
 
 import json
 from collections.abc import Callable
@@ -12,6 +12,7 @@ from hknob_cli.errors import SpecError
 from hknob_cli.specs import preset
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import COUNTS, RATE, Hand
+from hknob_cli.specs.presets_page import page
 from hknob_cli.specs.schema import json_schema
 from hknob_cli.specs.source import parse, read
 from hknob_cli.stages.input_files import preset_files, preset_inputs
@@ -169,7 +170,7 @@ def test_what_does_not_go_with_a_preset_is_told_where_it_is_named() -> None:
         (
             "0.2, source",
             "-0.2, source",
-            "spec.yaml:3:15: scene.wall.stiffness: must be >= 0, got -0.2; the preset has it at",
+            "spec.yaml:3:15: scene.wall.stiffness: must be >= 0, got -0.2; the preset",
         ),
         ("2000", "-1", "spec.yaml:3:15: grid.sample_rate_hz: must be >= 0.001, got -1; the preset has it at"),
         ("source: its data sheet", "sorce: its", "own.yaml:2:60: grid.counts_per_rev.sorce: unknown key; did you mean"),
@@ -181,7 +182,7 @@ def test_what_does_not_go_with_a_preset_is_told_where_it_is_named() -> None:
         (
             "scene:\n",
             "scene:\n  from: idrive\n",
-            "own.yaml:4:3: scene.from: must be absent: a preset stands for itself",
+            "own.yaml:4:3: scene.from: must be absent: a preset stands",
         ),
         ("title", "titel", "own.yaml:1:1: titel: unknown key; did you mean 'title'?"),
     ],
@@ -226,10 +227,15 @@ def test_every_preset_validates_and_every_number_says_where_it_is_from() -> None
     for name in preset.names():
         plan = loaded(HEAD + f"scene: {{from: {name}, hand: {{table: 1, grip_n: 0.71}}, bias: {{torque: 0.001}}}}\n")
         assert plan.preset.left_out
+        assert plan.preset.about
         assert {"scene.knob.inertia", f"grid.{RATE}", f"grid.{COUNTS}"} <= {one.path for one in plan.preset.values}
         for one in plan.preset.values:
             assert len(one.source or one.assumed) > 20, (name, one)
         assert isinstance(plan.scene.hand, Hand)
+
+
+def test_the_page_of_presets_is_current() -> None:
+    assert (ROOT / "docs" / "presets.md").read_text() == page(), "make schemas"
 
 
 def test_presets_ship() -> None:
