@@ -9,8 +9,8 @@ _HEAD = """\
 # Presets
 
 This page is made from the files in `data/knobs/` (`make schemas`). `scene: {from: smartknob}` starts a scene from one
-of them; what the spec says beside `from` is merged over it, and `null` removes a part. A grid that has no sample rate or
-no counts takes the preset's. `hknob check SPEC.yaml` prints these lines for the preset that a spec uses, without the
+of them; what the spec says beside `from` is merged over it, and `null` removes a part. A grid without a sample rate
+or counts takes the preset's. `hknob check SPEC.yaml` prints these lines for the preset that a spec uses, without the
 values that it overrides. [Which of these knobs buzz](knobs.md) is computed there.
 
 A file of your own works too: `scene: {from: ./my_knob.yaml}`, relative to the spec. It has `title`, `about`, `scene`,
