@@ -26,6 +26,7 @@ PLAIN = (*MOTION, *ORBIT, "relay_cycles")
 CELLS = (*MOTION, "budget", *ORBIT, "cells")
 GENERAL = (
     *MOTION,
+    "general.torque_table",
     "general.controller",
     "general.body",
     "general.slide_two",

@@ -37,6 +37,7 @@ class Reason(IntEnum):
     TIME_LIMIT = 19
     NO_REGION = 20
     WORK_LIMIT = 21
+    SPINS = 22
 
 
 WORDS = {
@@ -48,6 +49,7 @@ WORDS = {
     Reason.TOO_SLOW: "the slowest mode needs more samples than the limit (limits.max_samples)",
     Reason.ON_EDGE: "a sample of the cycle lies on a count edge to within the error bound",
     Reason.CONTINUUM: "no hand stiffness: cycles form a continuum, drift per period zero only to rounding",
+    Reason.SPINS: "turns on and on over a torque that repeats: no spring holds it, and it has not stopped so far",
     Reason.TOO_FINE: "the motion spans more counts than double precision resolves",
     Reason.TOO_MANY: "more distinct orbits than a cell keeps",
     Reason.NO_STIFFNESS: "no hand stiffness: nothing holds the knob's position, and no level sequence repeated",

@@ -18,7 +18,7 @@ from hknob_cli.figures.sheet import save
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.means import ONE
 from hknob_cli.report.what_matters import MOST_BINS, Columns, Matter, columns_of, measures_in, what_matters
-from hknob_cli.specs.points_plan import Points
+from hknob_cli.specs.unit_points import Points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -11,8 +11,8 @@ from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.place import make_folder
 from hknob_cli.results.provenance import KEY
 from hknob_cli.specs.campaign import SERIAL
+from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import schema_of
-from hknob_cli.specs.regular import is_endless
 
 EARLIER = "earlier"
 RECORDING = "recording"

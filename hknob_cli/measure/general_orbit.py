@@ -89,7 +89,7 @@ class GeneralMeasurer:
         travel = float(np.abs(np.diff(x))[chart.modes != 0.0].sum())
         lagging = body.lag > 0.0
         work = totals.power if lagging else float(((chart.commands - chart.commands.mean()) * np.diff(x)).sum())
-        leak = None if lagging else self._leak(x, chart.commands)
+        leak = None if lagging or self.knob.wall.table is not None else self._leak(x, chart.commands)
         energy = knob.energy_j
         return OrbitMeasures(
             cycles=cycles,

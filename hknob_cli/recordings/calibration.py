@@ -11,8 +11,8 @@ from hknob_cli.errors import UsageError
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.trial import Array
 from hknob_cli.specs.messages import shown
+from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import table_of
-from hknob_cli.specs.regular import is_endless
 
 MOTOR = ("range_index", "current_a", "direction", "torque_nm")
 GRIP_CELL = ("position_m", "force_n", "voltage_v")

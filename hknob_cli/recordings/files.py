@@ -9,8 +9,8 @@ import pyarrow as pa
 import pyarrow.csv as pc
 
 from hknob_cli.recordings.columns import TEXTS
+from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import opened, schema_of, sound
-from hknob_cli.specs.regular import is_endless
 
 BLOCK_BYTES = 8_000_000
 BATCH_ROWS = 100_000

@@ -14,8 +14,8 @@ import pyarrow as pa
 from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.place import create
 from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import opened, schema_of, table_of
-from hknob_cli.specs.regular import is_endless
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
 PART = b"hknob.part"

@@ -144,10 +144,10 @@ class Result:
         from hknob_cli.specs.scene import SceneSpec
 
         hand = self._hand(scene)
-        if hand is None:
-            return SceneSpec.model_validate(scene).plain()
-        scene = {key: value for key, value in scene.items() if key != "hand"}
-        return SceneSpec.model_validate(scene).plain()._replace(hand=hand)
+        if hand is not None:
+            scene = {key: value for key, value in scene.items() if key != "hand"}
+        spec: SceneSpec = SceneSpec.model_validate(scene)
+        return spec.plain()._replace(hand=hand) if hand is not None else spec.plain()
 
     def _hand(self, scene: dict[str, Any]) -> Hand | None:
         """The hand that a file gave the scene, or the hands of a population; None where the spec has its numbers."""

@@ -11,8 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from hknob_cli import __version__
-from hknob_cli.specs.points_plan import Points
-from hknob_cli.specs.unit_points import RANDOM
+from hknob_cli.specs.unit_points import RANDOM, Points
 
 ROOT = Path(__file__).parent.parent
 COMPUTING = (

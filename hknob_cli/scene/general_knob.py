@@ -11,9 +11,11 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import HALVINGS, Body
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.errors import ComputationError
+from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
 
 Array = NDArray[np.float64]
@@ -82,19 +84,29 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     shift = encoder.offset_counts - (0.5 if nearest else 0.0) if scene.encoder else 0.0
     whole = int(actuator.delay_samples)
     split = float(actuator.delay_samples - whole)
+    kappa = scene.wall.stiffness * square
+    offset = encoder.offset_counts if scene.encoder else 0.0
+    table = None
+    if is_shaped(scene):
+        if counts_per_rev is None:
+            raise ComputationError("a torque over the angle needs counts: with a continuous sensor it is not followed")
+        table = table_of(scene, Clock(counts_per_rev, quantum, offset), kappa=kappa, unit_nm=quantum / square)
+        kappa = -float(table[RISE_BELOW] / table[TURN])
     wall = Controller(
-        kappa=scene.wall.stiffness * square,
+        kappa=kappa,
         damping=scene.wall.damping * period / inertia,
         sense=-1.0 if encoder.rounding in ("ceil", "truncate") else 1.0,
         truncate=1.0 if encoder.rounding == "truncate" else 0.0,
-        offset=encoder.offset_counts if scene.encoder else 0.0,
+        offset=offset,
         analog=0.0 if scene.encoder else 1.0,
         step=actuator.torque_step * square / quantum,
         limit=inf if actuator.torque_limit is None else actuator.torque_limit * square / quantum,
         split=split,
+        table=table,
     )
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
-    numbers = [*wall[:-2], body.friction, body.push, *body.matrices, *body.vectors]
+    commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
+    numbers = [*wall[:-3], *commands, body.friction, body.push, *body.matrices, *body.vectors]
     if not all(isfinite(value * value) for value in numbers):
         place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
         raise ComputationError(f"{place} the scene's numbers overflow")

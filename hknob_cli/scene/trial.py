@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.ensemble import begin
-from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.general.search import as_arrays, as_list
 from hknob_cli.engine.general.trace import run
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError
@@ -52,6 +52,7 @@ def simulate(
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line
     body = as_arrays(knob.body) if compiled else knob.body
+    wall = knob.wall if compiled else as_list(knob.wall)
 
     def zeros(count: int) -> Any:
         return np.zeros(count) if compiled else [0.0] * count
@@ -63,11 +64,11 @@ def simulate(
     first = functions["general.begin"] if functions else begin
     through = functions["general.run"] if functions else run
     first(state, np.array(start) if compiled else start, phase, body, pad)
-    before, head, done = read(state[0], knob.wall), 0, 0
+    before, head, done = read(state[0], wall), 0, 0
     while True:  # an interval may take seconds
         count = min(max(done, 1), samples - done)
         some, acting = zeros((count + 1) * order), zeros(count + 1)
-        before, head = through(state, before, ring, head, count, body, knob.wall, pad, some, acting)
+        before, head = through(state, before, ring, head, count, body, wall, pad, some, acting)
         table[done : done + count + 1] = np.asarray(some).reshape(count + 1, order)
         torques[done : done + count + 1] = acting
         done += count

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 SERIAL, VIRTUAL, REPLAY = "serial", "virtual", "replay"
+SCHEMES = ("socket", "rfc2217", "loop")
 
 
 class DevicePlan(NamedTuple):
@@ -100,3 +101,14 @@ class HwRunPlan(NamedTuple):
     def is_source(self) -> bool:
         """Whether what it records cannot be computed again."""
         return self.device.driver == SERIAL
+
+
+def url_fault(url: str) -> str:
+    """What is wrong with the name or URL of a port, which may lead to a device alone; empty if nothing is.
+
+    Other schemes of pyserial write files, or load code by name.
+    """
+    scheme, sign, _ = url.partition("://")
+    if not sign or scheme.lower() in SCHEMES:
+        return ""
+    return f"must be a port's name, or begin with {', '.join(f'{one}://' for one in SCHEMES)}"

@@ -10,6 +10,7 @@ parts the lowest verdict counts; `EXCEPTIONS` has the pairs that are lower still
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene, Starts
 
 PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
@@ -105,6 +106,10 @@ PARTS = {
     "controller": Part("a controller", "controller", when="where a controller is given"),
     "speed_sensor": Part("a controller that reads a velocity sensor", "controller.velocity"),
     "kalman": Part("a controller with a Kalman filter", "controller.estimate"),
+    "profile": Part("a profile of torque over the angle", "profile"),
+    "detents": Part("detents", "detents"),
+    "end_stops": Part("end stops", "end_stops"),
+    "dead_zone": Part("a dead zone", "dead_zone"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
     "unpushed": Part(
@@ -140,6 +145,10 @@ _TABLE = {
     "controller":      "----P -----P -E-~ -----",
     "speed_sensor":    "----P ------ -E-~ -----",
     "kalman":          "----E ------ -E-~ -----",
+    "profile":         "--P-- ------ -EE~ -----",
+    "detents":         "--P-- ------ -EE~ -----",
+    "end_stops":       "--P-- ------ -EE~ -----",
+    "dead_zone":       "--P-- ------ -EE~ -----",
     "undamped":        "EEEEE --E--- EEE~ ~E~E-",
     "unheld":          "EEEPE --E--- EEE~ ~E~E-",
     "unpushed":        "P-PPP PEEEPP EEE~ ~P~E~",
@@ -164,6 +173,9 @@ _SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_se
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
     ("delay", "unsampled"): "a delay in samples needs a sample clock",
+    **{(name, "plain"): "its torque is that of a wall" for name in OVER_ANGLE},
+    **{(name, "bounces"): "the ball bounces on a wall" for name in OVER_ANGLE},
+    **{(name, "unsampled"): "its events are those of a wall" for name in OVER_ANGLE},
     ("unsampled", "bounces"): "energy does not grow",
     ("unsampled", "controllers"): "it has a sample clock",
     ("bare", "controllers"): "it reads counts",
@@ -201,6 +213,7 @@ AT = {
 # Pairs of parts whose verdict in a column is lower than that of each of them.
 EXCEPTIONS = {
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
+    **{("bare", name, "general"): (REFUSED, "its torque is a table over counts") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
 APART = (
@@ -229,7 +242,9 @@ def parts_of(scene: Scene) -> frozenset[str]:
     knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
     encoder, controller, finger = scene.encoder or Encoder(), scene.controller, hand.finger
     pad = hand.fingerpad or Fingerpad()
-    pushed = scene.bias is not None and bool(scene.bias.torque or scene.bias.half_quantum) and wall.stiffness > 0.0
+    over_angle = {name: getattr(scene, name) is not None for name in OVER_ANGLE}
+    against = wall.stiffness > 0.0 or any(over_angle.values())
+    pushed = scene.bias is not None and bool(scene.bias.torque or scene.bias.half_quantum) and against
     damping = knob.damping + (pad.damping + finger.damping if finger else hand.damping)
     soft = pad.stiffness == 0.0 or finger.stiffness == 0.0 if finger else hand.stiffness == 0.0
     found = {
@@ -254,6 +269,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "controller": controller is not None,
         "speed_sensor": controller is not None and controller.velocity == "sensor",
         "kalman": controller is not None and controller.estimate == "kalman",
+        **over_angle,
         "undamped": damping == 0.0 and knob.coulomb_torque == 0.0,
         "unheld": soft,
         "unpushed": not pushed,

@@ -1,14 +1,12 @@
 """The cells of a grid or design, in order: any run of them by number, without a list of all."""
 
 import itertools
-from collections.abc import Iterator
-from math import prod
+from collections.abc import Iterable, Iterator
+from math import isfinite, prod
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.specs.plan import COUNTS, PERSON, Axes, Cell, DfaPlan, PredictPlan, SweepPlan
-from hknob_cli.specs.points_plan import Points
-from hknob_cli.specs.spacing import log_between
-from hknob_cli.specs.unit_points import unit_points
+from hknob_cli.specs.unit_points import Points, unit_points
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -126,3 +124,14 @@ def _placed(share: "NDArray[Any]", name: str, values: list[float | int], scale: 
     found = np.asarray(log_between(first, last, share.tolist()) if scale == "log" else linear)
     found = found.clip(min(values), max(values))
     return np.asarray(np.rint(found).astype(np.int64) if name in WHOLE else found)
+
+
+def log_between(first: float, last: float, shares: Iterable[float]) -> list[float]:
+    """Numbers at ``shares``, 0 to 1, of the way from ``first`` to ``last``, both > 0, on a log scale.
+
+    One by one by the C library's power: that of arrays depends on the processor, and on where in one a number is.
+    """
+    ratio = last / first
+    if isfinite(ratio) and ratio > 0.0:
+        return [first * ratio**share for share in shares]
+    return [first ** (1.0 - share) * last**share for share in shares]  # further apart than floats reach

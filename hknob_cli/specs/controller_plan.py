@@ -1,32 +1,9 @@
-"""The kinds of controllers of the virtual wall, and a controller as plain values."""
+"""The kinds of controllers of the virtual wall, and the numbers of one, as a spec gives them and as they are used."""
 
-from typing import NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
-
-class Controller(NamedTuple):
-    """Which controller, and its numbers; those of other kinds stand at their defaults and mean nothing.
-
-    ``velocity``: differenced or from a sensor; ``damping`` in N·m·s/rad; ``pulse``: part of an interval; ``height`` in
-    steps of the wall; ``depth`` in rad; ``time_constant`` in s.
-    """
-
-    kind: str
-    velocity: str = "differenced"
-    damping: float = 0.0
-    everywhere: bool = False
-    correct: bool = True
-    pulse: float = 0.025
-    gain: float = 1.0
-    detections: int = 1
-    height: float = 0.5
-    degrees: float = 360.0
-    crossings: str = "in"
-    estimate: str = "last"
-    reset: bool = True
-    surface: float = 0.3
-    depth: float = 0.01
-    keep: float = 0.2
-    time_constant: float = 0.2
+from hknob_cli.specs.declared import declared
+from hknob_cli.specs.quantity import Held, PositiveAngle, PositiveSeconds, SignedDamping
 
 
 class Kind(NamedTuple):
@@ -50,3 +27,50 @@ KINDS = {
         "velocity_damping:VelocityDamping", ("damping", "velocity", "everywhere"), needs=("damping",)
     ),
 }
+
+
+def _by_kind(schema: dict[str, Any]) -> None:
+    """Say in the JSON Schema which keys go with which kind."""
+    every = sorted({key for kind in KINDS.values() for key in kind.keys})
+    schema["allOf"] = [
+        {
+            "if": {"properties": {"kind": {"const": name}}},
+            "then": {
+                "properties": dict.fromkeys((key for key in every if key not in kind.keys), False),
+                **({"required": list(kind.needs)} if kind.needs else {}),
+            },
+        }
+        for name, kind in KINDS.items()
+    ]
+
+
+_Share = Annotated[float, Held(strict=True, gt=0, le=1, allow_inf_nan=False)]
+_UpTo100 = Annotated[float, Held(strict=True, gt=0, le=100, allow_inf_nan=False)]
+_Degrees = Annotated[float, Held(strict=True, gt=0, le=360, allow_inf_nan=False)]
+_Readings = Annotated[int, Held(strict=True, ge=1, le=1000)]
+_Flag = Annotated[bool, Held(strict=True)]
+
+
+@declared(schema=_by_kind)
+class Controller(NamedTuple):
+    """What acts in place of the plain virtual spring, or beside it."""
+
+    kind: Annotated[Literal[tuple(KINDS)], "which controller"]  # type: ignore[valid-type]
+    velocity: Annotated[Literal["differenced", "sensor"], "where the velocity is from: two counts, or a sensor"] = (
+        "differenced"
+    )
+    damping: Annotated[SignedDamping, "velocity_damping: virtual damping; passivity: the most that it adds"] = 0.0
+    everywhere: Annotated[_Flag, "virtual damping outside the wall, too"] = False
+    correct: Annotated[_Flag, "add what the last prediction missed"] = True
+    pulse: Annotated[_Share, "length of the pulse, in sample intervals"] = 0.025
+    gain: Annotated[_UpTo100, "pulse over what the hold got wrong"] = 1.0
+    detections: Annotated[_Readings, "encoder readings per sample interval, to time a crossing"] = 1
+    height: Annotated[_UpTo100, "torque of the damping wave, in torque steps of a count"] = 0.5
+    degrees: Annotated[_Degrees, "phase after a crossing over which the wave acts"] = 360.0
+    crossings: Annotated[Literal["in", "both"], "crossings that set the phase"] = "in"
+    estimate: Annotated[Literal["last", "kalman"], "how the time of a cycle is estimated"] = "last"
+    reset: Annotated[_Flag, "energy begins anew at a sample outside the wall with no count moved"] = True
+    surface: Annotated[_Share, "part of the stiffness at the surface"] = 0.3
+    depth: Annotated[PositiveAngle, "where the wall has all of its stiffness"] = 0.01
+    keep: Annotated[_Share, "part of a count's torque step that acts at once"] = 0.2
+    time_constant: Annotated[PositiveSeconds, "over which the rest of a step follows"] = 0.2

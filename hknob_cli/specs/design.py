@@ -8,7 +8,7 @@ from hknob_cli.specs.design_plan import Limit
 from hknob_cli.specs.grid import Value as Written
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.part import Part
-from hknob_cli.specs.perceive import PerceiveSpec
+from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.quantity import Stiffness, Torque
 from hknob_cli.specs.remedies import Label, RemedySpec
@@ -95,7 +95,7 @@ class DesignSpec(Part):
         Discriminator(_people),
         Field(description="a population as in a sweep, or a list of hands"),
     ]
-    perceive: PerceiveSpec
+    perceive: Perceive
     choices: Annotated[
         dict[str, Annotated[list[OptionSpec], Field(min_length=1, max_length=1000)]],
         Field(min_length=2, max_length=50, description="by sample_rate_hz, counts_per_rev, or dotted path"),

@@ -7,7 +7,7 @@ from pydantic import BaseModel, ValidationError
 
 from hknob_cli.errors import MOST_FAULTS, Fault
 from hknob_cli.specs.messages import keys_of, message
-from hknob_cli.specs.scene_paths import items_of, model_of
+from hknob_cli.specs.scene_paths import items_of, part_of
 from hknob_cli.specs.source import Path_, Source
 
 Place = Callable[[Path_], Path_]
@@ -60,5 +60,5 @@ def _model_at(model: type[BaseModel] | None, path: Path_) -> type[BaseModel] | N
             current, inside = inside, None
             continue
         info = current.model_fields.get(str(part)) if current else None
-        current, inside = (model_of(info), items_of(info)) if info else (None, None)
+        current, inside = (part_of(info), items_of(info)) if info else (None, None)
     return current

@@ -16,8 +16,8 @@ from hknob_cli.specs.conditions import (
 )
 from hknob_cli.specs.grip import same_grip
 from hknob_cli.specs.hand_from import place_of
-from hknob_cli.specs.origin import Origin
 from hknob_cli.specs.part import Place
+from hknob_cli.specs.parts import Origin
 from hknob_cli.specs.people import Spread, Triple, draw, spread_of
 from hknob_cli.specs.plan import Hand
 from hknob_cli.specs.population import PopulationSpec

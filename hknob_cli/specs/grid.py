@@ -11,12 +11,12 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, TypeAdapter, ValidationError
 
+from hknob_cli.specs.cells import log_between
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.plan import COUNTS, GRIP, RATE
 from hknob_cli.specs.points import PointsSpec
 from hknob_cli.specs.quantity import SampleRate
 from hknob_cli.specs.scene_paths import annotated, scalar_field, scalar_paths
-from hknob_cli.specs.spacing import log_between
 
 MAX_CELLS = 1_000_000
 

@@ -7,10 +7,10 @@ from hknob_cli.errors import Fault
 from hknob_cli.specs.grid import AxisError, Grid, axis_values, length, point_values
 from hknob_cli.specs.messages import nearest
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.scene_paths import scalar_field, scalar_paths
 from hknob_cli.specs.source import Source
+from hknob_cli.specs.unit_points import Points
 
 
 class Limit(NamedTuple):

@@ -3,12 +3,12 @@
 from math import isclose
 from typing import Annotated, Any
 
-from pydantic import Field, ValidationInfo
+from pydantic import ValidationInfo
 from pydantic_core import PydanticCustomError
 
-from hknob_cli.specs.quantity import Unit
+from hknob_cli.specs.quantity import Quantity
 
-Grip = Annotated[float, Field(strict=True, allow_inf_nan=False), Unit("N")]
+Grip = Annotated[float, Quantity("N")]
 
 
 def printed_grips() -> list[float]:

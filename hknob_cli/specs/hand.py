@@ -8,8 +8,7 @@ from pydantic_core import PydanticCustomError
 from hknob_cli.specs import plan
 from hknob_cli.specs.grip import Grip, printed_beside_table, printed_grip_schema, same_grip
 from hknob_cli.specs.part import Part, Place
-from hknob_cli.specs.quantity import AddedInertia, Damping, Inertia, NotSweepable, Stiffness
-from hknob_cli.specs.whole import WHOLE
+from hknob_cli.specs.quantity import WHOLE, AddedInertia, Damping, Inertia, NotSweepable, Stiffness
 
 _GIVEN = ("inertia", "damping", "stiffness", "finger", "fingerpad")
 _OF_A_FILE = ("experiment", "subject", "estimator", "subtract_apparatus")
@@ -26,21 +25,6 @@ def _exclusions(schema: dict[str, Any]) -> None:
     }
 
 
-class FingerSpec(Part):
-    """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
-
-    inertia: Annotated[Inertia, Field(description="moment of inertia of the fingers about the knob's axis")]
-    damping: Annotated[Damping, Field(description="damping of the fingers, to ground")] = 0.0
-    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingers, to ground")] = 0.0
-
-
-class FingerpadSpec(Part):
-    """The fingerpad: spring and damper between finger and knob (B2, K2 of Hasser, Fig. 13)."""
-
-    damping: Annotated[Damping, Field(description="damping of the fingerpads")] = 0.0
-    stiffness: Annotated[Stiffness, Field(description="stiffness of the fingerpads")] = 0.0
-
-
 class HandSpec(Part):
     """The hand on the knob; its neutral angle is 0.
 
@@ -54,8 +38,8 @@ class HandSpec(Part):
     inertia: Annotated[AddedInertia, Field(description="moment of inertia the grasp adds")] = 0.0
     damping: Annotated[Damping, Field(description="damping of the grasp")] = 0.0
     stiffness: Annotated[Stiffness, Field(description="stiffness of the grasp")] = 0.0
-    finger: FingerSpec | None = None
-    fingerpad: FingerpadSpec | None = None
+    finger: plan.Finger | None = None
+    fingerpad: plan.Fingerpad | None = None
     table: Annotated[
         Literal[1, 2, 3, 4, 5] | None,
         WHOLE,
@@ -119,8 +103,8 @@ class HandSpec(Part):
             inertia=self.inertia,
             damping=self.damping,
             stiffness=self.stiffness,
-            finger=plan.Finger(**dict(self.finger)) if self.finger else None,
-            fingerpad=plan.Fingerpad(**dict(self.fingerpad)) if self.fingerpad else None,
+            finger=self.finger,
+            fingerpad=self.fingerpad,
         )
 
 

@@ -15,8 +15,8 @@ from hknob_cli.specs.conditions import (
     read_conditions,
 )
 from hknob_cli.specs.hand import HandSpec
-from hknob_cli.specs.origin import Origin
 from hknob_cli.specs.part import Place
+from hknob_cli.specs.parts import Origin
 from hknob_cli.specs.plan import GRIP, Axes, Hand
 from hknob_cli.specs.source import Source
 

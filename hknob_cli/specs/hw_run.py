@@ -16,29 +16,31 @@ from hknob_cli.specs.campaign import (
     LimitPlan,
     NuisancePlan,
     PersonPlan,
+    url_fault,
 )
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
-from hknob_cli.specs.port_url import url_fault
-from hknob_cli.specs.quantity import Damping, Inertia, Torque
-from hknob_cli.specs.source import Source
-from hknob_cli.specs.sweep import Name
-from hknob_cli.specs.trial_quantity import (
+from hknob_cli.specs.quantity import (
     AngleNoise,
+    Damping,
     Force,
     ForceNoise,
+    Inertia,
     Minutes,
     Share,
     SomeSeconds,
     SpeedLimit,
     TimeNoise,
+    Torque,
     TorqueLimit,
     WallDamping,
     WallStiffness,
     Watchdog,
 )
+from hknob_cli.specs.source import Source
+from hknob_cli.specs.sweep import Name
 
 MOST_TRIALS = 1000
 MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole: a quarter of an hour at 20 kHz

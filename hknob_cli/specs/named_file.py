@@ -2,12 +2,21 @@
 
 import contextlib
 import hashlib
+import stat
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
 from hknob_cli.errors import UsageError
-from hknob_cli.specs.regular import is_endless
+
+
+def is_endless(path: Path) -> bool:
+    """Whether there is something at ``path`` that is neither file nor folder: a device, a pipe, a socket."""
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return False  # whoever opens it will say what is wrong
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
 
 
 @contextlib.contextmanager

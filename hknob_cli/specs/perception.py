@@ -1,19 +1,58 @@
-"""What a sweep is asked to say about touch and hearing, as plain values."""
+"""What a sweep is asked to say about touch and hearing: will anyone feel or hear its limit cycles?"""
 
-from typing import NamedTuple
+from typing import Annotated, Literal, NamedTuple
+
+from hknob_cli.specs.declared import declared
+from hknob_cli.specs.quantity import WHOLE, Held, KnobRadius, SoundGain
 
 
+@declared()
+class Touch(NamedTuple):
+    """Which published thresholds of touch, and how the harmonics of a cycle count."""
+
+    thresholds: Annotated[
+        Literal["pen_hold", "cylinder", "thenar", "thenar_1988"],
+        "published set; docs/perception.md says what each was measured with",
+    ] = "pen_hold"
+    combine: Annotated[
+        Literal["most_effective", "power_sum"],
+        "level of the harmonic that is felt best, or of all their powers over threshold",
+    ] = "most_effective"
+
+
+@declared()
+class Hearing(NamedTuple):
+    """Which equal-loudness contours."""
+
+    edition: Annotated[Literal[2003, 2023], WHOLE, "edition of ISO 226"] = 2023
+
+
+@declared(unread=("others",))
 class Perceive(NamedTuple):
-    """Radius of the knob (m), thresholds of touch and how harmonics combine, sound gain (Pa per rad/s) or None.
+    """Levels of touch, torque steps and sound, of every proven cycle."""
 
-    ``edition``: of ISO 226; ``extrapolate``: whether to go on outside the ranges that are published. ``others``: sets
-    of thresholds of touch by which each cycle is judged as well.
-    """
+    knob_radius: Annotated[KnobRadius, "where the skin is, from the axis"]
+    touch: Touch = Touch()
+    hearing: Hearing = Hearing()
+    sound_gain: Annotated[
+        SoundGain | None, "sound pressure at the ear per speed of the knob, as measured; null: relative levels"
+    ] = None
+    extrapolate: Annotated[
+        bool, Held(strict=True), "go on outside the published ranges; where false, there is no value"
+    ] = False
+    others: tuple[str, ...] = ()  # sets of thresholds of touch by which each cycle is judged as well
 
-    knob_radius: float
-    thresholds: str
-    combine: str
-    sound_gain: float | None
-    edition: int
-    extrapolate: bool
-    others: tuple[str, ...] = ()
+    @property
+    def thresholds(self) -> str:
+        """Name of the set of thresholds of touch."""
+        return self.touch.thresholds
+
+    @property
+    def combine(self) -> str:
+        """How the harmonics of a cycle count for touch."""
+        return self.touch.combine
+
+    @property
+    def edition(self) -> int:
+        """Edition of ISO 226."""
+        return self.hearing.edition

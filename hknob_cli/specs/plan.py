@@ -4,111 +4,38 @@ This is what the rest of the program sees. Defaults and absences are resolved: a
 """
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Annotated, Any, NamedTuple
 
 from hknob_cli.specs.campaign import HwRunPlan
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller_plan import Controller as Controller
+from hknob_cli.specs.declared import declared
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.identification import SysidPlan
-from hknob_cli.specs.origin import Origin
+from hknob_cli.specs.over_angle import DeadZone as DeadZone
+from hknob_cli.specs.over_angle import Detents as Detents
+from hknob_cli.specs.over_angle import EndStops as EndStops
+from hknob_cli.specs.over_angle import Profile as Profile
 from hknob_cli.specs.page_plan import ReportPlan
+from hknob_cli.specs.parts import Actuator as Actuator
+from hknob_cli.specs.parts import Bias as Bias
+from hknob_cli.specs.parts import Encoder as Encoder
+from hknob_cli.specs.parts import Finger as Finger
+from hknob_cli.specs.parts import Fingerpad as Fingerpad
+from hknob_cli.specs.parts import Hand as Hand
+from hknob_cli.specs.parts import Knob as Knob
+from hknob_cli.specs.parts import Scene as Scene
+from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.preset_plan import Preset
+from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
 from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.specs.unit_points import Points
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
 GRIP, PERSON = "hand.grip_n", "person"
 
 Cell = dict[str, float | int]
 Axes = dict[str, list[float | int]]
-
-
-class Knob(NamedTuple):
-    """Moment of inertia (kg·m²), viscous damping (N·m·s/rad), Coulomb friction (N·m) of the device."""
-
-    inertia: float
-    damping: float = 0.0
-    coulomb_torque: float = 0.0
-
-
-class Finger(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the fingers, to ground."""
-
-    inertia: float
-    damping: float = 0.0
-    stiffness: float = 0.0
-
-
-class Fingerpad(NamedTuple):
-    """Damping (N·m·s/rad) and stiffness (N·m/rad) between finger and knob."""
-
-    damping: float = 0.0
-    stiffness: float = 0.0
-
-
-class Hand(NamedTuple):
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
-
-    The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
-    ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
-    persons are numbered from 1; ``origin``: the file that they are from.
-    """
-
-    inertia: float = 0.0
-    damping: float = 0.0
-    stiffness: float = 0.0
-    finger: Finger | None = None
-    fingerpad: Fingerpad | None = None
-    by_grip: tuple[tuple[float, "Hand"], ...] = ()
-    by_person: tuple["Hand", ...] = ()
-    origin: Origin | None = None
-
-
-class Wall(NamedTuple):
-    """Stiffness (N·m/rad) and damping (N·m·s/rad) of the virtual wall."""
-
-    stiffness: float
-    damping: float = 0.0
-
-
-class Bias(NamedTuple):
-    """Torque into the wall (N·m), or half the torque step of a count."""
-
-    torque: float | None = None
-    half_quantum: bool | None = None
-
-
-class Encoder(NamedTuple):
-    """How a position is rounded to a count, and where the edges lie (counts above the wall's edge)."""
-
-    rounding: str = "floor"
-    offset_counts: float = 0.0
-
-
-class Actuator(NamedTuple):
-    """Delay (samples), lag (s), saturation and step (N·m) from command to torque."""
-
-    delay_samples: float = 0.0
-    time_constant: float = 0.0
-    torque_limit: float | None = None
-    torque_step: float = 0.0
-
-
-class Scene(NamedTuple):
-    """What exists; None where it does not.
-
-    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
-    """
-
-    knob: Knob
-    wall: Wall
-    hand: Hand | None
-    bias: Bias | None
-    encoder: Encoder | None
-    actuator: Actuator | None
-    sampled: bool = True
-    controller: Controller | None = None
 
 
 class Starts(NamedTuple):
@@ -137,11 +64,12 @@ class Starts(NamedTuple):
 BESIDE = Starts(angle=0.02, velocity=0.0, phases=16)  # the start that most specs have, shown beside ranges
 
 
+@declared()
 class Pulse(NamedTuple):
-    """Torque (N·m, away from the wall) on the knob for a duration (s)."""
+    """A torque pulse on the knob from the start of a recording, away from the wall (Hasser, sec. 4.2.2)."""
 
-    torque: float
-    duration: float
+    torque: Annotated[SignedTorque, "height of the pulse"]
+    duration: Annotated[PositiveSeconds, "length of the pulse"]
 
 
 class Record(NamedTuple):

@@ -6,9 +6,8 @@ from pydantic import ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from hknob_cli.specs.part import Part
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.quantity import MayBeFloat
-from hknob_cli.specs.unit_points import HALTON, LATIN, MOST_POINTS, RANDOM, SOBOL
+from hknob_cli.specs.unit_points import HALTON, LATIN, MOST_POINTS, RANDOM, SOBOL, Points
 
 _METHODS = (SOBOL, HALTON, LATIN, RANDOM)
 

@@ -8,8 +8,7 @@ from pydantic_core import PydanticCustomError
 from hknob_cli.specs.grip import Grip, printed_beside_table, printed_grip_schema
 from hknob_cli.specs.hand import Label
 from hknob_cli.specs.part import Part
-from hknob_cli.specs.quantity import Inertia, NotSweepable
-from hknob_cli.specs.whole import WHOLE
+from hknob_cli.specs.quantity import WHOLE, Inertia, NotSweepable
 
 MOST_PEOPLE = 100_000
 _DRAWN = ("people", "seed")

@@ -1,69 +1,34 @@
-"""Numbers with units: SI floats, or strings such as ``1 kHz`` and ``19.8 g*cm^2``, converted and dimension-checked.
+"""What a value of a spec is held to: bounds, units, whole numbers. Declared beside the value, checked by pydantic.
 
-pint is loaded only when a string with a unit is met.
+Nothing here loads pydantic before a spec is read, so that the classes that are declared with it stay light.
 """
 
-import re
-from functools import cache
-from typing import Annotated, Any
+from collections.abc import Callable, Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import BeforeValidator, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import PydanticCustomError, core_schema
-
-MAX_LENGTH = 60
-_SPELLINGS = str.maketrans({"·": "*", "²": "^2", "³": "^3"})
+if TYPE_CHECKING:
+    from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+    from pydantic_core import CoreSchema
 
 
-# A number, then unit names with powers below 100, joined by * / ( ) or blanks: pint would evaluate any arithmetic, and
-# a power of a power of a power for ever.
-_TEXT = re.compile(
-    r"\s*(?P<number>[-+]?(?:\d++\.?\d*+|\.\d++)(?:[eE][-+]?\d++)?)"
-    r"(?P<unit>(?:\s++|[A-Za-zµμΩ°]++|(?:\^|\*\*)\s*+-?\d{1,2}(?!\d|\s*(?:\^|\*\*|[²³]))"
-    r"|[²³](?!\s*(?:\^|\*\*|[²³]))|[*/·()])*+)"
-)
-_POWER = re.compile(r"squared|cubed|square|cubic|sq|\^|\*\*|[²³]")
-_POWER_WORD = re.compile(r"squared|cubed|square|cubic|sq")
+class Held:
+    """Annotation of a value: what it is held to, by the keywords of pydantic's ``Field``."""
 
+    __is_annotated_types_grouped_metadata__ = True  # pydantic takes what `__iter__` gives in place of this
 
-@cache
-def _registry() -> Any:
-    import pint
+    def __init__(self, **bounds: Any) -> None:
+        self.bounds = bounds
 
-    registry: Any = pint.UnitRegistry()
-    registry.define("newton_meter = newton * meter = Nm")
-    return registry
+    def __iter__(self) -> Iterator[Any]:
+        return iter(self._metadata)
 
+    @cached_property
+    def _metadata(self) -> list[Any]:
+        from pydantic import Field
 
-def to_si(text: str, unit: str) -> float:
-    """Convert ``text``, a number with a unit, to ``unit``. Raises `ValueError` with the reason."""
-    match = _TEXT.fullmatch(text) if len(text) <= MAX_LENGTH else None
-    if match is None or (_POWER_WORD.search(match["unit"]) and len(_POWER.findall(match["unit"])) > 1):
-        raise ValueError(f"is not a number with a unit; for example 1.5 {unit}")
-    if not match["unit"].strip():
-        raise ValueError(f"is text; write the number without quotes, or with a unit, as in 1.5 {unit}")
-    import pint
-
-    names = match["unit"].translate(_SPELLINGS)
-    try:
-        quantity = _registry().Quantity(float(match["number"]), names)
-        value = float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
-        angle, wanted = _angle_power(names), _angle_power(unit)
-    except pint.UndefinedUnitError as error:
-        unknown = ", ".join(error.unit_names)
-        raise ValueError(f"has an unknown unit '{unknown}'; a number in {unit}, or a unit of its kind") from None
-    except pint.DimensionalityError as error:
-        raise ValueError(f"is in {error.units1}, which is not a kind of {unit}") from None
-    except Exception:  # pint parses with Python's tokenizer, and lets out whatever that raises
-        raise ValueError(f"is not a number with a unit; for example 1.5 {unit}") from None
-    # To pint an angle is a pure number; to a knob 1 rad/s is not 1 Hz. A torque per angle may leave the angle out.
-    if angle != wanted and not (angle == 0 and "N" in unit):
-        raise ValueError(f"is in {quantity.units}, which is not a kind of {unit}")
-    return value
-
-
-def _angle_power(names: str) -> float:
-    """Power of the radian in a unit."""
-    return float(dict(_registry().Quantity(1.0, names).to_root_units().unit_items()).get("radian", 0))
+        made: list[Any] = Field(**self.bounds).metadata
+        return made
 
 
 class Unit:
@@ -76,20 +41,36 @@ class Unit:
         """SI number for a string with a unit; anything else unchanged."""
         if not isinstance(value, str):
             return value
+        from pydantic_core import PydanticCustomError
+
+        from hknob_cli.specs.units import to_si
+
         try:
             return to_si(value, self.name)
         except ValueError as error:
             raise PydanticCustomError("unit", "{reason}", {"reason": str(error)}) from None
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> core_schema.CoreSchema:
+    def __get_pydantic_core_schema__(self, source: Any, handler: "GetCoreSchemaHandler") -> "CoreSchema":
+        from pydantic_core import core_schema
+
         return core_schema.no_info_before_validator_function(self.convert, handler(source))
 
-    def __get_pydantic_json_schema__(
-        self, schema: core_schema.CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, schema: "CoreSchema", handler: "GetJsonSchemaHandler") -> dict[str, Any]:
         number = handler(schema)
         text = {"type": "string", "pattern": r"^\s*[-+]?[0-9.]", "description": f"number with a unit, as {self.name}"}
         return {"anyOf": [number, text], "x-unit": self.name}
+
+
+class _Before:
+    """Annotation of a value that a function sees before it is checked."""
+
+    def __init__(self, convert: Callable[[Any], Any]) -> None:
+        self.convert = convert
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: "GetCoreSchemaHandler") -> "CoreSchema":
+        from pydantic_core import core_schema
+
+        return core_schema.no_info_before_validator_function(self.convert, handler(source))
 
 
 def _whole(value: Any) -> Any:
@@ -97,29 +78,62 @@ def _whole(value: Any) -> Any:
     return int(value) if isinstance(value, float) and value.is_integer() else value
 
 
-MayBeFloat = BeforeValidator(_whole)  # annotation of a strict whole number that a large one of is written as 1e7
+def _as_written(value: Any) -> Any:
+    """The value, unless it is a float, or true or false, which to Python are equal to whole numbers."""
+    if isinstance(value, bool | float):
+        from pydantic_core import PydanticKnownError
+
+        raise PydanticKnownError("int_type")
+    return value
+
+
+MayBeFloat = _Before(_whole)  # annotation of a strict whole number that a large one of is written as 1e7
+WHOLE = _Before(_as_written)  # annotation of one of a few whole numbers, written as one
 
 
 class NotSweepable:
     """Annotation of a number that no grid varies."""
 
 
-def _number(unit: str, **bounds: Any) -> Any:
-    return Annotated[float, Field(strict=True, allow_inf_nan=False, **bounds), Unit(unit)]
+class Quantity(Held):
+    """Annotation of a float field: its SI unit, and bounds. A string may have another unit of its kind."""
+
+    def __init__(self, unit: str, **bounds: Any) -> None:
+        super().__init__(strict=True, allow_inf_nan=False, **bounds)
+        self.unit = unit
+
+    def __iter__(self) -> Iterator[Any]:
+        yield from super().__iter__()
+        yield Unit(self.unit)
 
 
-Inertia = _number("kg*m^2", gt=0, le=1e6)
-AddedInertia = _number("kg*m^2", ge=0, le=1e6)
-Damping = _number("N*m*s/rad", ge=0, le=1e9)
-SignedDamping = _number("N*m*s/rad", ge=-1e9, le=1e9)
-Stiffness = _number("N*m/rad", ge=0, le=1e12)
-Torque = _number("N*m", ge=0, le=1e9)
-SignedTorque = _number("N*m", ge=-1e9, le=1e9)
-Angle = _number("rad", ge=-1e6, le=1e6)
-PositiveAngle = _number("rad", gt=0, le=1e6)
-Velocity = _number("rad/s", ge=-1e9, le=1e9)
-Seconds = _number("s", ge=0, le=1e6)
-PositiveSeconds = _number("s", gt=0, le=1e6)
-KnobRadius = _number("m", gt=0, le=1.0)
-SoundGain = _number("Pa*s/rad", gt=0, le=1e9)
-SampleRate = _number("Hz", ge=1e-3, le=1e9)
+Inertia = Annotated[float, Quantity("kg*m^2", gt=0, le=1e6)]
+AddedInertia = Annotated[float, Quantity("kg*m^2", ge=0, le=1e6)]
+Damping = Annotated[float, Quantity("N*m*s/rad", ge=0, le=1e9)]
+SignedDamping = Annotated[float, Quantity("N*m*s/rad", ge=-1e9, le=1e9)]
+Stiffness = Annotated[float, Quantity("N*m/rad", ge=0, le=1e12)]
+Torque = Annotated[float, Quantity("N*m", ge=0, le=1e9)]
+SignedTorque = Annotated[float, Quantity("N*m", ge=-1e9, le=1e9)]
+Angle = Annotated[float, Quantity("rad", ge=-1e6, le=1e6)]
+Width = Annotated[float, Quantity("rad", ge=0, le=1e6)]
+PositiveAngle = Annotated[float, Quantity("rad", gt=0, le=1e6)]
+Velocity = Annotated[float, Quantity("rad/s", ge=-1e9, le=1e9)]
+Seconds = Annotated[float, Quantity("s", ge=0, le=1e6)]
+PositiveSeconds = Annotated[float, Quantity("s", gt=0, le=1e6)]
+KnobRadius = Annotated[float, Quantity("m", gt=0, le=1.0)]
+SoundGain = Annotated[float, Quantity("Pa*s/rad", gt=0, le=1e9)]
+SampleRate = Annotated[float, Quantity("Hz", ge=1e-3, le=1e9)]
+
+# Of a trial on a knob: within what a target takes (docs/wire.md), or a person can do.
+Force = Annotated[float, Quantity("N", gt=0, le=100)]
+ForceNoise = Annotated[float, Quantity("N", ge=0, le=10)]
+WallStiffness = Annotated[float, Quantity("N*m/rad", ge=0, le=1000)]
+WallDamping = Annotated[float, Quantity("N*m*s/rad", ge=0, le=1000)]
+TorqueLimit = Annotated[float, Quantity("N*m", gt=0, le=10)]
+SpeedLimit = Annotated[float, Quantity("rad/s", gt=0, le=1e4)]
+Watchdog = Annotated[float, Quantity("s", ge=0.001, le=0.05)]
+Minutes = Annotated[float, Quantity("s", gt=0, le=900)]
+SomeSeconds = Annotated[float, Quantity("s", ge=0, le=60)]
+AngleNoise = Annotated[float, Quantity("rad", ge=0, le=0.1)]
+TimeNoise = Annotated[float, Quantity("s", ge=0, le=0.1)]
+Share = Annotated[float, Held(strict=True, ge=0, le=0.5)]

@@ -3,9 +3,11 @@
 from collections.abc import Iterable, Sequence
 
 from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
-from hknob_cli.specs.controller import controller_contradictions
+from hknob_cli.specs.controller_plan import KINDS, Controller
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
-from hknob_cli.specs.part import Place
+from hknob_cli.specs.over_angle import OVER_ANGLE
+from hknob_cli.specs.over_angle_faults import over_angle_contradictions
+from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
 
@@ -53,13 +55,16 @@ def apart(asked: Iterable[str], starts: str) -> Faults:
 
 def _places(part: str, scene: SceneSpec, axes: Axes, *, people: bool) -> list[Place]:
     """Where a spec has a part; what a scene amounts to is at the scene."""
+    over = [name for name in OVER_ANGLE if getattr(scene, name)]
     there = {
         "bare": scene.encoder == "none",
         "unsampled": scene.sampling == "continuous",
         "controller": scene.controller is not None,
         "people": people,
         "handless": not scene.hand and not people,
-        "unpushed": not scene.bias or scene.bias.torque == 0.0 or scene.wall.stiffness == 0.0,
+        "unpushed": not scene.bias or scene.bias.torque == 0.0 or not (over or scene.wall.stiffness > 0.0),
+        **dict.fromkeys(OVER_ANGLE, False),
+        **dict.fromkeys(over, True),
     }
     path = PARTS[part].path
     if part in there:
@@ -79,7 +84,7 @@ def given(scene: SceneSpec, axes: Axes, path: str) -> list[Place]:
     places: list[Place] = []
     if model is None or model == "none":
         return places
-    absent = type(model).model_fields[key].default
+    absent = default_of(model, key)
     if getattr(model, key) != absent:
         places.append(("scene", part, key))
     elif isinstance(model, HandSpec) and model.measured and getattr(model.plain(), key) != absent:
@@ -99,11 +104,32 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
             if f"hand.{key}" in axes:
                 found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
+    found += over_angle_contradictions(scene, axes)
     if scene.controller:
-        found += controller_contradictions(scene.controller, axes)
+        found += _of_another_kind(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["controllers"])
         if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
             found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
     elif scene.sampling == "continuous":
         found += refusals(scene, axes, ["unsampled"])
     return found
+
+
+def _of_another_kind(spec: Controller, given: frozenset[str], axes: Axes) -> Faults:
+    """Numbers of a controller, or of a grid, that its kind does not have or lacks; ``given``: the keys that are."""
+    keys = KINDS[spec.kind].keys
+    found: Faults = []
+    allowed = ", ".join(keys)
+    for key in given - {"kind", *keys}:
+        found.append((("scene", "controller", key), f"must be absent where kind is {spec.kind}, which has {allowed}"))
+    for name in axes:
+        part, _, key = name.partition(".")
+        if part == "controller" and key not in keys:
+            found.append((("grid", name), f"must be absent where kind is {spec.kind}, which has {allowed}"))
+    values = axes.get("controller.damping", [spec.damping])
+    if spec.kind == "velocity_damping" and "controller.damping" not in axes and "damping" not in given:
+        found.append((("scene", "controller"), "must have damping where kind is velocity_damping"))
+    if spec.kind == "passivity" and min(values) <= 0.0:
+        place = ("grid", "controller.damping") if "controller.damping" in axes else ("scene", "controller")
+        found.append((place, "must have a damping > 0 where kind is passivity: the most that it adds"))
+    return sorted(found, key=lambda one: [str(step) for step in one[0]])

@@ -16,7 +16,7 @@ from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import MAX_CELLS, AxisError, AxisSpec, Counts, axis_values
 from hknob_cli.specs.hand import HandSpec
 from hknob_cli.specs.messages import nearest
-from hknob_cli.specs.perceive import PerceiveSpec
+from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, SweepPlan
 from hknob_cli.specs.quantity import PositiveSeconds, SampleRate, Torque, Velocity
 from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy, Tuned
@@ -91,7 +91,7 @@ class RemediesSpec(Part):
     remedies: Annotated[
         dict[Label, TunedRemedySpec], Field(min_length=1, max_length=1000, description="remedies by name")
     ]
-    perceive: PerceiveSpec | None = None
+    perceive: Perceive | None = None
 
 
 def validate_remedies(source: Source) -> RemediesPlan:

@@ -5,8 +5,9 @@ from typing import Annotated, Any, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from hknob_cli.specs.part import model_of
 from hknob_cli.specs.plan import RATE
-from hknob_cli.specs.quantity import NotSweepable, Unit
+from hknob_cli.specs.quantity import NotSweepable, Quantity
 from hknob_cli.specs.scene import SceneSpec
 
 
@@ -16,19 +17,19 @@ def scalar_field(path: str) -> FieldInfo | None:
     *parents, last = path.split(".")
     for part in parents:
         info = model.model_fields.get(part)
-        inner = model_of(info) if info else None
+        inner = part_of(info) if info else None
         if inner is None:
             return None
         model = inner
     found = model.model_fields.get(last)
-    return None if found is None or model_of(found) or not _is_number(found) else found
+    return None if found is None or part_of(found) or not _is_number(found) else found
 
 
 def scalar_paths() -> list[str]:
     """Every dotted path that may be an axis."""
     paths = []
     for part, info in SceneSpec.model_fields.items():
-        model = model_of(info)
+        model = part_of(info)
         if model:
             paths += [f"{part}.{name}" for name in _numbers(model)]
     return paths
@@ -38,7 +39,7 @@ def _numbers(model: type[BaseModel]) -> list[str]:
     """Paths of the numbers in a part of the scene."""
     paths = []
     for name, info in model.model_fields.items():
-        inner = model_of(info)
+        inner = part_of(info)
         if inner:
             paths += [f"{name}.{path}" for path in _numbers(inner)]
         elif _is_number(info):
@@ -51,12 +52,12 @@ def _arms(info: FieldInfo) -> tuple[Any, ...]:
     return getattr(annotation, "__args__", None) or (annotation,)
 
 
-def model_of(info: FieldInfo) -> type[BaseModel] | None:
+def part_of(info: FieldInfo) -> type[BaseModel] | None:
     """The model of a field that holds a part of a spec; None if it holds a value."""
     for arm in _arms(info):
-        plain = get_args(arm)[0] if get_origin(arm) is Annotated else arm
-        if isinstance(plain, type) and issubclass(plain, BaseModel):
-            return plain
+        model = model_of(get_args(arm)[0] if get_origin(arm) is Annotated else arm)
+        if model is not None:
+            return model
     return None
 
 
@@ -71,8 +72,9 @@ def items_of(info: FieldInfo) -> type[BaseModel] | None:
 
 def _first_model(kind: Any) -> type[BaseModel] | None:
     """The first model in a type, however it is annotated."""
-    if isinstance(kind, type) and issubclass(kind, BaseModel):
-        return kind
+    model = model_of(kind)
+    if model is not None:
+        return model
     return next((found for arm in get_args(kind) if (found := _first_model(arm)) is not None), None)
 
 
@@ -88,7 +90,7 @@ def axis_unit(name: str) -> str:
     if name == RATE:
         return "Hz"
     info = scalar_field(name)
-    units = [item.name for item in _metadata(info) if isinstance(item, Unit)] if info else []
+    units = [item.unit for item in _metadata(info) if isinstance(item, Quantity)] if info else []
     return units[0] if units else "1"
 
 

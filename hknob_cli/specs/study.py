@@ -10,9 +10,8 @@ from hknob_cli.specs.grid import AxisError, AxisSpec, LogAxis, levels
 from hknob_cli.specs.grip import Grip, printed_grips, same_grip, unprinted
 from hknob_cli.specs.identification import BiasPlan, HiddenPlan, StudyPlan
 from hknob_cli.specs.part import Part
-from hknob_cli.specs.quantity import Inertia, Unit
+from hknob_cli.specs.quantity import WHOLE, Inertia, Unit
 from hknob_cli.specs.source import Source
-from hknob_cli.specs.whole import WHOLE
 
 MOST_LEVELS = 1000  # of a nuisance, or ratios: each is a campaign of its own
 Table = Annotated[Literal[1, 2, 3, 4, 5], WHOLE, Field(description="whose printed mean hands are the truth")]

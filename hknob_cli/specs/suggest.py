@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pydantic import BaseModel
 
 from hknob_cli.specs.messages import keys_of
-from hknob_cli.specs.scene_paths import model_of
+from hknob_cli.specs.scene_paths import part_of
 
 _DEEPEST = 5
 _MOST = 3  # suggestions
@@ -42,6 +42,6 @@ def _paths(model: type[BaseModel], depth: int = 0) -> Iterator[str]:
     for name, info in model.model_fields.items():
         key = info.alias or name
         yield key
-        inner = model_of(info)
+        inner = part_of(info)
         if inner is not None and depth < _DEEPEST:
             yield from (f"{key}.{path}" for path in _paths(inner, depth + 1))

@@ -6,14 +6,14 @@ from pydantic import Field
 
 from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.grid import MAX_CELLS, Grid
-from hknob_cli.specs.perceive import PerceiveSpec
+from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import RATE, Axes, Pulse, Record, SweepPlan
-from hknob_cli.specs.points_plan import Points
 from hknob_cli.specs.population import PopulationSpec
-from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds, SignedTorque
+from hknob_cli.specs.quantity import Angle, MayBeFloat, PositiveSeconds
 from hknob_cli.specs.refusals import Faults, apart, refusals, start_refusals
 from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.starts import AnyStarts, StartsSpec, kind_of_starts, plain_starts
+from hknob_cli.specs.unit_points import Points
 
 MOST_ROWS = 1_000_000  # of the recordings of a sweep
 MOST_CELLS = 10**13  # that a sweep may be let span
@@ -41,13 +41,6 @@ class LimitsSpec(Part):
     ] = None
 
 
-class PulseSpec(Part):
-    """A torque pulse on the knob from the start of a recording, away from the wall (Hasser, sec. 4.2.2)."""
-
-    torque: Annotated[SignedTorque, Field(description="height of the pulse")]
-    duration: Annotated[PositiveSeconds, Field(description="length of the pulse")]
-
-
 class RecordSpec(Part):
     """Trajectories to keep: the exact motion of the first trials of every cell."""
 
@@ -61,7 +54,7 @@ class RecordSpec(Part):
         list[Angle] | None,
         Field(min_length=1, max_length=100, description="angles to start recordings at, each; null: that of starts"),
     ] = None
-    pulse: PulseSpec | None = None
+    pulse: Pulse | None = None
 
     def plain(self) -> Record:
         """The recording as plain values."""
@@ -69,7 +62,7 @@ class RecordSpec(Part):
             duration=self.duration,
             interval=self.interval or self.duration / 1000.0,
             trials=self.trials,
-            pulse=Pulse(**dict(self.pulse)) if self.pulse else None,
+            pulse=self.pulse,
             angles=tuple(self.angles or ()),
         )
 
@@ -99,7 +92,7 @@ class SweepSpec(Part):
     growth: GrowthSpec | None = None
     basins: BasinsSpec | None = None
     population: PopulationSpec | None = None
-    perceive: PerceiveSpec | None = None
+    perceive: Perceive | None = None
 
     def contradictions(self, axes: Axes, points: Points | None) -> Faults:
         """What excludes something else: places in the spec, and what is wrong there."""
@@ -149,7 +142,7 @@ class SweepSpec(Part):
             seconds_per_cell=self.limits.seconds_per_cell,
             record=self.record.plain() if self.record else None,
             growth_s=self.growth.duration if self.growth else None,
-            perceive=self.perceive.plain() if self.perceive else None,
+            perceive=self.perceive,
             basins=self.basins.points if self.basins else None,
             values=values,
         )

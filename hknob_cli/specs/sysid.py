@@ -15,10 +15,10 @@ from hknob_cli.specs.quantity import (
     Damping,
     Inertia,
     PositiveSeconds,
+    Quantity,
     Seconds,
     Stiffness,
     Torque,
-    Unit,
 )
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.study import StudySpec, plan_study
@@ -28,8 +28,8 @@ What = Literal["hand", "motor", "grip_cell", "apparatus"]
 Estimator = Literal["least_squares", "least_squares_friction", "output_error", "output_error_friction", "fourth_order"]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Number = Annotated[int, Field(strict=True, ge=1, le=5)]
-Radius = Annotated[float, Field(strict=True, gt=0, le=1.0, allow_inf_nan=False), Unit("m")]
-Noise = Annotated[float, Field(strict=True, ge=0, le=1.0, allow_inf_nan=False), Unit("rad")]
+Radius = Annotated[float, Quantity("m", gt=0, le=1.0)]
+Noise = Annotated[float, Quantity("rad", ge=0, le=1.0)]
 ALL = ""
 MOST_TRIALS = 50_000  # on the virtual apparatus: 20 kB each; the dissertation has 1566
 _PRINTED = {1: 9}  # subjects of an experiment where that is not 5

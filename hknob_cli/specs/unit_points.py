@@ -1,11 +1,11 @@
-"""Points of a design in the unit cube, by number: any run of them, the same however the runs are cut.
+"""A design, and its points in the unit cube, by number: any run of them, the same however the runs are cut.
 
 Sobol and Halton sequences and the Latin hypercube are scipy.stats.qmc's, scrambled by the seed; random points are those
 of numpy's PCG64. Point i of a sequence does not depend on how many points follow it.
 """
 
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -13,6 +13,18 @@ if TYPE_CHECKING:
 SOBOL, HALTON, LATIN, RANDOM = "sobol", "halton", "latin_hypercube", "random"
 # There are 2**30 points of a Sobol sequence; a Latin hypercube is kept whole; a sweep may span as many as the others.
 MOST_POINTS = {SOBOL: 10**9, HALTON: 10**13, LATIN: 1_000_000, RANDOM: 10**13}
+
+
+class Points(NamedTuple):
+    """A design: ``number`` points by a ``method`` (sobol, halton, latin_hypercube, random) and its ``seed``.
+
+    ``scales``: log or lin, by the name of each axis that is a range; the axis then holds its two ends.
+    """
+
+    method: str
+    number: int
+    seed: int
+    scales: dict[str, str]
 
 
 @lru_cache(maxsize=4)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.specs.origin import Origin
+from hknob_cli.specs.parts import Origin
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import Hand
 

@@ -13,8 +13,8 @@ from hknob_cli.recordings.files import NotReadableError, RecordingFile
 from hknob_cli.results.digest import digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.specs import size_limit
-from hknob_cli.specs.quantity import to_si
 from hknob_cli.specs.source import parse, read
+from hknob_cli.specs.units import to_si
 from tests.conftest import SPEC, faults_of
 
 

@@ -11,8 +11,7 @@ from scipy.stats import qmc
 
 from hknob_cli.specs.cells import DesignCells, cells_of
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
-from hknob_cli.specs.points_plan import Points
-from hknob_cli.specs.unit_points import MOST_POINTS, UnitPoints
+from hknob_cli.specs.unit_points import MOST_POINTS, Points, UnitPoints
 from tests.conftest import SPEC, loaded
 
 METHODS = sorted(MOST_POINTS)

@@ -20,6 +20,7 @@ from functools import cached_property
 from math import sqrt
 from typing import Any
 
+from .over_angle_reference import over_angle
 from .reference import mp
 
 Vector = tuple[Any, ...]
@@ -391,6 +392,7 @@ class Control:
     step: Any
     limit: Any
     delay: Any
+    over_angle: Any = None  # torque [N m] at a count, beside the wall
 
     def counts(self, theta: Any) -> Any:
         """Angle in counts from an encoder edge, shifted such that a level changes at whole numbers."""
@@ -416,9 +418,12 @@ class Control:
 
     def wanted(self, measured: Any, before: Any) -> Any:
         """Wall's command before the torque step [N m]."""
+        other = mp.zero
+        if self.over_angle is not None:
+            other = self.over_angle(int(mp.nint(measured / self.quantum - self.offset)))
         if not measured < 0:
-            return mp.zero
-        return -self.stiffness * measured - self.damping * (measured - before) / self.period
+            return other
+        return other - self.stiffness * measured - self.damping * (measured - before) / self.period
 
     def command(self, wanted: Any) -> Any:
         """Command that the actuator takes [N m]."""
@@ -477,7 +482,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
     def number(part: dict[str, Any], name: str) -> Any:
         return mp.mpf(part.get(name) or 0.0)
 
-    knob, hand, wall = scene["knob"], scene.get("hand") or {}, scene["wall"]
+    knob, hand, wall = scene["knob"], scene.get("hand") or {}, scene.get("wall") or {"stiffness": 0.0}
     finger, pad = hand.get("finger"), hand.get("fingerpad")
     actuator, bias, encoder = scene.get("actuator") or {}, scene.get("bias") or {}, scene.get("encoder", {})
     quantum = None if encoder == "none" or counts_per_rev is None else 2 * mp.pi / counts_per_rev
@@ -512,6 +517,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         step=number(actuator, "torque_step"),
         limit=None if limit is None else mp.mpf(limit),
         delay=number(actuator, "delay_samples"),
+        over_angle=over_angle(scene, counts_per_rev) if counts_per_rev else None,
     )
     return bodies, control
 

@@ -1,16 +1,18 @@
 """The controller: from the angle at a sample to the torque commanded, as an acceleration of the knob.
 
-In this order: the encoder's count, the virtual wall with its damping on the differenced measured angle, the step of the
-D/A converter, the saturation of the amplifier. Units are those of `engine.loop`: counts and sample periods.
+In this order: the encoder's count, the virtual wall or the torque over the angle, the wall's damping on the differenced
+measured angle, the step of the D/A converter, the saturation of the amplifier. Units are those of `engine.loop`: counts
+and sample periods.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from hknob_cli.engine.general.torque_table import command_at, is_there, run_at
 from hknob_cli.engine.loop import floor
 
 
 class Controller(NamedTuple):
-    """The wall as programmed and driven; every field is a float, 0 (``limit``: infinite) where it does not exist."""
+    """The wall as programmed and driven; every number is a float, 0 (``limit``: infinite) where it does not exist."""
 
     kappa: float  # virtual stiffness, K T^2 / J
     damping: float  # virtual damping on the difference of two samples, B T / J
@@ -21,6 +23,7 @@ class Controller(NamedTuple):
     step: float  # D/A step
     limit: float  # saturation
     split: float  # part of an interval that still runs under the older command
+    table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
 
 
 def read(x, wall):
@@ -34,10 +37,13 @@ def read(x, wall):
 
 def command(shown, before, wall):
     """Command when the sensor shows ``shown``, and showed ``before`` one sample ago: the wall, D/A, amplifier."""
-    if not shown < 0.0:
+    if is_there(wall.table):
+        u = command_at(shown, wall.table)
+    elif not shown < 0.0:
         return 0.0
-    u = -wall.kappa * (shown + wall.offset)
-    if wall.damping > 0.0:
+    else:
+        u = -wall.kappa * (shown + wall.offset)
+    if wall.damping > 0.0 and shown < 0.0:
         u -= wall.damping * (shown - before)
     if wall.step > 0.0:
         u = wall.step * floor(u / wall.step + 0.5)
@@ -54,9 +60,34 @@ def slopes(shown, before, wall):
     return -wall.kappa - wall.damping, wall.damping
 
 
-def inside(shown):
-    """How deep inside the wall, as a level that is compared from sample to sample."""
+def table_size(shown, wall):
+    """Size of the command of a table, for bounds on roundings; 0 for a wall, whose command goes by the depth."""
+    return abs(command_at(shown, wall.table)) if is_there(wall.table) else 0.0
+
+
+def inside(shown, wall):
+    """How deep inside the wall, or in which run of a table, as a level that is compared from sample to sample."""
+    if is_there(wall.table):
+        return run_at(shown, wall.table)[0]
     return shown if shown < 0.0 else 0.0
+
+
+def goes_on(v, shown, wall):
+    """Whether no change of command lies ahead of a knob that turns at ``v``, however far."""
+    if is_there(wall.table):
+        low, high = run_at(shown, wall.table)
+        return low == -float("inf") if v < 0.0 else high == float("inf")
+    return v > 0.0 and not shown < 0.0
+
+
+def lower_edge(shown, wall):
+    """Position at which a count begins."""
+    return shown if wall.sense > 0.0 or (wall.truncate > 0.0 and shown > 0.0) else shown - 1.0
+
+
+def upper_edge(shown, wall):
+    """Position at which a count ends."""
+    return shown + 1.0 if wall.sense > 0.0 or (wall.truncate > 0.0 and not shown < 0.0) else shown
 
 
 def edge_gap(x, shown, before, wall):
@@ -71,14 +102,13 @@ def edge_gap(x, shown, before, wall):
                 part = (u / wall.step + 0.5) % 1.0
                 gap = min(gap, min(part, 1.0 - part) * wall.step / slope)
         return gap
-    if not shown < 0.0 and wall.damping == 0.0:
-        return x if wall.sense > 0.0 else x + 1.0
-    low = shown if wall.sense > 0.0 else shown - 1.0
-    high = low + 1.0
-    if wall.truncate > 0.0 and not shown < 0.0:
-        low = shown if shown > 0.0 else -1.0
-        high = shown + 1.0
-    return min(x - low, high - x)
+    low = high = shown
+    if wall.damping == 0.0:
+        if is_there(wall.table):
+            low, high = run_at(shown, wall.table)
+        elif not shown < 0.0:
+            low, high = 0.0, float("inf")
+    return min(x - lower_edge(low, wall), upper_edge(high, wall) - x)
 
 
 def count_gap(x, wall):

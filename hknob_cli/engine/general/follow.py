@@ -77,7 +77,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         if body.halt[0] > 0.0:
             return False
         shown = read(space.state[0], wall)
-        if k < len(space.trail) and inside(shown) != inside(space.trail[k]):
+        if k < len(space.trail) and inside(shown, wall) != inside(space.trail[k], wall):
             return False
         if plain:
             u = command(shown, before, wall)
@@ -160,7 +160,7 @@ def follow_trial(
                 return KNOWN, row, before, head, i
         last = shown
         shown = read(x, wall)
-        same = inside(shown) == inside(last) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
+        same = inside(shown, wall) == inside(last, wall) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
         if same:
             run += 1
             if run >= next_test:
@@ -184,7 +184,7 @@ def follow_trial(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if inside(shown) < inside(last) and (wall.analog == 0.0 or not last < 0.0):
+        if inside(shown, wall) < inside(last, wall) and (wall.analog == 0.0 or not last < 0.0):
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]

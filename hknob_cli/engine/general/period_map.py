@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import distance, norm, stiffness
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import GONE, dissipates, ellipse_bound, growth_bound, invert
 
@@ -77,7 +77,7 @@ def turn(before, ring, head, period, body, wall, space, m):
         shown = read(x, wall)
         margin = min(margin, edge_gap(x, shown, before, wall))
         edge = min(edge, count_gap(x, wall))
-        reach = max(reach, abs(x))
+        reach = max(reach, abs(x), table_size(shown, wall))
         pace = max(pace, abs(space.state[1]))
         before, head = advance_columns(
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks

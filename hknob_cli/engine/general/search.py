@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from math import inf
 from time import perf_counter
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS
 from hknob_cli.engine.general.period_map import Space
+from hknob_cli.engine.general.torque_table import HEAD
 from hknob_cli.engine.outcome import Outcome, Reason
 
 GENERAL_FATES = {
@@ -42,11 +43,44 @@ AT_ONCE = 2**40  # phases, of which the first is half a trillionth of a sample a
 FIRST_SLICE = 8  # trials until the first chance to be interrupted
 MOST_SAMPLES = {2: 2**20, 3: 2**18}  # of a trial by default; more states take longer
 TRAIL = 8192  # readings of a candidate period that are kept to compare it with the next
+PASSED = 256  # turns of a torque over the angle, after which a knob that nothing holds is said to spin
 ROWS = 256  # distinct orbits a cell keeps
 FREELY = 10.0  # times that a sample of the general loop takes longer in the interpreter
 MOST_PIECES = 200_000  # of a period that is measured
 
 Array = NDArray[np.float64]
+
+
+class TorqueRange(NamedTuple):
+    """What a torque over the angle amounts to, far out.
+
+    ``least``, ``most``: commands, infinite where a spring grows with the angle; ``turn``: counts after which it repeats
+    for ever, on a side without a spring, 0 where there is none; ``span``: counts out to which it is of another kind.
+    """
+
+    least: float
+    most: float
+    turn: float
+    span: float
+
+
+def torque_range(wall: Controller) -> TorqueRange:
+    """The range of a controller's commands over all angles."""
+    if wall.table is None:
+        return TorqueRange(0.0, inf if wall.kappa > 0.0 else 0.0, 0.0, 0.0)
+    table = np.asarray(wall.table)
+    size = (len(table) - HEAD) // 3
+    first, turn, below, above = (float(value) for value in table[:HEAD])
+    commands = table[HEAD : HEAD + size]
+    if wall.step > 0.0:
+        commands = wall.step * np.floor(commands / wall.step + 0.5)
+    commands = np.clip(commands, -wall.limit, wall.limit)
+    return TorqueRange(
+        least=-inf if above < 0.0 or wall.damping > 0.0 else float(commands.min()),
+        most=inf if below < 0.0 or wall.damping > 0.0 else float(commands.max()),
+        turn=0.0 if turn == 1.0 or (below < 0.0 and above < 0.0) else turn,
+        span=max(abs(first), abs(first + size)),
+    )
 
 
 class PeriodSegments:
@@ -81,6 +115,11 @@ def make_space(order: int, delay: int, zeros: Callable[[int], Any]) -> Space:
         trail=zeros(TRAIL),
         reading=zeros(1),
     )
+
+
+def as_list(wall: Controller) -> Controller:
+    """The controller with a list in place of its table, for the interpreter, which is quicker on it."""
+    return wall if wall.table is None else wall._replace(table=wall.table.tolist())
 
 
 def as_arrays(body: Body) -> Body:
@@ -135,11 +174,15 @@ class GeneralEngine:
         budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
         scale = trial_scale(start[0], start[1], body.push, wall.kappa, spring)
+        over = torque_range(wall)
+        scale = max(scale, over.span)
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)
-        loose = wall.kappa == 0.0 and spring == 0.0 and body.ratio == 0.0
-        if loose and body.push > body.friction:
+        loose = spring == 0.0 and body.ratio == 0.0
+        if loose and (over.most + body.friction < body.push or body.push + body.friction < over.least):
             return Search(attractors=(whole(Outcome.DIVERGED, Reason.LEAVES, phases),), samples=0)
+        spins = loose and over.turn > 0.0
+        far = scale + PASSED * over.turn + abs(start[1]) / body.alpha if spins and body.alpha > 0.0 else 1e6 * scale
         skip = settling_samples(rate, budget)
         patience = int(self.patience.samples / FREELY)
         cut = not self.compiled and budget > patience
@@ -147,6 +190,7 @@ class GeneralEngine:
             raise NeedsCompilerError
         n = body.order
         ready = as_arrays(body) if self.compiled else body
+        wall = wall if self.compiled else as_list(wall)
         space = make_space(n, delay_line, self.zeros)
         table = self.zeros(FIELDS * ROWS)
         states, lines = self.zeros(n * ROWS), self.zeros(max(1, delay_line * ROWS))
@@ -169,7 +213,7 @@ class GeneralEngine:
                         skip,
                         min(budget, patience + skip) if cut else budget,
                         not cut,
-                        1e6 * scale,
+                        far,
                         ROWS,
                         rows,
                         table,
@@ -189,12 +233,14 @@ class GeneralEngine:
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
         why = why_unrepeated(rate, budget, held=spring > 0.0)
+        grew = Reason.SPINS if far < 1e6 * scale else Reason.GREW
         found = [
             attractor_of(
                 table[FIELDS * row : FIELDS * (row + 1)],
                 [float(value) for value in states[row * n : (row + 1) * n]],
                 [float(value) for value in lines[row * delay_line : (row + 1) * delay_line]],
                 why,
+                grew,
             )
             for row in range(rows)
         ]
@@ -209,6 +255,7 @@ class GeneralEngine:
         """One period of an orbit from event to event; None if it has too many pieces."""
         n = body.order
         ready = as_arrays(body) if self.compiled else body
+        wall = wall if self.compiled else as_list(wall)
         capacity = 16 * orbit.period + 64
         while capacity <= 4 * MOST_PIECES:
             state = self._filled([orbit.x, orbit.v, *orbit.state])
@@ -235,12 +282,16 @@ class GeneralEngine:
         return None
 
 
-def attractor_of(row: Any, state: list[float], line: list[float], unrepeated: Reason) -> Attractor:
-    """Attractor from a row of the kernel's tables; ``unrepeated``: why one's levels never repeated."""
+def attractor_of(
+    row: Any, state: list[float], line: list[float], unrepeated: Reason, grew: Reason = Reason.GREW
+) -> Attractor:
+    """Attractor from a row of the kernel's tables; why one's levels never repeated, and why it went past the limit."""
     fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
     outcome, reason = GENERAL_FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
         reason = unrepeated
+    elif reason is Reason.GREW:
+        reason = grew
     if int(n) == 0:
         return whole(outcome, reason, trials)
     rest = outcome is Outcome.REST

@@ -4,8 +4,9 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, distance
-from hknob_cli.engine.general.controller import command, edge_gap
+from hknob_cli.engine.general.controller import command, edge_gap, goes_on
 from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
+from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 SETTLING = 5  # beside the fates of `engine.rest`: one reading for ever, and friction brings the knob to rest
@@ -40,13 +41,21 @@ def stays_held(z, u, body):
     return abs(u - body.push - body.pad_stiffness * d) + swing + late <= body.friction
 
 
+def runs_off(z, u, shown, body, wall):
+    """Whether a knob that nothing holds turns the way it is driven, and no change of command lies ahead."""
+    if not is_there(wall.table) or body.order > 2 or body.beta > 0.0:
+        return False
+    pull = u - body.push
+    return abs(pull) > body.friction and pull * z[1] > 0.0 and goes_on(z[1], shown, wall)
+
+
 def rest_rounding(z, rest, u, body):
     """Bound on what roundings move the place of a rest at ``rest`` without friction, and distances of ``z`` from it."""
-    size = 0.0  # of the torques that balance, over the stiffness; the wall's pulls out
+    size = 0.0  # of the torques that balance, over the stiffness
     if body.ratio > 0.0:
-        size = (u + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
+        size = (abs(u) + body.push) * (1.0 / body.pad_stiffness + body.ratio / body.finger_stiffness) + abs(body.shift)
     elif body.beta > 0.0:
-        size = (u + abs(body.drive)) / body.beta
+        size = (abs(u) + abs(body.drive)) / body.beta
     return ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]) + size)
 
 
@@ -63,6 +72,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         orbit[i] = 0.0
     orbit[0] = z[0]
     gap = edge_gap(z[0], shown, before, wall)
+    if runs_off(z, u, shown, body, wall):
+        return LEAVES, gap
     if body.friction > 0.0:
         if not stays_held(z, u, body):
             keeps, gap = keeps_reading(z, shown, u, body, wall, len(ring), orbit, away)
@@ -88,7 +99,7 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
         if body.alpha == 0.0:
             if z[1] == 0.0:
                 return AT_REST, gap
-            return (LEAVES if z[1] > 0.0 and not shown < 0.0 else MOVING), gap
+            return (LEAVES if goes_on(z[1], shown, wall) else MOVING), gap
         orbit[0] = z[0] + z[1] / body.alpha
     if body.lag > 0.0:
         orbit[n - 1] = u

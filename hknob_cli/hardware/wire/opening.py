@@ -5,7 +5,7 @@ from typing import Any
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.wire.pump import READ_S
-from hknob_cli.specs.port_url import url_fault
+from hknob_cli.specs.campaign import url_fault
 
 WRITE_S = 0.02
 

@@ -11,6 +11,7 @@ import pyarrow as pa
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import CONSTANT, Body
 from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.search import as_list
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
@@ -141,7 +142,7 @@ def record_trial(
 
     ``angle`` (rad) and ``velocity`` (rad/s) at the start; the first sample comes ``phase`` of a period later.
     """
-    wall, n = knob.wall, knob.body.order
+    wall, n = as_list(knob.wall), knob.body.order
     end, interval = record.duration / knob.period_s, record.interval / knob.period_s
     until = record.pulse.duration / knob.period_s if record.pulse else 0.0
     body = pulsed(knob.body, record.pulse.torque / knob.torque_nm) if record.pulse else knob.body

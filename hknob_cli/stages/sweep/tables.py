@@ -25,6 +25,7 @@ from hknob_cli.results.columns import (
     axis_column,
 )
 from hknob_cli.scene.sampled_cells import hands_of
+from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
 from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
@@ -206,9 +207,10 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
     """Level of the torque step of a cell's counts."""
     from hknob_cli.stages.sweep.perceived import step_db
 
-    if plan.perceive is None or not _is_counted(plan):
+    scene = scene_at(plan.scene, result.cell)
+    if plan.perceive is None or not _is_counted(plan) or is_shaped(scene):
         return nan
-    stiffness = scene_at(plan.scene, result.cell).wall.stiffness
+    stiffness = scene.wall.stiffness
     return step_db(plan.perceive, stiffness=stiffness, counts=int(result.cell[COUNTS]))
 
 

@@ -26,7 +26,7 @@ from tests.conftest import SPEC, loaded
 
 BLOCK = "perceive: {knob_radius: 8.9 mm}\n"
 GAIN = "perceive: {knob_radius: 8.9 mm, sound_gain: 0.02 Pa/(rad/s)}\n"
-HOW = Perceive(8.9e-3, "pen_hold", "most_effective", 0.02, 2023, extrapolate=False)
+HOW = Perceive(8.9e-3, sound_gain=0.02)
 PARTS = 64  # of a hold
 
 

@@ -30,7 +30,7 @@ def add_points(row, known, body, wall):
     count, entered, last = int(known.counts[1]), 0, 0.0
     for i in range(2 * period):
         shown = read(known.z[0], wall)
-        deeper = inside(shown) < inside(last)
+        deeper = inside(shown, wall) < inside(last, wall)
         if i >= period and deeper and entered < POINTS_OF_ORBIT and (count + 1) * width <= len(known.points):
             base = count * width
             known.points[base], known.points[base + 1] = row, before

@@ -1,0 +1,137 @@
+"""The parts of a scene: what is between hand, knob, encoder, wall and actuator. SI units throughout.
+
+Each is declared once: what the rest of the program uses is what a spec is held to. Source: Hasser, sections 6.3-6.4
+(Fig. 27, Table 7).
+"""
+
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple
+
+from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.declared import declared
+from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.quantity import Damping, Held, Inertia, Seconds, Stiffness, Torque
+
+
+@declared()
+class Knob(NamedTuple):
+    """The device: what turns, felt without any control."""
+
+    inertia: Annotated[Inertia, "moment of inertia of knob and motor"]
+    damping: Annotated[Damping, "viscous damping of the device"] = 0.0
+    coulomb_torque: Annotated[Torque, "Coulomb friction level, with stick"] = 0.0
+
+
+@declared()
+class Wall(NamedTuple):
+    """The virtual wall: a spring for measured angles below 0, nothing above."""
+
+    stiffness: Annotated[Stiffness, "virtual stiffness"]
+    damping: Annotated[Damping, "virtual, on the differenced measured angle"] = 0.0
+
+
+@declared({"oneOf": [{"required": ["torque"]}, {"required": ["half_quantum"]}]})
+class Bias(NamedTuple):
+    """The user's constant push into the wall: a torque, or half the torque step of one count."""
+
+    torque: Annotated[Torque | None, "constant torque into the wall"] = None
+    half_quantum: Annotated[Literal[True] | None, "true: half of wall stiffness times one count (Hasser, sec. 7.2)"] = (
+        None
+    )
+
+    def wrong(self) -> str:
+        """That there is not exactly one of the two; empty if there is."""
+        one = (self.torque is None) != (self.half_quantum is None)
+        return "" if one else "must have exactly one of 'torque' and 'half_quantum'"
+
+
+@declared()
+class Encoder(NamedTuple):
+    """The angle sensor: reports the edge of a count that ``rounding`` picks."""
+
+    rounding: Annotated[
+        Literal["floor", "nearest", "ceil", "truncate"], "which count a position is read as; floor is Hasser's"
+    ] = "floor"
+    offset_counts: Annotated[
+        float,
+        Held(strict=True, ge=0, lt=1, allow_inf_nan=False),
+        "encoder edges lie this part of a count above the wall's edge and its multiples",
+    ] = 0.0
+
+
+@declared()
+class Actuator(NamedTuple):
+    """From command to torque."""
+
+    delay_samples: Annotated[
+        float, Held(strict=True, ge=0, le=1000, allow_inf_nan=False), "transport delay in sample periods"
+    ] = 0.0
+    time_constant: Annotated[Seconds, "of the lag from command to torque, first order"] = 0.0
+    torque_limit: Annotated[Torque | None, "saturation of the torque; null: none"] = None
+    torque_step: Annotated[Torque, "D/A step, to whole multiples of which a command is rounded; 0: none"] = 0.0
+
+
+@declared()
+class Finger(NamedTuple):
+    """The finger: a body of its own, sprung and damped to ground (J1, B1, K1 of Hasser, Fig. 13)."""
+
+    inertia: Annotated[Inertia, "moment of inertia of the fingers about the knob's axis"]
+    damping: Annotated[Damping, "damping of the fingers, to ground"] = 0.0
+    stiffness: Annotated[Stiffness, "stiffness of the fingers, to ground"] = 0.0
+
+
+@declared()
+class Fingerpad(NamedTuple):
+    """The fingerpad: spring and damper between finger and knob (B2, K2 of Hasser, Fig. 13)."""
+
+    damping: Annotated[Damping, "damping of the fingerpads"] = 0.0
+    stiffness: Annotated[Stiffness, "stiffness of the fingerpads"] = 0.0
+
+
+class Origin(NamedTuple):
+    """Where a hand or a population comes from: the ``file`` it was read from, and its digest; None: no file.
+
+    ``notes``: what a user must know of what was taken.
+    """
+
+    file: Path | None = None
+    sha256: str = ""
+    notes: tuple[str, ...] = ()
+
+
+class Hand(NamedTuple):
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of the grasp, to ground; or its two parts.
+
+    The inertia is below 0 where a printed table has less for hand and apparatus than for the apparatus alone.
+    ``by_grip``: hands by the grip force (N) of such a table or of a file; ``by_person``: those of a population, whose
+    persons are numbered from 1; ``origin``: the file that they are from.
+    """
+
+    inertia: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+    finger: Finger | None = None
+    fingerpad: Fingerpad | None = None
+    by_grip: tuple[tuple[float, "Hand"], ...] = ()
+    by_person: tuple["Hand", ...] = ()
+    origin: Origin | None = None
+
+
+class Scene(NamedTuple):
+    """What exists; None where it does not.
+
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
+    """
+
+    knob: Knob
+    wall: Wall
+    hand: Hand | None = None
+    bias: Bias | None = None
+    encoder: Encoder | None = Encoder()
+    actuator: Actuator | None = None
+    sampled: bool = True
+    controller: Controller | None = None
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None

@@ -1,0 +1,113 @@
+"""Torque over the measured angle at 60 digits, from the words of its parts; nothing of the package is used.
+
+Where a pattern goes round the knob, its place at a count is a fraction of whole numbers, exactly.
+"""
+
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from .reference import mp
+
+NAMES = ("profile", "detents", "end_stops", "dead_zone")
+
+
+def over_angle(scene: dict[str, Any], counts: int) -> Callable[[int], Any] | None:
+    """The torque [N m] at a count of all parts but the wall; None where there is none."""
+    encoder = scene.get("encoder") or {}
+    offset = Fraction(encoder.get("offset_counts") or 0.0) if isinstance(encoder, dict) else Fraction(0)
+    there = [(SHAPES[name], scene[name]) for name in NAMES if scene.get(name)]
+    if not there:
+        return None
+    known: dict[int, Any] = {}
+
+    def torque(count: int) -> Any:
+        if count not in known:
+            turn = (count + offset) / counts
+            known[count] = mp.fsum(shape(part, turn) for shape, part in there)
+        return known[count]
+
+    return torque
+
+
+def _real(turn: Fraction) -> Any:
+    return mp.mpf(turn.numerator) / turn.denominator
+
+
+def _angle(turn: Fraction) -> Any:
+    return 2 * mp.pi * _real(turn)
+
+
+def _between(points: list[Any], angle: Any, kind: str) -> Any:
+    """Torque at an angle between points, that of the nearest end beyond them."""
+    if angle < points[0][0]:
+        return mp.mpf(points[0][1])
+    for (a, u), (b, v) in pairwise(points):
+        if a <= angle < b:
+            share = 0 if kind == "stepped" else (angle - a) / (mp.mpf(b) - a)
+            return u + share * (mp.mpf(v) - u)
+    return mp.mpf(points[-1][1])
+
+
+def profile(part: dict[str, Any], turn: Fraction) -> Any:
+    points, kind = part["points"], part.get("interpolation", "linear")
+    angle, first = _angle(turn), mp.mpf(points[0][0])
+    if part.get("periodic"):
+        span = mp.mpf(points[-1][0]) - first
+        # What is meant is a whole number of spans in a turn, or of turns in a span.
+        ratio = 2 * mp.pi / span
+        span = 2 * mp.pi / mp.nint(ratio) if ratio > 0.9 else 2 * mp.pi * mp.nint(1 / ratio)
+        angle = first + (angle - first) - mp.floor((angle - first) / span) * span
+    return _between(points, angle, kind)
+
+
+def detents(part: dict[str, Any], turn: Fraction) -> Any:
+    centre, most = part.get("centre") or 0.0, mp.mpf(part["torque"])
+    if part.get("per_revolution"):
+        number = part["per_revolution"]
+        spacing = 2 * mp.pi / number
+        place = turn * number if not centre else _real(turn) * number - mp.mpf(centre) / spacing
+    else:
+        spacing = mp.mpf(part["spacing"])
+        place = (_angle(turn) - centre) / spacing
+    if part.get("range") and not part["range"][0] <= _angle(turn) <= part["range"][1]:
+        return mp.zero
+    if isinstance(place, Fraction):
+        away = _real(place - (place + Fraction(1, 2)).__floor__())
+    else:
+        away = place - mp.floor(place + mp.mpf(1) / 2)
+    if part.get("shape", "sine") == "sine":
+        return -most * mp.sin(2 * mp.pi * away)
+    if part["shape"] == "triangle":
+        quarter = mp.mpf(1) / 4
+        return -most * (away if abs(away) <= quarter else mp.sign(away) * (1 - 2 * abs(away)) / 2) / quarter
+    zone = mp.mpf(part.get("dead_zone") or 0.0) / 2
+    over = max(mp.zero, abs(away) * spacing - zone) / (spacing / 2 - zone)
+    return -most * mp.sign(away) * over
+
+
+def end_stops(part: dict[str, Any], turn: Fraction) -> Any:
+    angle, stiffness = _angle(turn), mp.mpf(part["stiffness"])
+    for name, beyond in (("low", lambda stop: angle < stop), ("high", lambda stop: angle > stop)):
+        if part.get(name) is not None and beyond(part[name]):
+            return stiffness * (part[name] - angle)
+    return mp.zero
+
+
+def dead_zone(part: dict[str, Any], turn: Fraction) -> Any:
+    away, half = _angle(turn) - (part.get("centre") or 0.0), mp.mpf(part["width"]) / 2
+    if abs(away) <= half:
+        return mp.zero
+    torque = mp.mpf(part["stiffness"]) * (abs(away) - half)
+    if part.get("torque") is not None:
+        torque = min(torque, mp.mpf(part["torque"]))
+    return -mp.sign(away) * torque
+
+
+SHAPES: dict[str, Callable[[dict[str, Any], Fraction], Any]] = {
+    "profile": profile,
+    "detents": detents,
+    "end_stops": end_stops,
+    "dead_zone": dead_zone,
+}
