@@ -91,6 +91,29 @@ def test_the_smartknob_reports() -> None:
     )
 
 
+def told(cell: dict[str, float]) -> str:
+    """What the table of modes says of a cell."""
+    if cell["at_rest_fraction"] == 1.0:
+        return "rests"
+    assert cell["at_rest_fraction"] == 0.0
+    return f"{1e3 * cell['p2p_max_rad']:.3g} mrad, {cell['frequency_hz']:.1f} Hz"
+
+
+HELD = ("scene.hand={table: 1, grip_n: 0.71}", "scene.bias.torque=0.001")
+
+
+def test_the_modes_of_a_smartknob() -> None:
+    """Untouched, late by 2 and by 3.5 samples, and held lightly; by the detents that the page itself writes."""
+    printed = table(PAGE, "## The detents of a SmartKnob")
+    assert len(printed) == 5
+    for _, detents, *verdicts in printed:
+        way = f"scene.detents={detents.strip('`')}"
+        free, held = cells("smartknob_modes", way), cells("smartknob_modes", way, *HELD)
+        found = [told(cell) for cell in (*free.to_dict("records"), held.to_dict("records")[1])]
+        assert verdicts == found, detents
+    says(PAGE, *(f"`--set '{HELD[0]}'", f"--set {HELD[1]}`"))
+
+
 def test_the_hapkit_report() -> None:
     found = cells("hapkit_damping")
     none, quarter, own, eight = (size(found, **{"wall.damping": one})[0] for one in (0.0, 0.011, 0.043, 0.34))
