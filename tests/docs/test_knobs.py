@@ -10,7 +10,7 @@ from .page import page, says, table
 
 PAGE = "knobs.md"
 GRIPS = (0.71, 14.2)
-SLOW = ("smartknob", "hapkit")  # every start in a range: up to a minute
+SLOW = ("smartknob", "hapkit", "moteus_ht1105")  # every start in a range: up to a minute, once compiled
 
 
 def cells(name: str, *overrides: str) -> pd.DataFrame:
