@@ -83,7 +83,6 @@ SMALL = {
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "specs/declared.py": "marks the parts of a scene, and loads no validation",
     "specs/pipeline_plan.py": "a plan, which the work uses without loading validation",
-    "specs/schema.py": "the schemas, which only their command loads",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
     "stages/job.py": "the process that parses makes a job without loading the work",
     "theory/bounded_lag.py": "the derivation of a rule; stages ask by scene",

@@ -74,9 +74,11 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
 
 
 def _warn(path: Path, job: Job) -> None:
+    """Say of a plan what preset it is from, with the sources of its values, and what is unusual in it."""
     from hknob_cli.specs.usual import unusual
 
-    for text in unusual(job.plan) if not job.quiet else ():
+    preset = getattr(job.plan, "preset", None)
+    for text in () if job.quiet else [*(preset.lines if preset else ()), *unusual(job.plan)]:
         say(f"{path}: {text}")
 
 

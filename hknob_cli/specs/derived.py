@@ -35,7 +35,7 @@ def derived_sweep(source: Source, values: dict[str, Any], places: dict[Path_, Pa
     derived = _Derived(source.name)
     derived.value, derived.waiting, derived.written = values, source.waiting, {}
     for stem, target in places.items():
-        for kind in ("keys", "values", "overridden"):
+        for kind in ("keys", "values", "overridden", "inherited"):
             found = getattr(derived, kind)
             for path, place in list(getattr(source, kind).items()):
                 if path[: len(stem)] == stem:
@@ -44,7 +44,7 @@ def derived_sweep(source: Source, values: dict[str, Any], places: dict[Path_, Pa
                     if there:
                         derived.written[there] = path
         _open_overrides(source, derived, stem, target)
-    plan = validate(derived, kind="sweep")
+    plan = validate(derived, kind="sweep", presets=False)
     assert isinstance(plan, SweepPlan)
     return plan
 

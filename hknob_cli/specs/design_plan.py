@@ -4,6 +4,7 @@ from math import prod
 from typing import Any, NamedTuple
 
 from hknob_cli.specs.perception import Perceive
+from hknob_cli.specs.preset_plan import Preset
 
 Value = float | int
 
@@ -67,6 +68,7 @@ class DesignPlan(NamedTuple):
     exhaustive: bool
     values: dict[str, Any]
     uncertainty_db: float = 2.0
+    preset: Preset | None = None
 
     @property
     def size(self) -> int:

@@ -11,12 +11,13 @@ from hknob_cli.specs import source as yaml
 from hknob_cli.specs.analysis import Case, CaseFile, DfaSpec, PredictSpec
 from hknob_cli.specs.cells import cells_over
 from hknob_cli.specs.faults import faults_of
+from hknob_cli.specs.from_preset import take_preset
 from hknob_cli.specs.grid import MAX_CELLS, Grid
 from hknob_cli.specs.grid_axes import Limit, resolve_axes, too_many
 from hknob_cli.specs.messages import closest, shown, unknown
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
-from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, Hand, Plan, PredictPlan
+from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Axes, DfaPlan, Hand, Plan, PredictPlan, SweepPlan
 from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.refusals import contradictions, refusals
 from hknob_cli.specs.scene import SceneSpec
@@ -101,18 +102,24 @@ def _apply(source: Source, overrides: tuple[str, ...], label: str) -> None:
         raise SpecError(faults)
 
 
-def validate(source: Source, *, kind: str | None = None) -> Plan:
-    """Validate the values of ``source``. Raises `SpecError`."""
+def validate(source: Source, *, kind: str | None = None, presets: bool = True) -> Plan:
+    """Validate the values of ``source``; ``presets``: its scene may be from one. Raises `SpecError`."""
     given = source.value.get("kind")
     if given is None:
         raise SpecError([source.fault(("kind",), _kind_fault(None, SPECS))])
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
         raise SpecError([source.fault(("kind",), _kind_fault(given, (kind,) if kind else SPECS))])
-    if make_plan := STAGES[given].validate:
-        made: Plan = loaded(make_plan)(source)
-        return made
-    model: type[Spec] = spec_model(given)
+    preset = take_preset(source) if presets else None
+    make_plan = STAGES[given].validate
+    made: Any = loaded(make_plan)(source) if make_plan else _validated(source, given)
+    plan: Plan = made._replace(preset=preset) if preset else made
+    return plan
+
+
+def _validated(source: Source, kind: str) -> SweepPlan | DfaPlan | PredictPlan:
+    """The plan of a spec of a kind that has a scene and a grid. Raises `SpecError`."""
+    model: type[Spec] = spec_model(kind)
     faults: list[Fault] = []
     scene: SceneSpec | None = None
     try:

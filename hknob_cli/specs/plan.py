@@ -26,6 +26,7 @@ from hknob_cli.specs.parts import Knob as Knob
 from hknob_cli.specs.parts import Scene as Scene
 from hknob_cli.specs.parts import Wall as Wall
 from hknob_cli.specs.perception import Perceive
+from hknob_cli.specs.preset_plan import Preset
 from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
 from hknob_cli.specs.remedies_plan import RemediesPlan
 from hknob_cli.specs.unit_points import Points
@@ -95,6 +96,7 @@ class DfaPlan(NamedTuple):
     against: str | None
     values: dict[str, Any]
     points: Points | None = None
+    preset: Preset | None = None
 
 
 class PredictPlan(NamedTuple):
@@ -114,6 +116,7 @@ class PredictPlan(NamedTuple):
     values: dict[str, Any]
     case_file: Path | None = None
     points: Points | None = None
+    preset: Preset | None = None
 
 
 class SweepPlan(NamedTuple):
@@ -121,7 +124,8 @@ class SweepPlan(NamedTuple):
 
     ``points``: the design whose points are the cells, if any, of which ``axes`` has the bounds; else all combinations.
     ``growth_s``: time over which the energy of bounces is fitted, ``basins``: starts a side of the map of basins, where
-    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited.
+    asked for. ``seconds_per_cell``: time that a cell may take, if it is limited. ``preset``: what the scene is from, if
+    it is from one; the same in the other plans.
     """
 
     name: str
@@ -137,6 +141,7 @@ class SweepPlan(NamedTuple):
     points: Points | None = None
     seconds_per_cell: float | None = None
     basins: int | None = None
+    preset: Preset | None = None
 
 
 class BenchScene(NamedTuple):

@@ -3,6 +3,7 @@
 from typing import Any, NamedTuple
 
 from hknob_cli.specs.perception import Perceive
+from hknob_cli.specs.preset_plan import Preset
 
 KNOCKS = 4  # trials of a knock on the wall, their sample clocks spread over an interval
 
@@ -46,6 +47,7 @@ class RemediesPlan(NamedTuple):
     speed: float
     duration: float
     values: dict[str, Any]
+    preset: Preset | None = None
 
     @property
     def further(self) -> dict[str, str]:

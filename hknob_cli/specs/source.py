@@ -71,7 +71,8 @@ class Source:
     """Values of one spec and where they stand.
 
     ``keys`` and ``values`` give line and column by key path; ``overridden`` what set a path from outside the file.
-    ``waiting``: folders named in it whose results are yet to be made.
+    ``inherited``: where in a preset's file the value of a path is. ``waiting``: folders named in it whose results are
+    yet to be made.
     """
 
     def __init__(self, name: str) -> None:
@@ -80,6 +81,7 @@ class Source:
         self.keys: dict[Path_, tuple[int, int]] = {}
         self.values: dict[Path_, tuple[int, int]] = {}
         self.overridden: dict[Path_, str] = {}
+        self.inherited: dict[Path_, str] = {}
         self.waiting: frozenset[str] = frozenset()
 
     def fault(self, path: Path_, message: str, *, at_key: bool = False) -> Fault:
@@ -94,7 +96,14 @@ class Source:
             if part in place:
                 line, column = place[part]
                 return Fault(self.name, line, column, key, message)
+            if part in self.inherited:
+                return self._of_preset(part, message)._replace(key=key)
         return Fault(self.name, 1, 1, key, message)
+
+    def _of_preset(self, path: Path_, message: str) -> Fault:
+        """Fault of a value that a preset gives: where the preset is named, and where its file has the value."""
+        scene = path[: path.index("scene")] if "scene" in path else path[: path.index("grid")]
+        return self.fault((*scene, "scene", "from"), f"{message}; the preset has it at {self.inherited[path]}")
 
 
 def dotted(path: Path_) -> str:

@@ -1,4 +1,4 @@
-"""Files that results depend on beside the spec: those that hands are from, and the published thresholds."""
+"""Files that results depend on beside the spec: those of hands and presets."""
 
 import json
 from collections.abc import Iterator
@@ -7,8 +7,6 @@ from typing import Any
 
 from hknob_cli.specs.parts import Origin
 from hknob_cli.specs.plan import Hand
-from hknob_cli.stages.job import Job
-from hknob_cli.stages.work import Work
 
 
 def _measured(plan: Any) -> Iterator[tuple[Hand, Origin]]:
@@ -52,21 +50,13 @@ def hand_notes(plan: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(text for _, origin in _measured(plan) for text in origin.notes))
 
 
-class PerceivingWork(Work):
-    """Work that depends on the published thresholds, where levels above them are asked for."""
+def preset_inputs(plan: Any) -> dict[str, str]:
+    """Name and digest of the preset that the scene of a plan is from; none where it is from none."""
+    preset = getattr(plan, "preset", None)
+    return {"preset": preset.name, "preset_sha256": preset.sha256} if preset else {}
 
-    def inputs(self, job: Job) -> dict[str, str]:
-        """Digest of the thresholds by name."""
-        if job.plan.perceive is None:
-            return {}
-        from hknob_cli.perception.published import data_digest
 
-        return {"perception_sha256": data_digest()}
-
-    def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The files of those thresholds, too."""
-        if job.plan.perceive is None:
-            return super().input_files(job)
-        from hknob_cli.perception.published import data_files
-
-        return (*super().input_files(job), *data_files())
+def preset_files(plan: Any) -> tuple[Path, ...]:
+    """The file of that preset."""
+    preset = getattr(plan, "preset", None)
+    return (preset.file,) if preset else ()

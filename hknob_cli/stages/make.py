@@ -13,7 +13,7 @@ from hknob_cli.results.files import make_folder
 from hknob_cli.results.folder import refuse_mixed
 from hknob_cli.results.provenance import mark
 from hknob_cli.specs.usual import unusual
-from hknob_cli.stages.input_files import hand_inputs, hand_notes
+from hknob_cli.stages.input_files import hand_inputs, hand_notes, preset_inputs
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, note
 
@@ -65,7 +65,7 @@ def stamp_of(job: Job, work: Work) -> bytes:
         stage=job.kind,
         values=job.plan.values,
         overrides=job.overrides,
-        inputs={**hand_inputs(job.plan), **work.inputs(job)},
+        inputs={**preset_inputs(job.plan), **hand_inputs(job.plan), **work.inputs(job)},
         versions=work.versions(job),
     )
 

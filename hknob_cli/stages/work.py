@@ -5,6 +5,7 @@ from typing import Any
 
 from hknob_cli.results import provenance
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.stages.input_files import preset_files
 from hknob_cli.stages.job import Job
 from hknob_cli.terminal import say
 
@@ -46,7 +47,7 @@ class Work:
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """Files, and folders of results, that the result depends on beside the spec."""
-        return provenance.tables_of(job.plan.values)
+        return (*provenance.tables_of(job.plan.values), *preset_files(job.plan))
 
     def surroundings(self) -> dict[str, str]:
         """What of this machine the result depends on beside `versions`, by name."""
@@ -101,6 +102,26 @@ class Work:
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Summary as the table on the terminal."""
         raise NotImplementedError
+
+
+class PerceivingWork(Work):
+    """Work that depends on the published thresholds, where levels above them are asked for."""
+
+    def inputs(self, job: Job) -> dict[str, str]:
+        """Digest of the thresholds by name."""
+        if job.plan.perceive is None:
+            return {}
+        from hknob_cli.perception.published import data_digest
+
+        return {"perception_sha256": data_digest()}
+
+    def input_files(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        if job.plan.perceive is None:
+            return super().input_files(job)
+        from hknob_cli.perception.published import data_files
+
+        return (*super().input_files(job), *data_files())
 
 
 def note(job: Job, text: str) -> None:

@@ -50,6 +50,13 @@ def test_a_file_and_its_digest(tmp_path: Path) -> None:
     assert digest_of(tmp_path / "a").startswith("ba7816bf")
 
 
+def test_in_the_place_of_presets(other, spec_file) -> None:
+    name, said = other
+    path = name if name.startswith("/") else f"./{name}"
+    with pytest.raises(SpecError, match=rf"spec.yaml:3:15: scene.from: .*{said}"):
+        load(spec_file(f"kind: sweep\nname: small\nscene: {{from: {path}}}\n"))
+
+
 def test_in_the_place_of_hands(other, spec_file) -> None:
     name, said = other
     if name == "folder.d":

@@ -3,12 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.remedies.text import describe_trial, trial_text
-from hknob_cli.stages.work import Tables, counted, note
+from hknob_cli.stages.work import PerceivingWork, Tables, counted, note
 from hknob_cli.terminal import progress_bar
 
 

@@ -8,13 +8,12 @@ from typing import Any
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON
-from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
-from hknob_cli.stages.work import Tables, Work, note
+from hknob_cli.stages.work import PerceivingWork, Tables, Work, note
 from hknob_cli.terminal import progress_bar
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
