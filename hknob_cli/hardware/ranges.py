@@ -7,7 +7,7 @@ from hknob_cli.hardware.simulated import MOST_SINES, Simulated
 
 
 def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
-    """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/wire.md`."""
+    """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/reference/wire.md`."""
     ranges = {
         "period_ns": (identity.shortest_period_ns, 1_000_000_000),
         "counts_per_rev": (1, identity.native_counts),

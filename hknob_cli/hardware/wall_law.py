@@ -1,6 +1,7 @@
 """The wall that host and target agreed on: the torque of every sample follows from its angle and the one before.
 
-Source: docs/wire.md, "What a target does". Angles are whole counts, so that nothing is open but the rounding of floats.
+Source: docs/reference/wire.md, "What a target does". Angles are whole counts, so that nothing is open but the rounding
+of floats.
 """
 
 from math import tau

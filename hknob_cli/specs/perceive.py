@@ -15,7 +15,7 @@ class TouchSpec(Part):
 
     thresholds: Annotated[
         Literal["pen_hold", "cylinder", "thenar", "thenar_1988"],
-        Field(description="published set; docs/perception.md says what each was measured with"),
+        Field(description="published set; docs/explanation/perception.md says what each was measured with"),
     ] = "pen_hold"
     combine: Annotated[
         Literal["most_effective", "power_sum"],

@@ -1,4 +1,4 @@
-"""Numbers of a trial on a knob, within what a target takes (docs/wire.md) or a person can do."""
+"""Numbers of a trial on a knob, within what a target takes (docs/reference/wire.md) or a person can do."""
 
 from typing import Annotated, Any
 
