@@ -71,11 +71,12 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff format .
 	@$(BIN)/mypy
 
-schemas: $(VENV)/.run ## regenerate schemas/, docs/reference/page.md and docs/reference/capabilities.md from the program
+schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ that are made from the program
 	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
 	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
 	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/reference/page.md
 	@$(BIN)/python -c 'from hknob_cli.specs.capabilities_page import page; print(page(), end="")' > docs/reference/capabilities.md
+	@for name in columns spec_keys; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench

@@ -7,9 +7,9 @@ from typing import Any
 _HEAD = """\
 # Columns
 
-Results are Parquet files. This page is made from the program itself (`make schemas`). Each file begins with the axes of the grid. A group of
-columns is in a file only where the spec asks for it. Unit and meaning are also in each field's metadata, and the spec and the versions that made
-a file in its `hknob.provenance`.
+Results are Parquet files. This page is made from the program itself (`make schemas`). Each file begins with the axes of
+the grid. A group of columns is in a file only where the spec asks for it. Unit and meaning are also in each field's
+metadata, and the spec and the versions that made a file in its `hknob.provenance`.
 """
 _SWEEP, _TASTE = "hknob_cli.results.columns", "hknob_cli.results.perceived_columns"
 _HW, _SYSID = "hknob_cli.results.hw_run_columns", "hknob_cli.stages.sysid.columns"
@@ -49,10 +49,13 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("`against`", "hknob_cli.stages.compare", "COLUMNS"),
     ),
     "`predict`: passivity.parquet": (("always", _PREDICT, "PASSIVITY"), ("a hand", _PREDICT, "WITH_HAND")),
+    "`dfa`, `predict`: differences.parquet, with `against`": (("always", "hknob_cli.stages.compare", "_STATISTICS"),),
     "`remedies`: remedies.parquet, and cases.parquet": (
         ("always", _REMEDIES, "KEYS AXES BUZZ"),
         ("`tune`", _REMEDIES, "TUNED"),
         ("a bounded lag", _REMEDIES, "DOMAIN"),
+        ("starts in ranges", _SWEEP, "RANGED"),
+        ("`perceive`", _REMEDIES, "TOUCH STEP_DB HEARING HEARING_DB RELATIVE_DB"),
         ("cases.parquet", _REMEDIES, "CASES NEEDS"),
     ),
     "`design`: design.parquet, a row for each design": (
@@ -60,6 +63,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("`hearing`", _DESIGN, "HEARING_DB"),
         ("redraws of people", _DESIGN, "REDRAWN"),
         ("a bounded lag", _DESIGN, "DOMAIN"),
+        ("starts in ranges", _SWEEP, "RANGED"),
     ),
     "`sysid`: trials.parquet and conditions.parquet": (
         ("trials.parquet", _SYSID, "TRIAL_KEYS"),
@@ -99,17 +103,17 @@ def _lines() -> Iterator[str]:
         yield "|---|---|---|---|"
         for when, module, names in groups:
             for name in names.split():
-                for column in _columns(getattr(import_module(module), name)):
-                    meaning = column.meaning.replace("|", "\\|")
-                    yield f"| `{column.name}` | {_unit(column.unit)} | {meaning} | {when} |"
+                for column, unit, meaning in _columns(getattr(import_module(module), name)):
+                    yield f"| `{column}` | {_unit(unit)} | {meaning.replace('|', '&#124;')} | {when} |"
         yield ""
 
 
-def _columns(declared: Any) -> list[Any]:
-    """One column, a tuple of them, or a mapping to them."""
+def _columns(declared: Any) -> list[tuple[str, str, str]]:
+    """Name, unit and meaning of one column, of a tuple of them, or of a mapping to them."""
     if hasattr(declared, "meaning"):
-        return [declared]
-    return list(declared.values() if isinstance(declared, dict) else declared)
+        declared = (declared,)
+    several = declared.values() if isinstance(declared, dict) else declared
+    return [(one.name, one.unit, one.meaning) if hasattr(one, "meaning") else one for one in several]
 
 
 def _unit(unit: str) -> str:

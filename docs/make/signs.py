@@ -67,7 +67,7 @@ def _staircase(axes: Axes) -> None:
     for edge in edges:
         height = max(0, -edge)
         axes.plot([edge, edge + 1], [height, height], color=TORQUE, linewidth=2.5)
-    axes.plot([-4, 0, 4], [4, 0, 0], color=INK, linewidth=1, linestyle="--", label="spring without encoder: −Kθ")
+    axes.plot([-4, 0, 4], [4, 0, 0], color=INK, linewidth=1, linestyle="--", label="spring without encoder")
     axes.axvspan(-4, 0, color=WALL, zorder=0)
     axes.annotate("", (-1.5, 1), (-1.5, 2), arrowprops={"arrowstyle": "<->", "color": PUSH})
     axes.text(-1.35, 1.45, "K Δθ", color=PUSH, fontsize=10)
