@@ -8,6 +8,7 @@ import os
 import re
 import shlex
 import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
@@ -91,24 +92,38 @@ def ran(command: str, folder: Path) -> str:
 
 
 def with_output() -> list[object]:
+    """Blocks that print an output: the page, and the commands of the block."""
     found = []
     for page in TEXTS:
-        for said in console(page):
-            if said.output:
-                marks = [pytest.mark.long] if said.command.startswith(LONG) else []
-                found.append(pytest.param(page, said, marks=marks, id=f"{name_of(page)}: {said.command[:60]}"))
+        for block in blocks(page):
+            told = commands(block) if block.language == "console" else []
+            if any(said.output for said in told):
+                marks = [pytest.mark.long] if any(said.command.startswith(LONG) for said in told) else []
+                found.append(pytest.param(page, told, marks=marks, id=f"{name_of(page)}:{block.line}"))
     return found
 
 
-@pytest.mark.parametrize(("page", "said"), with_output())
-def test_output_is_what_comes_out(page: Path, said: Said, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("page", "told"), with_output())
+def test_output_is_what_comes_out(page: Path, told: list[Said], tmp_path: Path) -> None:
+    """The commands of a block run one after the other, beside the files that the page writes down."""
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     for name, text in titled(page).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    parts = re.split(r"^\.\.\.\n", said.output, flags=re.M)
-    pattern = r"(?:.*\n)*?".join(re.escape(part) for part in parts)
-    output = ran(said.command, tmp_path)
-    assert re.fullmatch(pattern, output), output
+    for said in told:
+        output = ran(said.command, tmp_path)
+        if said.output:
+            parts = re.split(r"^\.\.\.\n", said.output, flags=re.M)
+            assert re.fullmatch(r"(?:.*\n)*?".join(map(re.escape, parts)), output), output
+
+
+def test_python_of_the_page_on_results_runs(tmp_path: Path) -> None:
+    (tmp_path / "experiments").symlink_to(ROOT / "experiments")
+    page = ROOT / "docs" / "howto" / "read_results.md"
+    script = "\n".join(block.text for block in blocks(page) if block.language == "python")
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "2.496" in done.stdout.replace("0.002496", "2.496")
+    assert done.stdout.count("cycle") >= 2
 
 
 def specs() -> list[object]:
