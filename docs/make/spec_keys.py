@@ -110,7 +110,7 @@ def _value(value: Schema, models: Schema) -> str:
         return f"list of {_value(items, models)}" if isinstance(items, dict) and items else "list"
     if of == "object":
         return "keys"
-    bounds = " ".join(f"{sign} {value[key]:g}" for key, sign in _BOUNDS.items() if key in value)
+    bounds = " and ".join(f"{sign} {value[key]:g}" for key, sign in _BOUNDS.items() if key in value)
     return f"{_TYPES.get(str(of), 'any')} {bounds}".strip()
 
 
