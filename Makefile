@@ -10,7 +10,7 @@ SEED ?= 1000000
 WORKERS ?= auto
 
 .DEFAULT_GOAL := help
-.PHONY: help fuzz sweep every-start paper ladder maps smoke test long firmware lint schemas compare bench clean
+.PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long firmware lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-11s %s\n", $$1, $$2}'
@@ -30,6 +30,11 @@ $(VENV)/.dev: $(VENV)/.made pyproject.toml constraints.txt
 	@echo "installing pinned dependencies, with those of the tests" >&2
 	@$(PIP) --editable '.[dev]'
 	@touch $@ $(VENV)/.run
+
+$(VENV)/.docs: $(VENV)/.made pyproject.toml constraints.txt
+	@echo "installing pinned dependencies, with those of the pages" >&2
+	@$(PIP) --editable '.[docs]'
+	@touch $@
 
 sweep: $(VENV)/.run ## the 7x7 grid of sample rate and encoder resolution: table, files, picture
 	@$(BIN)/hknob sweep experiments/hand_on_knob.yaml --plot --out $(OUT)/hand-on-knob
@@ -71,12 +76,18 @@ lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff format .
 	@$(BIN)/mypy
 
-schemas: $(VENV)/.run ## regenerate schemas/, docs/page.md, docs/capabilities.md and docs/presets.md from the program
+schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ that are made from the program
 	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
 	    $(BIN)/hknob schema $$kind > schemas/$$kind.schema.json || exit 1; done
-	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/page.md
-	@$(BIN)/python -c 'from hknob_cli.specs.capabilities_page import page; print(page(), end="")' > docs/capabilities.md
-	@$(BIN)/python -c 'from hknob_cli.specs.presets_page import page; print(page(), end="")' > docs/presets.md
+	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/reference/page.md
+	@$(BIN)/python -c 'from hknob_cli.specs.capabilities_page import page; print(page(), end="")' > docs/reference/capabilities.md
+	@$(BIN)/python -c 'from hknob_cli.specs.presets_page import page; print(page(), end="")' > docs/reference/presets.md
+	@for name in columns spec_keys; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
+	@$(BIN)/python docs/make/signs.py
+
+docs: $(VENV)/.docs ## the pages of docs/ as a site with a search, to open in a browser without a server
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet --site-dir $(abspath $(OUT)/site)
+	@echo "open $(OUT)/site/index.html"
 
 compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme ones included, with pictures; minutes
 	@$(BIN)/hknob bench experiments/bench.yaml --plot --out $(OUT)/bench

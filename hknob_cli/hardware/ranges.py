@@ -12,7 +12,7 @@ LONGEST_BLOCK_S = 0.05
 
 
 def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
-    """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/wire.md`."""
+    """What is wrong with settings, one text a value; empty if nothing is. Source: `docs/reference/wire.md`."""
     ranges = {
         "period_ns": (identity.shortest_period_ns, 1_000_000_000),
         "counts_per_rev": (1, identity.native_counts),

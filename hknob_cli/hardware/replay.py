@@ -91,7 +91,7 @@ def read_takes(paths: Iterable[Path]) -> list[RecordedTrial]:
 
 
 def is_of_wall(take: RecordedTrial, settings: Settings) -> bool:
-    """Whether the recorded torque is that of the wall in the settings, at the recorded angles (`docs/wire.md`).
+    """Whether the recorded torque is that of the wall in docs/reference/wire.md, at the recorded angles.
 
     A recording in which the knob was never inside the wall fits any.
     """

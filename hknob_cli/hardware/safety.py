@@ -5,7 +5,8 @@ follow from the commands and from the settings that it took.
 
 The wall that host and target agreed on: the torque of every sample follows from its angle and the one before.
 
-Source: docs/wire.md, "What a target does". Angles are whole counts, so that nothing is open but the rounding of floats.
+Source: docs/reference/wire.md, "What a target does". Angles are whole counts, so that nothing is open but the rounding
+of floats.
 
 Signals that wait until the torque is off.
 """

@@ -1,4 +1,4 @@
-"""The serial driver: a target at any port or URL that pyserial opens, spoken to as docs/wire.md says."""
+"""The serial driver: a target at any port or URL that pyserial opens, spoken to as docs/reference/wire.md says."""
 
 import contextlib
 import secrets
@@ -200,7 +200,7 @@ class SerialDevice:
     def _make_zero(self) -> None:
         if not self.identity.knows_zero:
             raise DeviceError(
-                f"{self.url}: zero_angle: the target '{self.identity.name}' does not know ZERO (docs/wire.md)"
+                f"{self.url}: zero_angle: the target '{self.identity.name}' does not know ZERO (docs/reference/wire.md)"
             )
         said = self._command(lambda nonce: Zero(nonce, 0), "make the present angle zero").said
         if said != 0:

@@ -1,4 +1,4 @@
-"""The control loop of a virtual trial: sample by sample what `docs/wire.md` asks of a target, at a simulated knob.
+"""The control loop of a virtual trial: what `docs/reference/wire.md` asks of a target, at a simulated knob.
 
 Times are whole microseconds, rounded down; the device's own encoder rounds down. The torque is computed, and acts, in
 double precision. Torque and grip are handed on rounded to single precision, as the wire does, so that a trial here and

@@ -122,7 +122,8 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
         lines += [f"  {_extent(chosen)}"] if plan.ranged else []
         if chosen.get("in_domain") is False:
             lines.append(
-                "  WARNING: for some hands its bounded_lag is outside the domain that docs/controllers.md states"
+                "  WARNING: for some hands its bounded_lag is outside the domain that"
+                " docs/reference/controllers.md states"
             )
         for step in summary["relaxed"]:
             what = f"{step['choice']} {_value(step['from'])} -> {_value(step['to'])}"

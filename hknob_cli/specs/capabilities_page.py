@@ -1,4 +1,4 @@
-"""docs/capabilities.md, made of the table of `specs.capabilities`."""
+"""docs/reference/capabilities.md, made of the table of `specs.capabilities`."""
 
 from collections.abc import Callable, Iterator
 
@@ -58,7 +58,7 @@ def verdict_for_starts(part: str, starts: str) -> str:
 
 
 def page() -> str:
-    """The text of docs/capabilities.md."""
+    """The text of docs/reference/capabilities.md."""
     return "\n".join(_lines()) + "\n"
 
 

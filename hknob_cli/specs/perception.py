@@ -12,7 +12,7 @@ class Touch(NamedTuple):
 
     thresholds: Annotated[
         Literal["pen_hold", "cylinder", "thenar", "thenar_1988"],
-        "published set; docs/perception.md says what each was measured with",
+        "published set; docs/explanation/perception.md says what each was measured with",
     ] = "pen_hold"
     combine: Annotated[
         Literal["most_effective", "power_sum"],

@@ -1,4 +1,4 @@
-"""docs/presets.md, made of the presets that ship: every number with its source or what is assumed, what is left out."""
+"""docs/reference/presets.md, made of the presets that ship: each number with its source, and what is left out."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +11,7 @@ _HEAD = """\
 This page is made from the files in `data/knobs/` (`make schemas`). `scene: {from: smartknob}` starts a scene from one
 of them; what the spec says beside `from` is merged over it, and `null` removes a part. A grid without a sample rate
 or counts takes the preset's. `hknob check SPEC.yaml` prints these lines for the preset that a spec uses, without the
-values that it overrides. [Which of these knobs buzz](knobs.md) is computed there.
+values that it overrides. [Which of these knobs buzz](../explanation/knobs.md) is computed there.
 
 A file of your own works too: `scene: {from: ./my_knob.yaml}`, relative to the spec. It has `title`, `about`, `scene`,
 `grid` and `left_out` as the files in `data/knobs/` do. A value stands there with a `source` or with what is `assumed`,

@@ -124,7 +124,7 @@ KnobRadius = Annotated[float, Quantity("m", gt=0, le=1.0)]
 SoundGain = Annotated[float, Quantity("Pa*s/rad", gt=0, le=1e9)]
 SampleRate = Annotated[float, Quantity("Hz", ge=1e-3, le=1e9)]
 
-# Of a trial on a knob: within what a target takes (docs/wire.md), or a person can do.
+# Of a trial on a knob: within what a target takes (docs/reference/wire.md), or a person can do.
 Force = Annotated[float, Quantity("N", gt=0, le=100)]
 ForceNoise = Annotated[float, Quantity("N", ge=0, le=10)]
 WallStiffness = Annotated[float, Quantity("N*m/rad", ge=0, le=1000)]

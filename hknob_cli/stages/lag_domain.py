@@ -15,7 +15,7 @@ def has_domain(scene: Scene) -> bool:
 
 
 def in_domain(scene: Scene) -> bool | None:
-    """Whether a scene, its hand chosen, has keep >= J/(b tau), as docs/controllers.md says; None without a lag."""
+    """Whether a scene, its hand chosen, has keep >= J/(b tau) (docs/reference/controllers.md); None without a lag."""
     if scene.controller is None or not has_domain(scene):
         return None
     return scene.controller.keep >= min(1.0, _slowness(scene))
@@ -39,7 +39,7 @@ def domain_warning(sweep: SweepPlan, who: str) -> str:
     return (
         f"{who}: bounded_lag with keep {worst.controller.keep:g} is outside its domain for {len(outside)} of"
         f" {len(scenes)} hands and knobs, where it may make the buzz larger: J/(b tau) reaches {r:.2g}; {advice}"
-        " (docs/controllers.md)"
+        " (docs/reference/controllers.md)"
     )
 
 

@@ -45,7 +45,7 @@ from hknob_cli.stages.sweep.plain_chunk import chunk_group, plain_chunk
 ROOT = Path(__file__).parents[2]
 HKNOB = Path(sys.executable).with_name("hknob")
 AXES = ("sample_rate_hz", "counts_per_rev", "wall.stiffness", "hand.damping", "hand.stiffness", "bias.torque")
-SETTINGS = {  # of docs/large_sweeps.md: without them a worker that waits takes a twentieth of a core
+SETTINGS = {  # of docs/howto/large_sweeps.md: without them a worker that waits takes a twentieth of a core
     "DASK_DISTRIBUTED__ADMIN__TICK__INTERVAL": "1s",
     "DASK_DISTRIBUTED__ADMIN__SYSTEM_MONITOR__INTERVAL": "5s",
     "DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "false",

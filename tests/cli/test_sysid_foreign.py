@@ -1,4 +1,4 @@
-"""``hknob sysid`` on other people's recordings: the example, docs/recordings.md, faults, and what is said."""
+"""``hknob sysid`` on other people's recordings: the example, docs/reference/recordings.md, faults, and what is said."""
 
 import re
 import shutil
@@ -16,7 +16,7 @@ from hknob_cli.specs.source import parse
 from hknob_cli.stages.sysid.remarks import disagreements, first_reasons
 from tests.conftest import EXPERIMENTS, ROOT
 
-PAGE = (ROOT / "docs" / "recordings.md").read_text()
+PAGE = (ROOT / "docs" / "reference" / "recordings.md").read_text()
 SPEC = """\
 kind: sysid
 name: stranger

@@ -1,4 +1,4 @@
-"""What docs/controllers.md says before its blocks: readings, and what is known of them, in SI units."""
+"""What docs/reference/controllers.md says before its blocks: readings, and what is known of them, in SI units."""
 
 from math import pi
 from typing import Any

@@ -1,6 +1,6 @@
-"""docs/controllers.md is enough to build each controller: its blocks in plain Python, against the engine's torques.
+"""docs/reference/controllers.md is enough to build each controller: its blocks in plain Python, against the engine.
 
-Each block is a class of its kind's file in `laws`, in SI units.
+The torques are compared. Each block is a class of its kind's file in `laws`, in SI units.
 """
 
 from math import pi
@@ -66,7 +66,7 @@ def test_a_controller_built_from_the_page_gives_the_engines_torques(
 
 
 def test_the_page_has_a_block_for_every_kind() -> None:
-    text = (ROOT / "docs" / "controllers.md").read_text()
+    text = (ROOT / "docs" / "reference" / "controllers.md").read_text()
     assert set(LAWS) == set(KINDS)
     for kind, declared in KINDS.items():
         block = text.partition(f"### {kind}\n```text\n")[2].partition("```")[0]

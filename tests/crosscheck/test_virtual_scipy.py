@@ -63,7 +63,7 @@ class Body:
 
 
 def reference(told: Settings, knob: Simulated, samples: int, lag_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Native counts and torques from the start on, by the words of docs/wire.md."""
+    """Native counts and torques from the start on, by the words of docs/reference/wire.md."""
     body, counts, torques, before = Body(knob, lag_s), [], [], None
     quantum, interval = tau / told.counts_per_rev, told.period_ns * 1e-9
     for i in range(samples):

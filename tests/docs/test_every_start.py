@@ -1,4 +1,4 @@
-"""The numbers of docs/every_start.md: how many limit cycles there are at half a count's bias, and of what kind."""
+"""The numbers of docs/explanation/every_start.md: how many cycles there are at half a count's bias, of what kind."""
 
 from math import pi
 
@@ -10,7 +10,7 @@ from tests.verification.test_two_level_cycles import lists
 
 from .page import agrees, table
 
-PAGE = "every_start.md"
+PAGE = "explanation/every_start.md"
 COUNTS = 2048
 
 

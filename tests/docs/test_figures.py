@@ -1,4 +1,4 @@
-"""The numbers of docs/figures.md, from the experiments that it names."""
+"""The numbers of docs/explanation/figures.md, from the experiments that it names."""
 
 from math import pi
 
@@ -10,7 +10,7 @@ from tests.conftest import EXPERIMENTS, swept
 
 from .page import agrees, says, table
 
-PAGE = "figures.md"
+PAGE = "explanation/figures.md"
 ROUNDING = 1e-12  # of the work of the wall
 RATES = [100, 215, 464, 1000, 2154, 4642, 10000]
 

@@ -1,4 +1,4 @@
-"""The numbers of docs/knobs.md, from the experiments that it names."""
+"""The numbers of docs/explanation/knobs.md, from the experiments that it names."""
 
 import pandas as pd
 import pytest
@@ -8,7 +8,7 @@ from tests.conftest import EXPERIMENTS, swept
 
 from .page import page, says, table
 
-PAGE = "knobs.md"
+PAGE = "explanation/knobs.md"
 GRIPS = (0.71, 14.2)
 SLOW = ("smartknob", "hapkit", "moteus_ht1105")  # every start in a range: up to a minute, once compiled
 

@@ -1,4 +1,4 @@
-"""The numbers of docs/perception.md: the main grid felt and heard, and how well levels are known."""
+"""The numbers of docs/explanation/perception.md: the main grid felt and heard, and how well levels are known."""
 
 from functools import cache
 from math import log10
@@ -12,7 +12,7 @@ from tests.conftest import EXPERIMENTS, swept
 
 from .page import agrees, says, table
 
-PAGE = "perception.md"
+PAGE = "explanation/perception.md"
 SETS = ("pen_hold", "cylinder", "thenar", "thenar_1988")
 
 

@@ -1,4 +1,4 @@
-"""The numbers of docs/readings.md: every reading of the printed comparisons, over the 49 cells of the grid."""
+"""The numbers of docs/explanation/readings.md: every reading of the printed comparisons, over the 49 cells."""
 
 import re
 import subprocess
@@ -11,7 +11,7 @@ from tests.conftest import EXPERIMENTS, HKNOB
 
 from .page import agrees, says, table
 
-PAGE = "readings.md"
+PAGE = "explanation/readings.md"
 # Rows of both tables: the experiment, and the hand stiffness that predictions are given.
 READINGS = {
     "hand_on_knob": "0.04",

@@ -1,5 +1,5 @@
 #!/usr/bin/perl
-# A target in another language, written from docs/wire.md alone: frames, commands, sample clock and a simulated knob.
+# A target in another language, written from docs/reference/wire.md alone: frames, commands, sample clock and a simulated knob.
 #
 #   perl foreign_target.pl [--fault NAME] [--no-grip-cell] [--native N] [--slack FACTOR]
 #

@@ -15,7 +15,7 @@ from hknob_cli.hardware.wire.frame import frame
 from hknob_cli.hardware.wire.messages import Message, encode
 
 HEAD = """\
-# Golden frames of the wire's version 1 (docs/wire.md), one a line: name | fields | the frame in hex with its zero.
+# Golden frames of the wire's version 1 (docs/reference/wire.md), a line each: name | fields | its frame in hex.
 # An encoder given the fields makes these bytes; a decoder given these bytes finds the fields. Both sides test them.
 # sampleN=(time_us,angle,torque_nm,grip_n,flags); in block_of_48, torque of sample i is the f32 nearest to i times the
 # f32 nearest to 0.001.

@@ -1,4 +1,4 @@
-"""The target's states: what docs/wire.md says a target does, sample by sample, in a time that the test tells."""
+"""The target's states: what docs/reference/wire.md says of it, sample by sample, in a time that the test tells."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""The target's wall: against whole numbers of any size, and the formula of docs/wire.md."""
+"""The target's wall: against whole numbers of any size, and the formula of docs/reference/wire.md."""
 
 import math
 import random

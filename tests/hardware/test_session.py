@@ -374,7 +374,8 @@ def test_frames_with_a_wrong_checksum_are_counted_and_named() -> None:
     )
     wire.go(0.3)
     assert wire.session.failure is not None
-    assert "came with a wrong checksum: does the target make its CRC-32 as docs/wire.md says" in wire.session.failure
+    said = "came with a wrong checksum: does the target make its CRC-32 as docs/reference/wire.md says"
+    assert said in wire.session.failure
 
 
 def test_a_clock_that_is_half_as_fast_ends_the_trial_unless_it_is_simulated() -> None:

@@ -5,4 +5,4 @@ from tests.conftest import ROOT
 
 
 def test_stored_reference_is_current() -> None:
-    assert (ROOT / "docs" / "page.md").read_text() == reference(), "make schemas"
+    assert (ROOT / "docs" / "reference" / "page.md").read_text() == reference(), "make schemas"

@@ -233,4 +233,4 @@ def test_every_column_has_a_title_of_its_own() -> None:
 
 
 def test_stored_page_is_current() -> None:
-    assert (ROOT / "docs" / "capabilities.md").read_text() == page(), "make schemas"
+    assert (ROOT / "docs" / "reference" / "capabilities.md").read_text() == page(), "make schemas"

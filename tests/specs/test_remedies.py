@@ -163,7 +163,7 @@ def test_the_documents_count_the_remedies_as_the_file_does() -> None:
     own = [one.name for one in beside if one.source == "own"]
     assert own == ["bounded lag", "edge-triggered update"]
     assert all(one.source for one in plan.remedies)
-    page = " ".join((ROOT / "docs" / "controllers.md").read_text().split())
+    page = " ".join((ROOT / "docs" / "reference" / "controllers.md").read_text().split())
     assert f"{len(beside)} remedies beside the plain wall" in page
     assert "Two of those are our own: the bounded lag, and the update at every edge" in page
     head = (ROOT / "experiments" / "remedies.yaml").read_text().partition("kind:")[0]

@@ -35,7 +35,7 @@ def test_the_rule_is_the_maximum_of_what_is_expected() -> None:
 
 
 def test_within_its_domain_the_lag_never_made_the_buzz_larger() -> None:
-    """Fast scenes only, that the test is short; docs/controllers.md has the count of many more."""
+    """Fast scenes only, that the test is short; docs/reference/controllers.md has the count of many more."""
     rng = np.random.default_rng(5)
 
     def between(low: float, high: float) -> float:

@@ -231,7 +231,7 @@ class Orbit:
         return first, second, speed, work
 
     def measures(self) -> dict[str, Any]:
-        """The measures of the README ("Definitions"), and the two sides of the energy balance [J]."""
+        """The measures of docs/reference/glossary.md, and the two sides of the energy balance [J]."""
         maxima, minima = self.extrema
         first, second, speed, work = self.integrals
         mean = first / self.period_s

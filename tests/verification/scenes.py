@@ -9,7 +9,7 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.scene import SceneSpec
 
-# The 7 x 7 grid of the dissertation's simulations (the README, "Specs"), and its start.
+# The 7 x 7 grid of the dissertation's simulations (experiments/hand_on_knob.yaml), and its start.
 RATES_HZ = tuple(100.0 * 10.0 ** (i / 3) for i in range(7))
 COUNTS = (128, 256, 512, 1024, 2048, 4096, 8192)
 START_RAD = 0.02

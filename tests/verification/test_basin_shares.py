@@ -1,7 +1,7 @@
 """Which orbit each trial reaches: the counts of trials behind ``basin_fraction``, run again at 60 digits.
 
 Verified: start phases, transient skipping, detection and counting of the ensemble, against trials run one by one with
-the recursion of the theory and the phases of the README ("Definitions"). A trial has reached an orbit when its last
+the recursion of the theory and the phases of docs/reference/glossary.md. A trial has reached an orbit when its last
 levels repeat those of that orbit, turned to any sample, for at least three periods.
 """
 

@@ -2,8 +2,8 @@
 
 Verified: that the orbit exists (the model's period map closes to 38 digits and visits the readings that the package's
 orbit visits), that the package's positions are within its own bound of it at *every* sample, the margin, and the
-measures as the README defines them, integrals by quadrature. The work of the wall equals the loss in dampers and
-friction, and late entry, late exit and staircase add up to it.
+measures as docs/reference/glossary.md defines them, integrals by quadrature. The work of the wall equals the loss in
+dampers and friction, and late entry, late exit and staircase add up to it.
 
 The accuracy promised is 1e-10 relative for measures and energies, 1e-9 counts for margins.
 """
@@ -144,7 +144,7 @@ def check(found: Found) -> dict[str, float]:
 
 
 def margin_of(found: Found, exact: list[Any]) -> float:
-    """Least distance of a sample to a change of the command, from the words of the README."""
+    """Least distance of a sample to a change of the command, from the words of the glossary."""
     wall, ends = found.knob.wall, exact[:-1]
     if wall.analog:
         gaps = [abs(x) for x in ends]

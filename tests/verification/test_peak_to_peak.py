@@ -2,7 +2,7 @@
 
 Verified, for all 49 cells and both readings of the bias: the certificate (the exact periodic motion visits the very
 levels it was solved from, with a margin, so it is an orbit; the theory, "Limit cycles can be certified"), and the
-measures as the README defines them ("Definitions"). Beyond the grid: delays, other encoders, and a hand so stiff that
+measures as docs/reference/glossary.md defines them. Beyond the grid: delays, other encoders, and a hand so stiff that
 the knob turns several times within one hold.
 
 1e-10 relative is asked of p2p, and here of every measure. Rounding alone does much better: the

@@ -8,5 +8,6 @@ All starts at once (`engine/sets/`). Between count edges a set of states moves a
 centre and a radius, in the norm that never grows. Only where that ball meets an edge is the set itself looked at, and
 cut. What rounding could put on either side goes on in both parts. A set is done where a proven orbit captures it.
 Clock phases of one start are arcs, known in closed form. Ranges are polygons, merged when small, so that motions that
-come together are followed once. The list of attractors is then complete for those starts (docs/every_start.md).
+come together are followed once. The list of attractors is then complete for those starts
+(docs/explanation/every_start.md).
 """

@@ -1,4 +1,4 @@
-/* A board to fill in: copy this file, and write what each comment asks for. docs/bring_your_own_knob.md goes through it.
+/* A board to fill in: copy this file, and write what each comment asks for. docs/tutorials/your_firmware.md goes through it.
 
    As it stands it compiles, has no clock, and does nothing. */
 #include "board.h"

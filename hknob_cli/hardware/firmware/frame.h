@@ -1,4 +1,4 @@
-/* Frames on the wire: COBS(body, CRC-32 of the body) and a zero byte. See docs/wire.md. */
+/* Frames on the wire: COBS(body, CRC-32 of the body) and a zero byte. See docs/reference/wire.md. */
 #ifndef FRAME_H
 #define FRAME_H
 

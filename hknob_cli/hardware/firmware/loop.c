@@ -1,4 +1,4 @@
-/* The control loop: time, angle, limits, wall, torque out, record (docs/wire.md, "What a target does"). */
+/* The control loop: time, angle, limits, wall, torque out, record (docs/reference/wire.md, "What a target does"). */
 #include "loop.h"
 
 #include "board.h"

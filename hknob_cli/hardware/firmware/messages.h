@@ -1,4 +1,4 @@
-/* Messages: the bodies of frames, byte by byte as in docs/wire.md. */
+/* Messages: the bodies of frames, byte by byte as in docs/reference/wire.md. */
 #ifndef MESSAGES_H
 #define MESSAGES_H
 

@@ -1,4 +1,4 @@
-/* The target towards the host: commands, answers, blocks, events (docs/wire.md).
+/* The target towards the host: commands, answers, blocks, events (docs/reference/wire.md).
 
    The sample clock calls target_sample(), the main loop target_serve(). What both touch, the main loop touches between
    board_lock() and board_unlock(); samples of a block once made change no more, and are read without the lock. */

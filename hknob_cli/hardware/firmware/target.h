@@ -1,4 +1,4 @@
-/* The target: states, sample, watchdog and limits of docs/wire.md, on any board. */
+/* The target: states, sample, watchdog and limits of docs/reference/wire.md, on any board. */
 #ifndef TARGET_H
 #define TARGET_H
 

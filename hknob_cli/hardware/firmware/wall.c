@@ -1,4 +1,4 @@
-/* The sample: decimated encoder and virtual wall (docs/wire.md, "What a target does"). */
+/* The sample: decimated encoder and virtual wall (docs/reference/wire.md, "What a target does"). */
 #include "wall.h"
 
 int64_t wall_decimate(int32_t angle, uint32_t counts_per_rev, uint32_t native_counts)

@@ -1,4 +1,4 @@
-"""Numbers of the protocol: message types, answers, states of a target, and why it tripped (docs/wire.md)."""
+"""Numbers of the protocol: message types, answers, states of a target, and why it tripped (docs/reference/wire.md)."""
 
 from enum import IntEnum
 

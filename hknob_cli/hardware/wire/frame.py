@@ -108,8 +108,8 @@ class Unread(NamedTuple):
         """In words; empty where there was nothing."""
         if self.bad_crc >= max(1, self.none):
             return (
-                f"{_frames(self.bad_crc)} came with a wrong checksum: does the target make its CRC-32 as docs/wire.md "
-                "says, of the whole body, least significant byte first?"
+                f"{_frames(self.bad_crc)} came with a wrong checksum: does the target make its CRC-32 as "
+                "docs/reference/wire.md says, of the whole body, least significant byte first?"
             )
         return f"{_frames(self.none)} came that cannot be read: is the line disturbed?" if self.none else ""
 
@@ -129,7 +129,7 @@ def nobody_text(unread: Unread, *, versions: set[int], echoed: bool, amid: bool,
     if unread.bad_crc:
         return f"a target answers, but {unread.text}"
     if unread.none or amid:
-        return f"what comes from this port is not the protocol (docs/wire.md); is {baud} its baud rate?"
+        return f"what comes from this port is not the protocol (docs/reference/wire.md); is {baud} its baud rate?"
     return f"nobody answered within {patience_s:g} s: is the target on, and does it run the firmware?"
 
 

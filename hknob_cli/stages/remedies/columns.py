@@ -41,7 +41,10 @@ TUNED = Column(
     "tuned", _REAL, "", "value (SI) of the number that the remedy tunes, for all hands together; null where it does not"
 )
 DOMAIN = Column(
-    "in_domain", _FLAG, "", "whether the controller stays within the domain that docs/controllers.md states; null: none"
+    "in_domain",
+    _FLAG,
+    "",
+    "whether the controller stays within the domain that docs/reference/controllers.md states; null: none",
 )
 CASES = (
     Column("case", _TEXT, "", "name of the case"),

@@ -1,6 +1,7 @@
 """Every kind of controller once more, apart from the package: one file a kind, found by being there.
 
-Each has the controller as its source has it (`Source`), the block of docs/controllers.md (`Block`), and variants.
+Each has the controller as its source has it (`Source`), the block of docs/reference/controllers.md (`Block`), and
+variants.
 """
 
 from importlib import import_module

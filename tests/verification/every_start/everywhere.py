@@ -1,6 +1,6 @@
 """All starts in ranges of angle and velocity, proven with outward rounding to end in orbits that are proven, too.
 
-The argument is that of docs/every_start.md, programmed again without anything of the package, and in intervals: a
+The argument is that of docs/explanation/every_start.md, programmed again without the package, and in intervals: a
 rectangle of states is followed from sample to sample, cut where it meets a count edge (`follow.py`, `polygon.py`),
 until each piece is captured by a proven orbit (`cell.Cell.prove`). An orbit that is not known yet is guessed by plain
 simulation, and counts only once it is proven.
