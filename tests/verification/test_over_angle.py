@@ -212,7 +212,8 @@ def test_proven_orbits_of_random_scenes() -> None:
 @pytest.mark.long
 def test_proven_orbits_of_many_random_scenes() -> None:
     found = np.array([check_orbits(random_case(seed)) for seed in range(2000, 2400)]).sum(axis=0)
-    assert min(found) >= 50, found
+    assert found[0] >= 150, found
+    assert found[1] >= 40, found
 
 
 @pytest.mark.long
