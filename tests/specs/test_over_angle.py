@@ -127,7 +127,8 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
             "detents": {"per_revolution": 12, "torque": 1},
             "controller": {"kind": "half_sample"},
         },
-        "scene.detents: must be absent where a controller is given: a pattern of detents is not built beside controllers",
+        "scene.detents: must be absent where a controller is given: "
+        "a pattern of detents is not built beside controllers",
     ),
 }
 
