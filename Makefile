@@ -64,7 +64,7 @@ long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clust
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
-	@$(BIN)/python -m hknob_cli.hardware.build_target $(OUT)/firmware
+	@$(BIN)/python -m hknob_cli.hardware.reference_target $(OUT)/firmware
 
 lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
 	@$(BIN)/ruff check --fix .

@@ -81,7 +81,7 @@ _ROWS = (
         model="hknob_cli.specs.hw_run:HwRunSpec",
         validate="hknob_cli.specs.hw_run:validate_hw_run",
         work="hknob_cli.stages.hw_run.work:WORK",
-        command="hknob_cli.cli.hw_run:hw_run",
+        command="hknob_cli.cli.stages:hw_run",
     ),
     Stage(
         "bench",

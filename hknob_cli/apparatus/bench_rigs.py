@@ -7,9 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.hand_recording import record_trial
+from hknob_cli.apparatus.hand_recording import Pulse, record_trial, scaled_pulse
 from hknob_cli.apparatus.people import grips
-from hknob_cli.apparatus.pulse import Pulse, scaled_pulse
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError

@@ -4,9 +4,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Literal
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder, split
-from hknob_cli.apparatus.hand_recording import record_trial
+from hknob_cli.apparatus.hand_recording import record_trial, scaled_pulse
 from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, numbers, trial_hand
-from hknob_cli.apparatus.pulse import scaled_pulse
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError

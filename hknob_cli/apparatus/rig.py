@@ -1,9 +1,16 @@
-"""The apparatus: sample clock, encoder, motor and amplifier, knobs, grip cell, each with what is not ideal about it."""
+"""The apparatus: sample clock, encoder, motor and amplifier, knobs, grip cell, each with what is not ideal about it.
 
-from dataclasses import dataclass, fields
+The virtual apparatus that an identification's plan describes.
+"""
+
+from dataclasses import dataclass, fields, replace
 from math import isfinite, pi
+from typing import Any
 
 from hknob_cli.errors import UsageError
+from hknob_cli.specs.identification import SysidPlan
+
+_POSITIVE = ("sample_rate_hz", "small_knob_kg_m2", "medium_knob_kg_m2", "grip_ramp_s", "trigger_share", "after_s")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,4 +79,8 @@ class Rig:
         return 2.0 * pi / self.counts_per_rev if self.counts_per_rev else 0.0
 
 
-_POSITIVE = ("sample_rate_hz", "small_knob_kg_m2", "medium_knob_kg_m2", "grip_ramp_s", "trigger_share", "after_s")
+def virtual_rig(plan: SysidPlan) -> Rig:
+    """The apparatus: as printed, or ideal, but for what is given. Raises `UsageError` for a number out of range."""
+    assert plan.virtual is not None
+    given: dict[str, Any] = dict(plan.virtual.rig)
+    return replace(Rig.ideal() if plan.virtual.ideal else Rig(), **given)

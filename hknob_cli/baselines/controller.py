@@ -88,3 +88,16 @@ class Controller:
         if not self.early:
             return ((oldest, self.period),)
         return (oldest, self.early), (self.under_way[0], self.period - self.early)
+
+
+def leaves(low: Any, high: Any) -> list[tuple[Callable[[Any], Any], int]]:
+    """The events of the angle leaving its bounds, None where it has none, and the way it goes.
+
+    An event is a function of the state that is positive until it happens.
+    """
+    events: list[tuple[Callable[[Any], Any], int]] = []
+    if low is not None:
+        events.append((lambda z: z[0] - low, -1))
+    if high is not None:
+        events.append((lambda z: high - z[0], 1))
+    return events

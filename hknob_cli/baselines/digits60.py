@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.controller import Controller, leaves
 from hknob_cli.baselines.plant import bias_torque, build_plant, start_state
 from hknob_cli.baselines.run import Deadline, LostError
 from hknob_cli.errors import UsageError
@@ -233,16 +233,6 @@ class Digits60:
 
     def _apply(self, matrix: Matrix, state: State) -> State:
         return [self.mp.fdot(zip(row, state, strict=True)) for row in matrix]
-
-
-def leaves(low: Any, high: Any) -> list[tuple[Event, int]]:
-    """The events of the angle leaving its bounds, None where it has none, and the way it goes."""
-    events: list[tuple[Event, int]] = []
-    if low is not None:
-        events.append((lambda z: z[0] - low, -1))
-    if high is not None:
-        events.append((lambda z: high - z[0], 1))
-    return events
 
 
 def _speed(way: int, z: State) -> Any:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.baselines import kernel_loop, kernels
+from hknob_cli.baselines import kernels
 from hknob_cli.baselines.controller import Controller
 from hknob_cli.baselines.plant import bias_torque, build_plant, start_state
 from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion
@@ -29,15 +29,13 @@ def compiled(method: str) -> tuple[Callable[..., None], Callable[..., None]]:
     """One method, and the loop over samples with it, compiled on first use."""
     import numba
 
-    done: dict[str, Any] = {}
-    for module, names in ((kernels, ("way_of", "slope", method)), (kernel_loop, ("measured", "command", "samples"))):
-        for name in names:
-            function = getattr(module, name)
-            copy = types.FunctionType(function.__code__, {**function.__globals__, **done}, name)
-            done[name] = numba.njit(copy)
-        done["method"] = done[method]
-        if module is kernels:
-            done["floor"] = np.floor
+    done: dict[str, Any] = {"floor": np.floor}
+    for name in ("way_of", "slope", method, "measured", "command", "samples"):
+        function = getattr(kernels, name)
+        copy = types.FunctionType(function.__code__, {**function.__globals__, **done}, name)
+        done[name] = numba.njit(copy)
+        if name == method:
+            done["method"] = done[method]
     return done[method], done["samples"]
 
 
@@ -70,7 +68,7 @@ class FixedStep:
         state = np.array(start_state(self.trial, self.plant))
         control, clocked = self.controller, self.trial.scene.sampled
         whole, ticks = control.period, 1 if clocked else self.substeps
-        law = kernel_loop.Law(
+        law = kernels.Law(
             sense=_SENSES[control.rounding],
             quantum=float(control.quantum),
             offset=float(control.offset),

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.baselines.controller import Controller
+from hknob_cli.baselines.controller import Controller, leaves
 from hknob_cli.baselines.plant import Plant, bias_torque, build_plant, start_state
 from hknob_cli.baselines.run import Deadline, LostError
 from hknob_cli.specs.plan import BenchScene
@@ -182,16 +182,6 @@ class ScipyIntegrator:
         slope = 1.0 - tanh(y[1] / self.smoothing) ** 2
         result[1, 1] -= self.plant.friction / self.plant.inertia / self.smoothing * slope
         return result
-
-
-def leaves(low: float | None, high: float | None) -> list[tuple[Event, int]]:
-    """The events of the angle leaving its bounds, and the way it goes."""
-    events: list[tuple[Event, int]] = []
-    if low is not None:
-        events.append((lambda y: y[0] - low, -1))
-    if high is not None:
-        events.append((lambda y: high - y[0], 1))
-    return events
 
 
 def _speed(way: float, y: Array) -> float:

@@ -1,7 +1,7 @@
 """The command line: one file per subcommand, nothing but talking to the user.
 
 - `main`, `app`
-- `stages`, `run`, `check`, `schema` the commands, `hw_run` one with an option more
+- `stages`, `run`, `check` the commands
 - `handover` from parsing to work, `stage_run` what is said of a stage
 
 Starting light. `hknob --help` loads neither numpy nor numba. `hknob sweep` parses its command line in a child process

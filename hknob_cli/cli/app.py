@@ -5,9 +5,8 @@ from typing import Annotated
 import typer
 
 from hknob_cli import __version__
-from hknob_cli.cli.check import check
+from hknob_cli.cli.check import check, schema
 from hknob_cli.cli.run import run
-from hknob_cli.cli.schema import schema
 from hknob_cli.cli.stages import stage_command
 from hknob_cli.stage_table import STAGES
 

@@ -1,5 +1,9 @@
-"""``hknob check``: validate specs, compute nothing."""
+"""``hknob check`` and ``hknob schema``: validate specs, and say what they may be; compute nothing.
 
+``hknob schema``: the JSON Schema of a kind of spec, for editors.
+"""
+
+import json
 from pathlib import Path
 from typing import Annotated
 
@@ -7,9 +11,33 @@ import typer
 
 from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
-from hknob_cli.stage_table import PIPELINE
+from hknob_cli.stage_table import CLAIMS, PIPELINE, SCHEMAS
 from hknob_cli.stages.job import Job
-from hknob_cli.terminal.console import reporting, say, tell
+from hknob_cli.terminal import reporting, say, tell
+
+
+def schema(
+    kind: Annotated[
+        str,
+        typer.Argument(
+            help=", ".join(SCHEMAS),
+            show_default=False,
+            metavar="KIND",
+            autocompletion=lambda incomplete: [kind for kind in SCHEMAS if kind.startswith(incomplete)],
+        ),
+    ],
+) -> None:
+    """Print the JSON Schema of a kind of spec."""
+    with reporting():
+        from hknob_cli.specs.schema import json_schema, titled
+
+        if kind == CLAIMS:
+            from hknob_cli.page.claims.ledger import Ledger
+
+            found = titled(Ledger.model_json_schema(), "hknob ledger of claims")
+        else:
+            found = json_schema(kind)
+        typer.echo(json.dumps(found, indent=2))
 
 
 def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:

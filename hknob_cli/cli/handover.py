@@ -52,7 +52,7 @@ def parse_and_run(parse: Callable[[], object], command: str) -> int:
 
     The child is this process's own copy: its pickle is as trustworthy as a variable.
     """
-    from hknob_cli.terminal.console import reporting
+    from hknob_cli.terminal import reporting
 
     try:
         with reporting():
@@ -112,7 +112,7 @@ def _ended(code: int) -> int:
     an import may lose this one's), and `ComputationError` where it was ended otherwise.
     """
     from hknob_cli.errors import ComputationError
-    from hknob_cli.terminal.console import heed
+    from hknob_cli.terminal import heed
 
     heed()
     if code == -signal.SIGTERM:
@@ -126,7 +126,7 @@ def _ended(code: int) -> int:
 
 def _load_and_wait(modules: tuple[str, ...], read: int) -> bytes:
     """Load what the work needs, then read what the child hands over; nothing if it found no work."""
-    from hknob_cli.terminal.console import uninterrupted
+    from hknob_cli.terminal import uninterrupted
 
     for module in modules:
         with uninterrupted():

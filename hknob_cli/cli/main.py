@@ -7,7 +7,7 @@ import sys
 from typing import NoReturn
 
 from hknob_cli.cli import handover
-from hknob_cli.terminal.console import interrupt
+from hknob_cli.terminal import interrupt
 
 
 def _parse() -> NoReturn:

@@ -21,7 +21,7 @@ from hknob_cli.cli.options import (
     unspreadable,
 )
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
-from hknob_cli.terminal.console import heed, reporting, say, tell
+from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
     from hknob_cli.pipeline.build import Outcome

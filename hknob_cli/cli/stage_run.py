@@ -8,7 +8,7 @@ from hknob_cli.results.changes import as_data, in_a_line
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import State, as_written, make, state_of, warn
 from hknob_cli.stages.work import Work
-from hknob_cli.terminal.console import tell
+from hknob_cli.terminal import tell
 
 
 def run_stage(job: Job) -> None:

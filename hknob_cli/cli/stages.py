@@ -1,4 +1,4 @@
-"""The stage commands, ``hknob sweep`` and the others: one way to be called, told apart by kind."""
+"""The stage commands: one way to be called, told apart by kind, and ``hknob hw-run``, which takes one option more."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -24,7 +24,12 @@ from hknob_cli.cli.options import (
 )
 from hknob_cli.errors import UsageError
 from hknob_cli.stage_table import STAGES, loaded
-from hknob_cli.terminal.console import reporting
+from hknob_cli.terminal import reporting
+
+STAGE = STAGES["hw-run"]
+UNATTENDED = "Nobody is there: no keys, trials begin at once. Always so without a terminal, and in simulation."
+JOBS = "As for every stage; without effect, for trials follow one another."
+FORCE = "Begin anew even where results are up to date; recordings of a device are moved to DIR/earlier."
 
 
 def submit_stage(
@@ -80,3 +85,37 @@ def stage_command(kind: str) -> Callable[..., None]:
         )
 
     return command
+
+
+def hw_run(
+    spec: SpecFile,
+    out: Out = None,
+    sets: Sets = None,
+    unattended: Annotated[bool, typer.Option("--unattended", help=UNATTENDED)] = False,
+    plot: Annotated[bool, typer.Option("--plot", help=STAGE.picture)] = False,
+    jobs: Annotated[int | None, typer.Option("--jobs", "-j", min=1, metavar="N", help=JOBS)] = None,
+    executor: Executor = ExecutorName.local,
+    scheduler: Scheduler = None,
+    force: Annotated[bool, typer.Option("--force", help=FORCE)] = False,
+    dry_run: DryRun = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Submit the trials; ``unattended``: nobody is there."""
+    spread = executor is ExecutorName.dask or bool(scheduler)
+    submit_stage(
+        STAGE.name,
+        spec,
+        out,
+        sets,
+        refuse="--executor: there is one knob, and its trials follow one another; local is" if spread else "",
+        plot=plot,
+        jobs=jobs,
+        force=force,
+        dry_run=dry_run,
+        as_json=as_json,
+        quiet=quiet,
+        verbose=verbose,
+        unattended=unattended,
+    )

@@ -6,9 +6,9 @@ returns a matplotlib Figure, made by `theme.figure`, without a title: the page h
 
 - a figure a name, from finished results: the page renders it as SVG, `--plot` as PNG
 - entered in `specs/drawings`
-- `theme` the style, `labels` and `numbers` how axes and values are written, `defaults` which figures a result has,
-  `held` tables in memory as a result, `sheet` figures as one PNG, `plot` those of each stage
-- `literal` names shown as they are; `maps` over two axes, whose cells `grid` arranges
+- `theme` the style, `numbers` how values are written, `defaults` which figures a result has, `sheet` figures as one
+  PNG, `plot` those of each stage
+- `maps` over two axes, whose cells and axes' names `grid` arranges
 - `*_picture` what only `--plot` draws yet
 """
 

@@ -1,20 +1,33 @@
-"""What one cell ends in: the range of the angle of every attractor, inside and outside the wall, pitch and share."""
+"""What one cell ends in: its attractors, and from which states each of them is reached.
 
-from typing import TYPE_CHECKING
+What one cell ends in: the range of the angle of every attractor, inside and outside the wall, pitch and share.
+"""
+
+from math import ceil
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pyarrow as pa
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import axes_of
 from hknob_cli.figures.numbers import number
 from hknob_cli.figures.panel import edges_between
 from hknob_cli.figures.trajectory_picture import Scale
-from hknob_cli.results.result_set import MissingError, ResultSet
-from hknob_cli.specs.plan import COUNTS
+from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST = 30  # attractors
+
+MOST_PANELS = 6
+MOST_NAMED = 8  # attractors in a legend
+MOST_EDGES = 120  # count edges that are drawn as lines
+# Colours that people with any kind of colour vision tell apart (Okabe & Ito 2008), pale ones last.
+_COLOURS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9", "#D55E00", "#F0E442", "#999999")
 
 
 @drawing
@@ -75,3 +88,117 @@ def _said(row: dict[str, float | str | None]) -> str:
     pitch = f", {number(float(row['frequency_hz']))} Hz" if row["frequency_hz"] else ""
     proven = "" if row["certified"] else ", not proven"
     return f"{number(1e3 * float(row['p2p_rad']))} mrad{pitch}{proven}"
+
+
+@drawing
+def basins(evidence: ResultSet, of: str, where: Where | None = None) -> "Figure":
+    """A map for each cell of a sweep that has maps of basins, of the first six that ``where`` allows.
+
+    Every start has the colour of the attractor it ends in, white where that is not proven; dots are samples of the
+    attractors. Raises `MissingError` for a sweep without such maps.
+    """
+    result = evidence[of]
+    axes = result.axes
+    cells = maps_of(result.table("basins"), result.table("orbits"), axes)
+    named = [dict(zip(axes, one.cell, strict=True)) for one in cells]
+    kept = [one for one, cell in zip(cells, named, strict=True) if matching([cell], where or {})]
+    if not kept:
+        raise MissingError(f"no such cell in the maps of '{of}'")
+    shown = kept[:MOST_PANELS]
+    across = min(2, len(shown))
+    figure = theme.figure(3.3 * ceil(len(shown) / across))
+    panels = figure.subplots(ceil(len(shown) / across), across, squeeze=False)
+    for empty in list(panels.flat)[len(shown) :]:
+        empty.set_axis_off()
+    for panel, one in zip(panels.flat, shown, strict=False):
+        draw_map(panel, one)
+        panel.set_title(", ".join(_axis_value(*pair) for pair in zip(axes, one.cell, strict=True)))
+        panel.grid(visible=False)
+    if len(kept) > len(shown):
+        figure.supxlabel(f"the first {len(shown)} of {len(kept)} cells", fontsize=8)
+    return figure
+
+
+def _axis_value(axis: str, value: float) -> str:
+    """The value of an axis in words."""
+    unit = {RATE: " Hz", COUNTS: " counts"}.get(axis)
+    return f"{number(value)}{unit}" if unit else f"{axis} {number(value)}"
+
+
+class BasinMap(NamedTuple):
+    """A cell by its values on the axes; its rows of basins.parquet, and of orbits.parquet."""
+
+    cell: tuple[Any, ...]
+    table: pa.Table
+    orbits: list[dict[str, Any]]
+
+
+def maps_of(basins: pa.Table, orbits: pa.Table, axes: list[str]) -> list[BasinMap]:
+    """The maps of a sweep's cells, in their order."""
+    cells: dict[tuple[Any, ...], list[dict[str, Any]]] = {}
+    for row in orbits.to_pylist():
+        cells.setdefault(tuple(row[name] for name in axes), []).append(row)
+    keys = zip(*(basins[name].to_numpy() for name in axes), strict=True)
+    place = {key: i for i, key in enumerate(cells)}
+    which = np.fromiter((place[key] for key in keys), dtype=np.int64, count=basins.num_rows)
+    return [BasinMap(key, basins.filter(pa.array(which == i)), rows) for i, (key, rows) in enumerate(cells.items())]
+
+
+def draw_map(panel: Any, one: BasinMap) -> None:
+    """One cell: its starts in the colour of where they end, white where that is not proven; attractors as dots."""
+    from matplotlib.colors import ListedColormap
+
+    table, orbits = one.table, one.orbits
+    angle, velocity = 1e3 * table["angle_rad"].to_numpy(), table["velocity_rad_s"].to_numpy()
+    orbit, on_orbit = table["orbit"].to_numpy(zero_copy_only=False), table["on_orbit"].to_numpy(zero_copy_only=False)
+    side = int(np.sqrt(np.count_nonzero(~on_orbit)))
+    grid = np.ma.masked_invalid(orbit[~on_orbit].astype(np.float64).reshape(side, side))
+    spread = [values[~on_orbit] for values in (angle, velocity)]
+    halves = [0.5 * (float(values.max()) - float(values.min())) / (side - 1) for values in spread]
+    (left, right), (bottom, top) = (
+        (float(values.min()) - half, float(values.max()) + half) for values, half in zip(spread, halves, strict=True)
+    )
+    colours = [_COLOURS[i % len(_COLOURS)] for i in range(len(orbits))]
+    panel.imshow(
+        grid % len(_COLOURS),
+        origin="lower",
+        aspect="auto",
+        extent=(left, right, bottom, top),
+        cmap=ListedColormap(_COLOURS),
+        vmin=-0.5,
+        vmax=len(_COLOURS) - 0.5,
+        alpha=0.45,
+        interpolation="nearest",
+    )
+    _draw_edges(panel, orbits, left, right)
+    for place, row in enumerate(orbits):
+        own = on_orbit & (orbit == place)
+        label = _name(row) if place < MOST_NAMED else None
+        panel.scatter(
+            angle[own], velocity[own], s=14, color=colours[place], edgecolors="white", linewidths=0.5, label=label
+        )
+    panel.axvline(0.0, color="black", linewidth=0.8)
+    panel.set_xlim(left, right)
+    panel.set_ylim(bottom, top)
+    panel.set_xlabel("angle at a sample, mrad (the wall is left of 0)")
+    panel.set_ylabel("velocity, rad/s")
+    panel.legend(fontsize=8, loc="upper right", framealpha=0.9)
+
+
+def _draw_edges(panel: Any, orbits: list[dict[str, Any]], left: float, right: float) -> None:
+    """Count edges inside the wall, where there are few enough to be seen."""
+    counts = orbits[0].get("counts_per_rev")
+    if not counts:
+        return
+    quantum = 2e3 * np.pi / counts
+    edges = np.arange(np.ceil(left / quantum), 0) * quantum
+    if len(edges) <= MOST_EDGES:
+        for edge in edges[edges < right]:
+            panel.axvline(edge, color="black", linewidth=0.25, alpha=0.5)
+
+
+def _name(one: dict[str, Any]) -> str:
+    share = f"{100 * one['basin_fraction']:.3g} % of starts"
+    if one["outcome"] == "cycle":
+        return f"{1e3 * one['p2p_rad']:.3g} mrad, {one['frequency_hz']:.3g} Hz: {share}"
+    return f"{one['outcome']}: {share}"

@@ -1,22 +1,108 @@
-"""The pictures that a page shows of each kind of result, in each of its shapes, where its spec lists no chapters."""
+"""The pictures that a page shows of each kind of result, in each of its shapes, where its spec lists no chapters.
+
+A figure of one result as a page plans it: its anchor, title and caption.
+
+The pictures that a page shows of an identification: of people, of bare knobs, of calibrations and of studies.
+"""
 
 from typing import Any
 
 import pyarrow.compute as pc
 
-from hknob_cli.figures.campaign_samples import MOST
+from hknob_cli.figures.campaign import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
-from hknob_cli.figures.default_sysid import sysid_figures
-from hknob_cli.figures.planned_figure import planned
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
-from hknob_cli.report.means import differs
-from hknob_cli.report.perceived import perceived_levels
+from hknob_cli.report.sweep_words import perceived_levels
+from hknob_cli.results.means import differs
 from hknob_cli.results.result_set import CAMPAIGN, Result
-from hknob_cli.specs.page_plan import FigurePlan
+from hknob_cli.specs.page_plan import FigurePlan, Sentence
 from hknob_cli.specs.plan import PERSON
 
+_WHOLE = ("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad")
+_PERSONS = "Every person over grip force: inertia of hand and apparatus, damping, stiffness, damping ratio."
+_VALUES = "Every condition by every estimator; bars are the deviations and errors of the table."
+_BIAS = "Mean estimate less truth, in per cent of the truth, over how much there is of each cause."
 MOST_CASES = 8  # of a trial of remedies that have a picture each
+_NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
+_MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
+_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
+_PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
+_BASINS = "In the colour of the cycle that a start ends in; dots are samples of the cycles."
+_ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
+_ORBITS = "A dot for each orbit, sized by its share of the trials."
+_LINES = "A cell at rest is at 0."
+_ROWS = "A row a cell."
+_SHARES = "How many of the cells, in per cent, have at most so large a value."
+_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
+_MATTERS = "The axes, the one that explains most of the size of limit cycles first."
+_LARGEST = "Of several cycles in a cell the largest."
+_AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
+_PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
+_CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
+_REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
+_DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."
+
+
+def planned(result: Result, draw: str, what: str, caption: str, **options: Any) -> FigurePlan:
+    """The plan of a drawing of a result; ``what`` it shows names it, so that no two figures are alike in that."""
+    slug = "".join(letter if letter.isalnum() else "-" for letter in f"{result.name}-{what}".lower()).strip("-")
+    title = f"{result.name}: {what}"
+    return FigurePlan(f"fig-{slug}", draw, (result.name,), options, title, Sentence(caption), title)
+
+
+def sysid_figures(result: Result) -> list[FigurePlan]:
+    """The pictures of all that there is. Raises `MissingError`."""
+    figures = []
+    if "conditions.parquet" in result.files:
+        figures += _conditions(result)
+    if "calibration_points.parquet" in result.files:
+        quantities = {row["quantity"] for row in result.rows("calibration")}
+        draw = "motor_calibration" if "torque constant" in quantities else "grip_cell"
+        figures.append(planned(result, draw, "calibration", "Readings, and the straight lines fitted to them."))
+    if "bias.parquet" in result.files:
+        figures += _biases(result)
+    if "hidden_inertia.parquet" in result.files:
+        figures.append(planned(result, "hidden_inertia", "hidden inertia", "What second-order fits take for inertia."))
+    return figures
+
+
+def _conditions(result: Result) -> list[FigurePlan]:
+    """Persons over grip force where there are several grips; every condition with its errors."""
+    rows = result.rows("conditions")
+    figures = []
+    whole = [
+        row
+        for row in rows
+        if row["level"] == "subject" and row["grip_target_n"] and all(row[name] is not None for name in _WHOLE)
+    ]
+    for experiment in dict.fromkeys(row["experiment"] for row in whole):
+        best = next(row["estimator"] for row in reversed(whole) if row["experiment"] == experiment)
+        if len({row["grip_target_n"] for row in whole if row["experiment"] == experiment}) > 1:
+            options = {"experiment": experiment, "estimator": best, "printed": False}
+            figures.append(planned(result, "all_persons", f"experiment {experiment} by {best}", _PERSONS, **options))
+    if any(row[name] is not None for row in rows for name in row if name.endswith("inertia_kg_m2")):
+        figures.append(planned(result, "identified_values", "what was identified", _VALUES))
+    return figures
+
+
+def _biases(result: Result) -> list[FigurePlan]:
+    """Curves of each grip force, of the causes and parameters that the study has."""
+    rows = result.rows("bias")
+    figures = []
+    for grip in dict.fromkeys(row["grip_n"] for row in rows):
+        mine = [row for row in rows if row["grip_n"] == grip]
+        causes = list(dict.fromkeys(row["nuisance"] for row in mine))
+        there = {(row["nuisance"], row["parameter"]) for row in mine}
+        parameters = [
+            name
+            for name in dict.fromkeys(row["parameter"] for row in mine)
+            if all((cause, name) in there for cause in causes)
+        ]
+        options: dict[str, Any] = {"causes": causes, "parameters": parameters, "grip_n": grip}
+        options["estimators"] = list(dict.fromkeys(row["estimator"] for row in mine))
+        figures.append(planned(result, "bias_curves", f"bias at {grip:g} N", _BIAS, **options))
+    return figures
 
 
 def figures_of(result: Result) -> tuple[FigurePlan, ...]:
@@ -200,23 +286,3 @@ def _campaign(result: Result) -> list[FigurePlan]:
     if few and "samples.parquet" in result.files:
         figures.append(planned(result, "campaign_thumbnails", "motion", "The end of each trial."))
     return figures
-
-
-_NOTICED = "Of the most noticeable orbit of each cell, against published thresholds."
-_MEAN = "Mean of the trials of a cell that cycle, where others than the largest cycle attract, too."
-_WORST = "Of the largest cycle of each cell; cells where trials come to rest or stay undecided say so."
-_PEOPLE = "How many people have at most so large a limit cycle, and, of those for whom it buzzes, so high a pitch."
-_BASINS = "In the colour of the cycle that a start ends in; dots are samples of the cycles."
-_ATTRACTORS = "The range of the angle in each, its size and pitch, and the share of the trials that end there."
-_ORBITS = "A dot for each orbit, sized by its share of the trials."
-_LINES = "A cell at rest is at 0."
-_ROWS = "A row a cell."
-_SHARES = "How many of the cells, in per cent, have at most so large a value."
-_TRIALS = "Of the trial of each cell that buzzes most; a trial without a sustained buzz is at rest."
-_MATTERS = "The axes, the one that explains most of the size of limit cycles first."
-_LARGEST = "Of several cycles in a cell the largest."
-_AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
-_PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
-_CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
-_REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
-_DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."

@@ -1,15 +1,29 @@
-"""One result against another over a grid, in percent of the second (Hasser, Figs 49, 52, 58)."""
+"""One result against another over a grid: in percent, as a ratio, one cause after another (Hasser, Figs 49, 52, 55-59).
+
+Without and with what the simulations left out: two maps on one scale and their ratio (Hasser, Figs 55-59).
+
+What explains what: pitch and size of campaigns over the simulated ones, one cause switched on at a time.
+"""
 
 from statistics import stdev
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Grid, Row, cell_text, column_label, grid
-from hknob_cli.figures.heat import diverging, draw_key, draw_map, height_of
+from hknob_cli.figures.grid import Grid, Row, cell_text, column_label, grid, notes
+from hknob_cli.figures.heat import diverging, draw_key, draw_map, height_of, norm_of, ramp
+from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+_BESIDE = 5  # columns up to which the maps stand side by side, else below each other
+Printed = dict[str, float]
+_PANELS = (("frequency_hz", "pitch over the simulated"), ("p2p_rad", "peak to peak over the simulated"))
+_SPREAD = 0.2  # of dots about their row
 
 
 @drawing
@@ -109,3 +123,115 @@ def _signed(value: float) -> str:
 
 def _percent(value: float) -> str:
     return f"{_signed(value)} %"
+
+
+@drawing
+def hardware_grid(
+    evidence: ResultSet,
+    of: list[str],
+    *,
+    column: str = "p2p_rad",
+    names: tuple[str, str] = ("without friction", "with friction"),
+    digits: int = 3,
+) -> "Figure":
+    """Maps of a column of two results ``of`` the same grid, and the second over the first, as a factor.
+
+    Beneath: the mean factor and its range, over the cells where both cycle. Raises `MissingError`.
+    """
+    from matplotlib.colors import LogNorm
+
+    results = [evidence[name] for name in of]
+    grids = [grid(result, columns=(column,)) for result in results]
+    name, factor = column_label(results[0], column)
+    values = [one.values(column, factor) for one in grids]
+    norm = norm_of([value for one in values for line in one for value in line], log=True)
+    ratio = [[1.0 + value / 100.0 for value in line] for line in differences(grids[1], grids[0], column)]
+    tall = len(grids[0].acrosses) > _BESIDE
+    figure = theme.figure(3.0 * height_of(grids[0], extra=0.9) if tall else height_of(grids[0], extra=1.65))
+    panels = figure.subplots(3, 1) if tall else figure.subplots(1, 3)
+    for i in (0, 1):
+        texts = [
+            [cell_text(cell, value, column, digits) for cell, value in zip(*line, strict=True)]
+            for line in zip(grids[i].cells, values[i], strict=True)
+        ]
+        draw_map(panels[i], grids[i], values[i], texts, norm=norm, colours=ramp(), left=tall or i == 0)
+        panels[i].set_title(names[i])
+    found = [value for line in ratio for value in line if value == value]
+    reach = max([4.0, *(max(value, 1.0 / value) for value in found if value > 0)])
+    scale = LogNorm(1.0 / reach, reach)
+    texts = [["" if value != value else f"\u00d7 {number(value, 2)}" for value in line] for line in ratio]
+    draw_map(panels[2], grids[0], ratio, texts, norm=scale, colours=diverging(), left=tall)
+    panels[2].set_title("the second over the first")
+    draw_key(figure, list(panels[:2]), norm, ramp(), name, below=not tall)
+    draw_key(figure, panels[2], scale, diverging(), "factor", below=not tall, most=4)
+    said = [notes(grids, column)]
+    if found:
+        mean = number(sum(found) / len(found), 2)
+        said.append(f"factor: mean {mean}, from {number(min(found), 2)} to {number(max(found), 2)}, {len(found)} cells")
+    figure.supxlabel(";  ".join(filter(None, said)), fontsize=8)
+    return figure
+
+
+@drawing
+def what_explains(
+    evidence: ResultSet,
+    of: list[str],
+    *,
+    over: str,
+    names: list[str] | None = None,
+    printed: dict[str, Printed] | None = None,
+) -> "Figure":
+    """Campaigns ``of`` one grid over the sweep ``over``, cell by cell, a row a campaign: dots, and their mean as a bar.
+
+    Cells where both buzz; at the right how many of the campaign's do. Shape and height of a dot in its row tell the
+    resolution, from the coarsest (low) to the finest. ``printed``: by column, `mean` (a line), and `least` and
+    `largest` (a band). Raises `MissingError`.
+    """
+    reference = grid(evidence[over], columns=tuple(column for column, _ in _PANELS))
+    drawn = theme.figure(0.72 * len(of) + 1.25)
+    panels = drawn.subplots(1, 2, sharey=True)
+    grids = [grid(evidence[name], columns=tuple(column for column, _ in _PANELS)) for name in of]
+    for panel, (column, label) in zip(panels, _PANELS, strict=True):
+        _draw_printed(panel, (printed or {}).get(column))
+        for y, one in zip(range(len(of) - 1, -1, -1), grids, strict=True):
+            ratios = [[1.0 + value / 100.0 for value in line] for line in differences(one, reference, column)]
+            if not any(value == value for line in ratios for value in line):
+                raise MissingError(f"'{of[len(of) - 1 - y]}' and '{over}' have no cell in common where both buzz")
+            _draw_row(panel, y, ratios)
+        panel.axvline(1.0, color="black", linewidth=0.8)
+        panel.set_xscale("log")
+        panel.set_xticks(*log_ticks(*panel.get_xlim()))
+        panel.set_xticks([], minor=True)
+        panel.set_xlabel(label)
+        panel.set_ylim(-0.6, len(of) - 0.25)
+    said = names or of
+    panels[0].set_yticks(range(len(of)), list(reversed(said)), fontsize=8)
+    for y, one in zip(range(len(of) - 1, -1, -1), grids, strict=True):
+        buzzing = sum(cell["at_rest_fraction"] < 1.0 for cell in one.rows)
+        panels[1].text(1.02, y, f"{buzzing} of {len(one.rows)}\nbuzz", va="center", fontsize=8,
+                       transform=panels[1].get_yaxis_transform())  # fmt: skip
+    for i, count in enumerate(reference.downs):
+        panels[0].plot([], [], markersize=4.5, label=f"{count:g}", **theme.points(i))
+    drawn.legend(loc="outside upper center", ncols=len(reference.downs) + 1, title="counts per revolution")
+    return drawn
+
+
+def _draw_printed(panel: "Axes", printed: Printed | None) -> None:
+    if printed and "least" in printed and "largest" in printed:
+        panel.axvspan(printed["least"], printed["largest"], color=theme.COLOURS[1], alpha=0.13, linewidth=0)
+    if printed and "mean" in printed:
+        panel.axvline(printed["mean"], color=theme.COLOURS[1], linestyle="--", linewidth=1.2)
+        panel.text(printed["mean"], 1.0, " printed", transform=panel.get_xaxis_transform(), fontsize=8, va="bottom",
+                   ha="center", color=theme.COLOURS[1])  # fmt: skip
+
+
+def _draw_row(panel: "Axes", y: int, ratios: list[list[float]]) -> None:
+    """Dots of one campaign by resolution, from below, and the mean of all."""
+    heights = np.linspace(-_SPREAD, _SPREAD, len(ratios)) if len(ratios) > 1 else [0.0]
+    for i, (line, height) in enumerate(zip(ratios, heights, strict=True)):
+        found = [value for value in line if value == value]
+        panel.plot(found, [y + height] * len(found), markersize=4.5, **theme.points(i))
+    every = [value for line in ratios for value in line if value == value]
+    mean = sum(every) / len(every)
+    panel.plot([mean, mean], [y - 0.28, y + 0.28], color="black", linewidth=2.2, solid_capstyle="butt")
+    panel.text(mean, y + 0.3, number(mean), ha="center", va="bottom", fontsize=8)

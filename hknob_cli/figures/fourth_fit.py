@@ -7,17 +7,16 @@ import numpy as np
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.identification import Pulsed, plan_of, plant_of, pulsed, rows_of
 from hknob_cli.figures.panel import key
-from hknob_cli.figures.recorded import rule_pulse, time_of
-from hknob_cli.figures.refit import modelled
+from hknob_cli.figures.pulses import modelled, rule_pulse, time_of
 from hknob_cli.identify.finger_network import FINGER_INERTIA, respond_fourth, split
 from hknob_cli.identify.second_order import Plant
-from hknob_cli.printed.hands import apparatus_inertia
+from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-THIN = 2  # of the samples one in so many is drawn
+THIN_DATA = 2  # of the samples one in so many is drawn
 
 
 @drawing
@@ -62,10 +61,10 @@ def _angles(one: Pulsed, models: dict[str, np.ndarray]) -> "Figure":
     drawn = theme.figure(4.2)
     above, below = drawn.subplots(2, 1, sharex=True, height_ratios=[2.0, 1.0])
     wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
-    above.plot(time[::THIN], 1e3 * one.motion.angle_rad[::THIN], label="recorded, mean of the trials", **wide)
+    above.plot(time[::THIN_DATA], 1e3 * one.motion.angle_rad[::THIN_DATA], label="recorded, mean of the trials", **wide)
     for i, (name, angle) in enumerate(models.items()):
-        above.plot(time[::THIN], 1e3 * angle[::THIN], label=name, **theme.series(i))
-        below.plot(time[::THIN], 1e6 * (one.motion.angle_rad - angle)[::THIN], **theme.series(i))
+        above.plot(time[::THIN_DATA], 1e3 * angle[::THIN_DATA], label=name, **theme.series(i))
+        below.plot(time[::THIN_DATA], 1e6 * (one.motion.angle_rad - angle)[::THIN_DATA], **theme.series(i))
     for panel in (above, below):
         rule_pulse(panel, one)
     above.set_ylabel("angle, mrad")

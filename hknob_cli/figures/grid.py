@@ -1,16 +1,38 @@
-"""The cells of a result over two of its axes, and how axes, columns and values are written in figures."""
+"""The cells of a result over two of its axes, and how axes, columns and values are called and written in figures.
+
+What the axes of a grid are called.
+"""
 
 from typing import Any, NamedTuple
 
-from hknob_cli.figures.labels import axis_name
 from hknob_cli.figures.numbers import number
 from hknob_cli.report.dfa import largest_cycles
-from hknob_cli.report.matrix import short
-from hknob_cli.report.means import MEANS, mean_beside
+from hknob_cli.report.table import short
+from hknob_cli.results.means import MEANS, mean_beside
 from hknob_cli.results.result_set import MissingError, Result, Rows
 
-Row = dict[str, Any]
+_AXES = {
+    "sample_rate_hz": "sample rate, Hz",
+    "counts_per_rev": "encoder, counts per revolution",
+    "bias.torque": "bias torque, N·m",
+    "hand.stiffness": "hand stiffness, N·m/rad",
+    "hand.grip_n": "grip force, N",
+    "hand.damping": "hand damping, N·m·s/rad",
+    "wall.stiffness": "wall stiffness, N·m/rad",
+    "knob.inertia": "knob inertia, kg·m²",
+    "knob.damping": "knob damping, N·m·s/rad",
+    "knob.coulomb_torque": "Coulomb friction, N·m",
+    "hand.inertia": "hand inertia, kg·m²",
+    "wall.damping": "virtual damping, N·m·s/rad",
+    "encoder.offset_counts": "encoder edges, counts above the wall's",
+    "actuator.delay_samples": "delay, samples",
+    "actuator.time_constant": "actuator lag, s",
+    "hand_inertia_kg_m2": "inertia of the person's hand, kg·m²",
+    "hand_damping_nm_s_per_rad": "damping of the person's hand, N·m·s/rad",
+    "hand_stiffness_nm_per_rad": "stiffness of the person's hand, N·m/rad",
+}
 
+Row = dict[str, Any]
 _TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
 _CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
@@ -36,6 +58,11 @@ _ORBIT_MEASURES = (*MEANS, *MEANS.values(), "p2p_counts", "rms_rad")
 _ENDS = (("rest", "at_rest_fraction"), ("div", "diverged_fraction"), ("?", "undecided_fraction"))
 MOST_WRITTEN = 16  # values of an axis up to which a map has its values written in
 MOST = 24  # values of an axis that a map shows
+
+
+def axis_name(axis: str) -> str:
+    """Name of a grid axis, with its unit."""
+    return _AXES.get(axis, axis)
 
 
 class Grid(NamedTuple):

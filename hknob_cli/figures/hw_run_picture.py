@@ -1,15 +1,20 @@
-"""The picture of a campaign: size and pitch over the grid, the grip of every trial, and thumbnails of the motion."""
+"""The pictures of a campaign: size, pitch, grip and motion over the grid, and its sample clock.
+
+The picture of a campaign's sample clock: how far the intervals between samples are from the one asked for.
+"""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-from hknob_cli.figures.colour_map import colour_map
-from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.grid import axis_name
+from hknob_cli.figures.heat import colour_map
 from hknob_cli.figures.sheet import save
+from hknob_cli.hardware.order import period_ns
+from hknob_cli.hardware.sample_clock import audit, histogram, jitter_of
 from hknob_cli.report.hw_run import cells_of, quiet_text
-from hknob_cli.report.means import differs, mean_beside
+from hknob_cli.results.means import differs, mean_beside
 from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
@@ -153,3 +158,54 @@ def _thumbnail(ax: "Axes", samples: pa.Table, row: Row) -> float:
     values = 1e3 * (angle[shown] - angle[shown].mean()) if shown.any() else np.empty(0)
     ax.plot(1e3 * (time_s[shown] - (end - long)), values, linewidth=0.8, color="C0" if row["sustained"] else "0.5")
     return float(max(least, np.abs(values).max(initial=0.0)))
+
+
+def draw_timing(samples: pa.Table, trials: list[Row], *, name: str, path: Path) -> None:
+    """Draw a histogram for each sample rate into ``path`` (PNG). Raises `ComputationError` if it cannot be written."""
+    import numpy as np
+    from matplotlib.figure import Figure
+
+    rates = sorted({row[RATE] for row in trials})
+    columns = min(len(rates), 4)
+    lines = -(-len(rates) // columns)
+    figure = Figure(figsize=(3.6 * columns + 1.0, 2.9 * lines + 0.7), layout="constrained")
+    axes = figure.subplots(lines, columns, squeeze=False)
+    columns_of = {name: samples[name].to_numpy() for name in ("trial", "device_time_us", "sample")}
+    for ax, rate in zip(axes.flat, rates, strict=False):
+        here = [columns_of["trial"] == row["order"] for row in trials if row[RATE] == rate]
+        parts = [
+            jitter_of(columns_of["sample"][one], columns_of["device_time_us"][one], period_ns=period_ns(rate))
+            for one in here
+        ]
+        jitter = np.concatenate(parts)
+        edges, found = histogram(jitter)
+        ax.stairs(found, 1e6 * edges, fill=True, color="C0")
+        ax.set_yscale("log")
+        ax.set_ylim(0.5, 3.0 * max(1, jitter.size))
+        ax.set_title(f"{rate:g} Hz: {jitter.size} intervals", fontsize=9)
+        ax.grid(alpha=0.3)
+        ax.tick_params(labelsize=8)
+        rows = [row for row in trials if row[RATE] == rate]
+        lost, late = sum(row["gaps"] for row in rows), sum(row["overruns"] for row in rows)
+        skipped = sum(
+            audit(
+                columns_of["sample"][one], columns_of["device_time_us"][one], period_ns=period_ns(rate), overruns=0
+            ).missed_ticks
+            for one in here
+        )
+        ax.text(
+            0.03,
+            0.95,
+            f"missing: {lost}\nlate: {late}\nticks skipped: {skipped}",
+            transform=ax.transAxes,
+            va="top",
+            fontsize=8,
+        )
+    for ax in list(axes.flat)[len(rates) :]:
+        ax.set_axis_off()
+    between = "\n" if columns == 1 else " "  # one line is wider than one drawing
+    label = f"interval from sample to sample, less the one asked for, us{between}(the device's clock counts whole us)"
+    figure.supxlabel(label, fontsize=9)
+    figure.supylabel("intervals", fontsize=9)
+    figure.suptitle(f"{name}: sample clock")
+    save(figure, path, stage="hw-run", name=name)

@@ -2,7 +2,7 @@
 
 from typing import Any, NamedTuple
 
-from hknob_cli.apparatus.virtual_rig import virtual_rig
+from hknob_cli.apparatus.rig import virtual_rig
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
 from hknob_cli.identify.second_order import Plant

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.bias import NAMES
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:

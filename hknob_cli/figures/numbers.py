@@ -3,7 +3,7 @@
 from math import ceil, floor, isinf, isnan, log10
 from typing import Any
 
-from hknob_cli.report.matrix import labels
+from hknob_cli.report.table import labels
 
 _RAISED = str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
 

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, RATE
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from hknob_cli.scene.sampled_knob import SampledKnob
-    from hknob_cli.theory.nyquist import Crossing
+    from hknob_cli.theory.relay import Crossing
 
 _REACH = 1.35  # of a ray, beyond its crossing
 
@@ -26,7 +26,7 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
     Raises `MissingError` where the scene has no sample clock.
     """
     from hknob_cli.scene.sampled_knob import sample_knob
-    from hknob_cli.theory.nyquist import crossing
+    from hknob_cli.theory.relay import crossing
 
     result = evidence[of]
     scene = result.scene
@@ -65,7 +65,7 @@ def _panel(axes: "Axes", knob: "SampledKnob", found: "list[Crossing]", shown: "l
     """One panel, with room for the crossings ``shown``."""
     import numpy as np
 
-    from hknob_cli.theory.nyquist import plant_curve
+    from hknob_cli.theory.relay import plant_curve
 
     right = max(-one.point.real for one in shown)
     down = max(0.5 * right, *(-one.point.imag for one in shown))

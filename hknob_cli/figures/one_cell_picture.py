@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.figures.sheet import save
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

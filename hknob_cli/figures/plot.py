@@ -4,12 +4,10 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from hknob_cli.figures.defaults import cases_of, figures_of
-from hknob_cli.figures.held import Held
-from hknob_cli.figures.planned_figure import planned
+from hknob_cli.figures.defaults import cases_of, figures_of, planned
 from hknob_cli.figures.sheet import write_sheet
-from hknob_cli.report.matrix import is_whole
-from hknob_cli.results.result_set import Rows
+from hknob_cli.report.table import is_whole
+from hknob_cli.results.result_set import Held, Rows
 from hknob_cli.specs.plan import DfaPlan
 
 

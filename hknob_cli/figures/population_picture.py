@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-from hknob_cli.figures.colour_map import colour_map
 from hknob_cli.figures.defaults import figures_of
-from hknob_cli.figures.held import Held
-from hknob_cli.figures.labels import axis_name
+from hknob_cli.figures.grid import axis_name
+from hknob_cli.figures.heat import colour_map
 from hknob_cli.figures.sheet import save, write_sheet
-from hknob_cli.report.matrix import is_whole
 from hknob_cli.report.population import Row, describe_people
+from hknob_cli.report.table import is_whole
+from hknob_cli.results.result_set import Held
 from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.figures import draw
-from hknob_cli.figures.held import One
-from hknob_cli.figures.literal import literal
-from hknob_cli.results.place import create
-from hknob_cli.results.png import KEYWORD, source_text
-from hknob_cli.results.result_set import MissingError, Result
+from hknob_cli.figures.theme import literal
+from hknob_cli.results.files import create
+from hknob_cli.results.provenance import KEYWORD, source_text
+from hknob_cli.results.result_set import MissingError, One, Result
 from hknob_cli.results.store import partial
 from hknob_cli.specs.page_plan import FigurePlan
 

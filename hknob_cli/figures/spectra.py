@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.recording import At
-from hknob_cli.figures.settled import settled_period
+from hknob_cli.figures.recording import At, settled_period
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
@@ -33,7 +32,7 @@ def cycle_spectra(
     """
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    from hknob_cli.recordings.harmonics import recorded_harmonics
+    from hknob_cli.recordings.spectrum import recorded_harmonics
 
     results = [of] if isinstance(of, str) else list(of)
     titles = list(names or results)

@@ -4,20 +4,25 @@ Text and axes are black in matplotlib and `currentColor` in the SVG, so that the
 text.
 Series differ in line style or marker beside colour, so that they survive grey printing; the colours are Okabe and Ito's
 (2008) for colour-blind readers, those of them that stand out on white and on near-black. Maps use cividis.
+
+Names in a picture as they are written: a dollar sign in one begins no formula, which might be none.
 """
 
+import contextlib
 import functools
 import io
 import re
+import warnings
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import printable
-from hknob_cli.figures.literal import literal
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from matplotlib.figure import Figure
+    from matplotlib.ticker import Formatter
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#8C7A00", "#56B4E9", "#7F7F7F")
 STYLES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
@@ -28,7 +33,6 @@ _TAG = re.compile("<[^>]+>")  # not what is written between them
 _BLACK = re.compile(r'(?<=[" ;])(fill|stroke): ?#000000')
 _ID = re.compile(r'\b(id="|href="#|url\(#)')
 WIDTH = 7.2  # inches, of a full-width figure
-
 _SETTINGS: Any = {  # matplotlib types its settings one by one
     "font.family": ["DejaVu Sans", "sans-serif"],
     "font.size": 9.0,
@@ -49,6 +53,59 @@ _SETTINGS: Any = {  # matplotlib types its settings one by one
     "path.simplify": True,
     "path.simplify_threshold": 0.2,
 }
+
+
+@contextlib.contextmanager
+def literal(figure: "Figure") -> Iterator[None]:
+    """Take every text of a figure as it is written, but for the numbers along its axes, which may be powers of ten.
+
+    Characters that are not printable become question marks; those that the font lacks are drawn as boxes, and not
+    complained of (an SVG has them as text); nor are labels that leave a panel no room.
+    """
+    from matplotlib.axis import Axis
+    from matplotlib.category import StrCategoryFormatter
+    from matplotlib.text import Text
+    from matplotlib.ticker import FixedFormatter, FuncFormatter
+
+    numbers: set[int] = set()
+    for axis in figure.findobj(Axis):
+        assert isinstance(axis, Axis)
+        for formatter, put in (
+            (axis.get_major_formatter(), axis.set_major_formatter),
+            (axis.get_minor_formatter(), axis.set_minor_formatter),
+        ):
+            if isinstance(formatter, FixedFormatter | FuncFormatter | StrCategoryFormatter):
+                put(FuncFormatter(_Names(formatter)))  # names along an axis are made to texts as they are drawn
+        ticks = (*axis.get_major_ticks(), *axis.get_minor_ticks())
+        numbers |= {id(axis.offsetText), *(id(text) for tick in ticks for text in (tick.label1, tick.label2))}
+    for text in figure.findobj(Text):
+        assert isinstance(text, Text)
+        if id(text) not in numbers:
+            text.set_parse_math(False)
+            text.set_text(_shown(text.get_text()))
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", r"Glyph \d+ .* missing from font", UserWarning)
+        warnings.filterwarnings("ignore", "constrained_layout not applied", UserWarning)
+        yield
+
+
+class _Names:
+    """Names along an axis, escaped."""
+
+    def __init__(self, formatter: "Formatter") -> None:
+        self.formatter = formatter
+
+    def __call__(self, value: float, place: int | None = None) -> str:
+        return _without_formulas(self.formatter(value, place))
+
+
+def _shown(text: str) -> str:
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def _without_formulas(text: str) -> str:
+    """A text that is taken as it is written where formulas are looked for."""
+    return _shown(text).replace("$", r"\$")
 
 
 def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":

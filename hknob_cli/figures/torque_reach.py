@@ -7,7 +7,7 @@ import numpy as np
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import grid
 from hknob_cli.figures.numbers import log_ticks
-from hknob_cli.report.means import WORST
+from hknob_cli.results.means import WORST
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def torque_reach(
     Raises `MissingError` where one is at rest.
     """
     from hknob_cli.specs.plan import scene_at
-    from hknob_cli.theory.working_edge import working_edge
+    from hknob_cli.theory.laws import working_edge
 
     points: list[tuple[str, float, float]] = []
     for name, said in zip(of, names or of, strict=True):

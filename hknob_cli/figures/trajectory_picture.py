@@ -12,7 +12,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.figures.sheet import save
-from hknob_cli.report.matrix import short
+from hknob_cli.report.table import short
 
 MOST_PANELS = 6
 HIDDEN = 2.0  # times the motion that the torque may be, in angle, before it gets a scale of its own

@@ -13,11 +13,10 @@ from typing import Any
 from hknob_cli.errors import MISSHAPEN, ComputationError, RefusedError
 from hknob_cli.hardware.journal import Journal, Journalled, read_journal
 from hknob_cli.hardware.order import Trial
-from hknob_cli.hardware.samples import joined
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
-from hknob_cli.hardware.trial_file import Recorded, read_trial, sample_table, write_trial, zero_of
+from hknob_cli.hardware.trial_file import Recorded, joined, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
-from hknob_cli.results.place import create, make_folder, refuse_link
+from hknob_cli.results.files import create, make_folder, refuse_link
 from hknob_cli.results.store import partial
 
 _ABORTED = "aborted"

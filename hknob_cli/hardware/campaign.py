@@ -8,14 +8,21 @@ from typing import Any
 from hknob_cli.errors import DeviceError, HknobError, RefusedError, UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
-from hknob_cli.hardware.operator import HANDS_OFF, Nobody, Operator, View, Wish
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
-from hknob_cli.hardware.port import Block, Device, Torque
+from hknob_cli.hardware.port import Block, Device, Simulated, Torque
 from hknob_cli.hardware.ranges import faults_of_settings
-from hknob_cli.hardware.samples import joined
-from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.hardware.trial_file import Recorded, sample_table, zero_of
-from hknob_cli.hardware.trial_run import Outcome, RepeatTrialError, Task, run_trial
+from hknob_cli.hardware.trial_file import Recorded, joined, sample_table, zero_of
+from hknob_cli.hardware.trial_run import (
+    HANDS_OFF,
+    Nobody,
+    Operator,
+    Outcome,
+    RepeatTrialError,
+    Task,
+    View,
+    Wish,
+    run_trial,
+)
 from hknob_cli.recordings.trial import Key
 from hknob_cli.specs.campaign import HwRunPlan
 

@@ -8,8 +8,7 @@ from tempfile import TemporaryDirectory
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
-from hknob_cli.hardware.port import Device
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Device, Simulated
 from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
 
 USUAL_GRIP_N = 0.71  # Chapter 8's target
@@ -34,7 +33,7 @@ def opened(plan: HwRunPlan, stack: ExitStack, *, alarm: Callable[[str], None] = 
 
     url = device.url
     if url is None:
-        from hknob_cli.hardware.run_target import run_target
+        from hknob_cli.hardware.reference_target import run_target
 
         url = stack.enter_context(run_target(device.target or "host", _build_folder(stack)))
     return stack.enter_context(SerialDevice(url, baud=device.baud, zero_angle=device.zero_angle, alarm=alarm))

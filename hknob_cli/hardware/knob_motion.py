@@ -10,7 +10,7 @@ from typing import Any
 from hknob_cli.engine.general.advance import advance_hold, advance_span
 from hknob_cli.engine.general.body import SECOND
 from hknob_cli.engine.general.slide_two import step_with_friction
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Simulated
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.plan import Actuator, Hand, Knob, Scene, Wall
 

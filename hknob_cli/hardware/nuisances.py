@@ -8,8 +8,7 @@ import numpy as np
 
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
-from hknob_cli.hardware.port import Array, Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Array, Settings, Simulated
 
 _ANGLE, _GRIP, _JITTER, _LATE = range(4)  # last number of each nuisance's stream
 

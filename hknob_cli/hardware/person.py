@@ -7,9 +7,8 @@ import numpy as np
 
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
-from hknob_cli.hardware.simulated import Simulated, Sine
-from hknob_cli.printed.hands import Grasp, grasps
-from hknob_cli.printed.tables import table
+from hknob_cli.hardware.port import Simulated, Sine
+from hknob_cli.printed.tables import Grasp, grasps, table
 
 FRICTION_NM = 0.56e-3  # of motor and bearings (Hasser, sec. 9.5)
 PRINTED_TARGET_N = 0.71  # of the grip force in Chapter 8 (sec. 8.2)

@@ -3,6 +3,14 @@
 A driver runs the control loop somewhere else (on a target, or in a simulation) and hands back samples in blocks. Times
 are the device's. The order of calls is: `configure`, `arm`, `read` while nobody holds the knob, `start`, `read` until
 enough, `stop`, `read` until None; `release` ends anything, at any time, and is called whatever is raised.
+
+A knob that is not there, and who holds it: what a simulated device needs to know.
+
+Before the start the knob rests at ``angle_rad`` and nobody holds it. From the sample of the start on, at times
+t = 0, T, 2T, ... after it, the person pushes by ``push_nm`` and the sines of ``push_sines`` into the wall (never
+outwards: at least 0), constant from sample to sample, and grips with ``grip_n`` (1 - exp(-t / ``grip_rise_s``)) and
+the sines of ``grip_sines``; the grip cell shows ``grip_offset_n`` more. Knob and hand move by
+J θ'' + B θ' + K θ = torque - push - coulomb_nm sign θ', exactly from sample to sample.
 """
 
 from enum import Enum
@@ -11,11 +19,35 @@ from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
-from hknob_cli.hardware.simulated import Simulated
+MOST_SINES = 4
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Counts = np.ndarray[Any, np.dtype[np.int64]]
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
+
+
+class Sine(NamedTuple):
+    """``amplitude`` sin(2 pi ``frequency_hz`` t + ``phase``)."""
+
+    amplitude: float
+    frequency_hz: float
+    phase: float
+
+
+class Simulated(NamedTuple):
+    """Numbers of the simulated knob, hand and person, in SI units; inertia of knob and hand together."""
+
+    inertia: float
+    damping: float
+    stiffness: float
+    coulomb_nm: float
+    angle_rad: float
+    push_nm: float
+    grip_n: float
+    grip_rise_s: float
+    grip_offset_n: float
+    push_sines: tuple[Sine, ...] = ()
+    grip_sines: tuple[Sine, ...] = ()
 
 
 class Identity(NamedTuple):
@@ -139,3 +171,31 @@ class Device(Protocol):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Release and close it."""
+
+
+class ComputedDevice:
+    """What devices without a motor and a clock of their own share."""
+
+    @property
+    def torque(self) -> Torque:
+        """Off: there is no motor."""
+        return Torque.OFF
+
+    @property
+    def drift(self) -> Drift | None:
+        """None: it has no clock."""
+        return None
+
+    def release(self) -> None:
+        """End it, whatever state it is in."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        """Open the device."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Release it."""
+        self.release()

@@ -1,9 +1,14 @@
-"""What a target takes: the ranges of a trial's settings, and of a simulated knob and person."""
+"""What a target and the wire take: the ranges of a trial's settings, and of a simulated knob and person.
+
+What the wire asks of a trial's settings beside the target's ranges: that a block is not long in coming.
+"""
 
 from math import inf, isfinite
 
-from hknob_cli.hardware.port import Identity, Settings
-from hknob_cli.hardware.simulated import MOST_SINES, Simulated
+from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
+
+# A block must come well before silence counts as a dead link.
+LONGEST_BLOCK_S = 0.05
 
 
 def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
@@ -44,3 +49,13 @@ def faults_of_simulated(simulated: Simulated) -> list[str]:
     if max(len(simulated.push_sines), len(simulated.grip_sines)) > MOST_SINES:
         faults.append(f"at most {MOST_SINES} sines of push and of grip each")
     return faults
+
+
+def faults(settings: Settings, identity: Identity) -> list[str]:
+    """What is out of range for this device, one text for each value."""
+    found = faults_of_settings(settings, identity)
+    block_s = settings.block_samples * settings.interval_s
+    if not found and block_s > LONGEST_BLOCK_S:
+        longest = LONGEST_BLOCK_S * 1e3
+        found.append(f"block_samples: a block must take at most {longest:g} ms, these take {block_s * 1e3:g} ms")
+    return found

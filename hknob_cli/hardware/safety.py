@@ -2,21 +2,80 @@
 
 Of a device at a wire, where `LimitMonitor` is told ``wired``, the wall's flag and the torque must also be those that
 follow from the commands and from the settings that it took.
+
+The wall that host and target agreed on: the torque of every sample follows from its angle and the one before.
+
+Source: docs/wire.md, "What a target does". Angles are whole counts, so that nothing is open but the rounding of floats.
+
+Signals that wait until the torque is off.
 """
 
+import contextlib
 import math
+import signal
+import threading
+from collections.abc import Iterator
+from math import tau
+from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Array, Block, Settings
-from hknob_cli.hardware.wall_law import wall_torque
+from hknob_cli.hardware.port import Array, Block, Counts, Settings
 
+_INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
 # By how much a reported torque may differ from the wall's: a share of its parts, and of the limit. Single precision on
 # the target, and the 24 bits that travel, make some 1e-6.
 LAW_SHARE = 1e-4
 LAW_LIMIT_SHARE = 1e-6
+
+
+class WallTorque(NamedTuple):
+    """Torque of the wall at samples (n,), N·m; ``terms``: sizes of its parts added, which roundings are shares of.
+
+    ``coarse``: the angle in counts of the encoder that the wall sees.
+    """
+
+    torque_nm: Array
+    terms: Array
+    coarse: Counts
+
+
+def wall_torque(angle_counts: Counts, settings: Settings, native_counts: int, *, before: int | None) -> WallTorque:
+    """Torque at these angles (n,), in counts of the device's own encoder.
+
+    ``before``: coarse angle of the sample before the first, None where there was none.
+    """
+    coarse = np.floor_divide(angle_counts * settings.counts_per_rev, native_counts)
+    step = np.diff(coarse, prepend=coarse[:1] if before is None else before)
+    quantum = tau / settings.counts_per_rev
+    spring = -settings.wall_stiffness * coarse * quantum
+    damper = -settings.wall_damping * step * quantum / settings.interval_s
+    limit = settings.torque_limit_nm
+    inside = coarse < 0
+    torque = np.where(inside, np.clip(spring + damper, -limit, limit), 0.0)
+    return WallTorque(torque, np.where(inside, np.abs(spring) + np.abs(damper), 0.0), coarse)
+
+
+@contextlib.contextmanager
+def undisturbed() -> Iterator[None]:
+    """Put off what interrupts, where this thread would hear it.
+
+    By handlers: a mask is this thread's alone, and another, of a driver or a library, would take the signal for it.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard: list[int] = []
+    before = {kind: signal.signal(kind, lambda number, _frame: heard.append(number)) for kind in _INTERRUPTING}
+    try:
+        yield
+    finally:
+        for kind, handler in before.items():
+            signal.signal(kind, signal.SIG_DFL if handler is None else handler)
+        for number in dict.fromkeys(heard):
+            signal.raise_signal(number)
 
 
 class LimitMonitor:

@@ -9,18 +9,16 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
-from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.hardware.undisturbed import undisturbed
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Simulated, Torque
+from hknob_cli.hardware.ranges import faults
+from hknob_cli.hardware.safety import undisturbed
 from hknob_cli.hardware.wire.answers import About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Command, Configure, Plain, Simulate, Zero
-from hknob_cli.hardware.wire.echo import differences
-from hknob_cli.hardware.wire.opening import open_port
-from hknob_cli.hardware.wire.pump import Pump
-from hknob_cli.hardware.wire.ranges import faults
+from hknob_cli.hardware.wire.frame import nobody_text
+from hknob_cli.hardware.wire.pump import Pump, open_port
+from hknob_cli.hardware.wire.sending import differences
 from hknob_cli.hardware.wire.session import Session
-from hknob_cli.hardware.wire.unread import nobody_text
 
 BAUD = 921_600
 # After RELEASE was answered the line is listened to for two of the longest blocks: what goes on sampling shows itself.

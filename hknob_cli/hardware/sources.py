@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.place import make_folder
+from hknob_cli.results.files import make_folder
 from hknob_cli.results.provenance import KEY
 from hknob_cli.specs.campaign import SERIAL
 from hknob_cli.specs.named_file import is_endless

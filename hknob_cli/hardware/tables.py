@@ -8,15 +8,14 @@ import pyarrow as pa
 
 from hknob_cli.errors import MISSHAPEN
 from hknob_cli.hardware.order import period_ns
-from hknob_cli.hardware.timing import audit
+from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
-from hknob_cli.measure.pitch import pitch_hz
-from hknob_cli.measure.torque_rises import torque_rises_hz
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
+from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.hw_run_columns import TIMING, TRIALS
+from hknob_cli.results.campaign_files import TIMING, TRIALS
 from hknob_cli.specs.campaign import CoursePlan
 
 

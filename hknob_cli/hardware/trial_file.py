@@ -1,7 +1,11 @@
-"""A finished trial as a file: its samples as rows of a recording, and how it went in the file's metadata."""
+"""The samples of a finished trial, and its file: rows of a recording, and how it went in the file's metadata.
+
+The samples of one trial as they were received, all blocks in one.
+"""
 
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -11,20 +15,50 @@ import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.order import Trial
-from hknob_cli.hardware.samples import Samples
+from hknob_cli.hardware.port import Array, Block, Counts, Flags
 from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
-from hknob_cli.results.hw_run_columns import MORE_SAMPLES
-from hknob_cli.results.place import create
+from hknob_cli.results.campaign_files import MORE_SAMPLES
+from hknob_cli.results.files import create
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 from hknob_cli.specs.parquet import table_of
 
 ABOUT = b"hknob.trial"
 _COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
+
+
+class Samples(NamedTuple):
+    """Samples of a trial, arrays (n,) as in a `Block`; ``number`` of each since arming, ``overruns`` in all."""
+
+    number: Counts
+    time_us: Counts
+    angle_counts: Counts
+    torque_nm: Array
+    grip_n: Array
+    running: Flags
+    overruns: int
+
+    def angle_rad(self, native_counts: int) -> Array:
+        """Angle by the device's own encoder, rad."""
+        return np.asarray(self.angle_counts * (2.0 * math.pi / native_counts), dtype=np.float64)
+
+
+def joined(blocks: Sequence[Block]) -> Samples:
+    """All blocks in one."""
+    whole = [np.arange(block.first, block.first + len(block.time_us), dtype=np.int64) for block in blocks]
+    return Samples(
+        number=np.concatenate([np.empty(0, dtype=np.int64), *whole]),
+        time_us=np.concatenate([np.empty(0, dtype=np.int64), *(block.time_us for block in blocks)]),
+        angle_counts=np.concatenate([np.empty(0, dtype=np.int64), *(block.angle_counts for block in blocks)]),
+        torque_nm=np.concatenate([np.empty(0), *(block.torque_nm for block in blocks)]),
+        grip_n=np.concatenate([np.empty(0), *(block.grip_n for block in blocks)]),
+        running=np.concatenate([np.empty(0, dtype=bool), *(block.running for block in blocks)]),
+        overruns=max((block.overruns for block in blocks), default=0),
+    )
 
 
 class Recorded(NamedTuple):

@@ -1,21 +1,23 @@
-"""One trial on a device: configured, armed, zeroed, started, watched, stopped, and let go whatever happens."""
+"""One trial on a device, from configuring to letting go whatever happens, and who watches it.
+
+Who watches a campaign: what is shown of a trial, and what may be wished for while it runs.
+"""
 
 import contextlib
 import time
 from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from enum import Enum
+from typing import NamedTuple, Protocol
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.clock_drift import drift_fault
-from hknob_cli.hardware.operator import Operator, View, Wish
 from hknob_cli.hardware.order import Trial
-from hknob_cli.hardware.port import Block, Device, Drift, Settings, Torque
-from hknob_cli.hardware.safety import LimitMonitor
-from hknob_cli.hardware.sample_clock import SampleClock
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Block, Device, Drift, Settings, Simulated, Torque
+from hknob_cli.hardware.safety import LimitMonitor, undisturbed
+from hknob_cli.hardware.sample_clock import SampleClock, drift_fault
 from hknob_cli.hardware.trial_phases import Ended, TrialPhases
-from hknob_cli.hardware.undisturbed import undisturbed
 from hknob_cli.specs.campaign import CoursePlan
+
+HANDS_OFF = "hands off"  # the state of a trial that has not begun
 
 # A driver with a link knows when that is dead, and says why: this is for one that hangs, and longer than any of theirs.
 # Shorter, it would take a pause of this computer's own for silence.
@@ -24,6 +26,49 @@ PATIENCE_S = 3.0
 LATE_S = 3.0
 # A clock that is simulated may be slower than any real one: under an emulator, on a busy computer, several times.
 OWN_TIME_SLOWER, OWN_TIME_LATE_S = 20.0, 60.0
+
+
+class Wish(str, Enum):
+    """What the operator wants of the trial at hand."""
+
+    GO_ON = "go on"
+    END = "end"
+    REPEAT = "repeat"
+    STOP = "stop"
+
+
+class View(NamedTuple):
+    """What is seen of a trial at an instant: ``state`` in a word; time (s) in it and since the start; forces."""
+
+    trial: Trial
+    trials: int
+    state: str
+    state_s: float = 0.0
+    running_s: float = 0.0
+    grip_n: float | None = None
+    torque_nm: float = 0.0
+
+
+class Operator(Protocol):
+    """Sees a campaign and decides."""
+
+    def ready(self, view: View) -> Wish:
+        """Wait until the trial may begin, hands off the knob; `Wish.STOP` ends the campaign."""
+
+    def look(self, view: View) -> Wish:
+        """See the trial at hand, and say what to do with it."""
+
+
+class Nobody:
+    """An operator who is not there."""
+
+    def ready(self, _view: View) -> Wish:
+        """Begin at once."""
+        return Wish.GO_ON
+
+    def look(self, _view: View) -> Wish:
+        """Go on."""
+        return Wish.GO_ON
 
 
 class RepeatTrialError(Exception):

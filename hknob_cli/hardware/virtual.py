@@ -1,23 +1,148 @@
-"""The virtual device: a simulated knob behind the device port, in its own time, as fast as it can.
+"""The control loop of a virtual trial: sample by sample what `docs/wire.md` asks of a target, at a simulated knob.
+
+Times are whole microseconds, rounded down; the device's own encoder rounds down. The torque is computed, and acts, in
+double precision. Torque and grip are handed on rounded to single precision, as the wire does, so that a trial here and
+the same trial over the wire give the same samples.
+
+The virtual device: a simulated knob behind the device port, in its own time, as fast as it can.
 
 Samples come into being when they are read: `start` and `stop` take effect between blocks. There is no watchdog: nothing
 happens here while the host is silent.
 """
 
 from enum import IntEnum
-from types import TracebackType
-from typing import NoReturn, Self
+from math import floor, isfinite, tau
+from typing import NoReturn
+
+import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Torque
+from hknob_cli.hardware.knob_motion import KnobMotion
+from hknob_cli.hardware.nuisances import Disturbances, Nuisances
+from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
-from hknob_cli.hardware.simulated import Simulated
-from hknob_cli.hardware.virtual_loop import VirtualLoop
+
+_MOST_COUNTS = 2**31
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
 IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1)
+
+
+class VirtualLoop:
+    """The control loop of one trial, from arming on; ``fault`` says why it tripped."""
+
+    def __init__(self, settings: Settings, simulated: Simulated, nuisances: Nuisances, native_counts: int) -> None:
+        self.fault = ""
+        self._settings, self._simulated, self._native = settings, simulated, native_counts
+        self._motion = KnobMotion(
+            simulated,
+            interval_s=settings.interval_s,
+            counts_per_rev=native_counts,
+            amplifier_s=nuisances.amplifier_s,
+        )
+        self._disturbances = Disturbances(nuisances, settings, simulated)
+        self._index, self._overruns = 0, 0
+        self._counts: int | None = None  # at the sample before, and of the wall's encoder
+        self._coarse: int | None = None
+        self._began: float | None = None  # when the wall was switched on, in periods
+        self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
+        self._last = 0.0
+        self._told_us = -1
+
+    def block(self, *, running: bool) -> Block:
+        """The next samples: as many as a block has, or fewer if it trips."""
+        count = self._settings.block_samples
+        begins, late = self._disturbances.begins(count)
+        noise = self._disturbances.angle_rad(count) * (self._native / tau)
+        pushes, grips = self._person(begins, running)
+        grips = grips + self._disturbances.grip_n(count)
+        angles, torques = np.zeros(count, dtype=np.int64), np.zeros(count)
+        on = np.full(count, running)
+        taken = count
+        for i, (begin, push, extra) in enumerate(zip(begins.tolist(), pushes.tolist(), noise.tolist(), strict=True)):
+            if self._held is not None:
+                self._motion.move(*self._held, begin - self._last)
+            # A speed is over the time that passed, which is longer than a period after a late sample.
+            passed_s = max(1.0, begin - self._last) * self._settings.interval_s
+            angles[i], torque = self._sample(self._index + i, self._motion.angle_counts + extra, passed_s, running)
+            if self.fault:
+                on[i], taken = False, i + 1
+                break
+            torques[i] = torque
+            self._held, self._last = ((torque, push) if running else None), begin
+        first, self._index = self._index, self._index + taken
+        self._overruns += int((late[:taken] > 0.5).sum())
+        return Block(
+            first=first,
+            time_us=self._microseconds(begins[:taken]),
+            angle_counts=angles[:taken],
+            torque_nm=_single(torques[:taken]),
+            grip_n=_single(grips[:taken]),
+            running=on[:taken],
+            overruns=self._overruns,
+        )
+
+    def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, float]:
+        """Angle in counts and torque at a sample, in the order of the wire; notes a fault, which means no torque."""
+        settings = self._settings
+        if not -_MOST_COUNTS <= position < _MOST_COUNTS:  # nor is it where it is not a number
+            self.fault = f"the angle is no number that it can tell, at sample {index}"
+            return self._counts or 0, 0.0
+        counts = floor(position)
+        before, self._counts = self._counts, counts
+        coarse = counts * settings.counts_per_rev // self._native
+        coarse_before, self._coarse = self._coarse, coarse
+        if before is not None:
+            speed = abs(counts - before) * (tau / self._native) / passed_s
+            if speed > settings.speed_limit_rad_s:
+                limit = f"limit {settings.speed_limit_rad_s:g} rad/s"
+                self.fault = f"the knob moved at {speed:.4g} rad/s, {limit}, at sample {index}"
+                return counts, 0.0
+        if not running or coarse >= 0:
+            return counts, 0.0
+        quantum = tau / settings.counts_per_rev
+        step = coarse - (coarse if coarse_before is None else coarse_before)
+        torque = -settings.wall_stiffness * (coarse * quantum)
+        torque -= settings.wall_damping * (step * quantum) / settings.interval_s
+        if not isfinite(torque):
+            self.fault = f"the torque is not a number, at sample {index}"
+            return counts, 0.0
+        return counts, max(-settings.torque_limit_nm, min(settings.torque_limit_nm, torque))
+
+    def _person(self, begins: Array, running: bool) -> tuple[Array, Array]:
+        """Push (N·m) and what the grip cell shows (N) at the samples of a block."""
+        person = self._simulated
+        if not running:
+            return np.zeros(begins.size), np.full(begins.size, person.grip_offset_n)
+        if self._began is None:
+            self._began = float(begins[0])
+        t = (begins - self._began) * self._settings.interval_s
+        risen = -np.expm1(-t / person.grip_rise_s) if person.grip_rise_s > 0.0 else np.ones(t.size)
+        push = np.maximum(0.0, person.push_nm + _sum(person.push_sines, t))
+        return push, person.grip_n * risen + _sum(person.grip_sines, t) + person.grip_offset_n
+
+    def _microseconds(self, begins: Array) -> Counts:
+        # Whole periods and the rest apart: a product of floats would round some exact times down by one.
+        whole = np.floor(begins).astype(np.int64)
+        rest = ((begins - whole) * self._settings.period_ns).astype(np.int64)
+        found = (whole * self._settings.period_ns + rest) // 1000
+        # A sample that follows at once on a late one may be in the same microsecond: times rise all the same.
+        rank = np.arange(found.size)
+        found = np.maximum.accumulate(np.maximum(found, self._told_us + 1) - rank) + rank
+        self._told_us = int(found[-1])
+        return np.asarray(found, dtype=np.int64)
+
+
+def _sum(sines: tuple[Sine, ...], t: Array) -> Array:
+    total = np.zeros(t.size)
+    for sine in sines:
+        total += sine.amplitude * np.sin(tau * sine.frequency_hz * t + sine.phase)
+    return total
+
+
+def _single(values: Array) -> Array:
+    return values.astype(np.float32).astype(np.float64)
 
 
 class State(IntEnum):
@@ -29,7 +154,7 @@ class State(IntEnum):
     TRIPPED = 3
 
 
-class VirtualDevice:
+class VirtualDevice(ComputedDevice):
     """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given."""
 
     def __init__(self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY) -> None:
@@ -50,16 +175,6 @@ class VirtualDevice:
     def state(self) -> State:
         """Idle, armed, running or tripped."""
         return self._state
-
-    @property
-    def torque(self) -> Torque:
-        """Off: there is no motor."""
-        return Torque.OFF
-
-    @property
-    def drift(self) -> Drift | None:
-        """None: it has no clock."""
-        return None
 
     def configure(self, settings: Settings, simulated: Simulated | None = None) -> None:
         """Take a trial's settings, and who holds the knob. Raises `DeviceError` if a value is out of range."""
@@ -108,16 +223,6 @@ class VirtualDevice:
     def release(self) -> None:
         """Torque off, whatever state the device is in."""
         self._state, self._trial = State.IDLE, None
-
-    def __enter__(self) -> Self:
-        """Open the device."""
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Release it."""
-        self.release()
 
     def _must_be(self, *states: State) -> None:
         if self._state is State.TRIPPED:

@@ -1,11 +1,10 @@
 """Identification: from recorded motion to inertia, damping and stiffness, with how sure they are.
 
-- `prepare` (align, smooth, differentiate)
+- `motion`, `prepare` (align, smooth, differentiate)
 - `least_squares`, `output_error`, `fourth_order` (`finger_network`)
-- `readings`, `covariance`, `profile`, `quality` how sure, `misfit` what a model that does not fit does to standard
-  errors
-- `running_start` where a search begins
-- `models`, `combine`
+- `readings`, `covariance`, `profile`, `fit` how sure
+- `start` where a search begins
+- `identified` from fits to a person
 - `calibration`
-- `bias_study`, `fourth_study` what the estimators are worth
+- `studies` what the estimators are worth
 """

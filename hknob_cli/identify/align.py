@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.recordings.pulse import Pulse, find_pulse
-from hknob_cli.recordings.trial import Array, Trial
+from hknob_cli.recordings.trial import Array, Pulse, Trial, find_pulse
 
 REST_S = 0.02
 EVEN = 0.01  # times within this share of the interval are taken as they stand

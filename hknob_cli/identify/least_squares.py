@@ -13,13 +13,11 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.covariance import cautious
-from hknob_cli.identify.fit import Estimate, Fit
-from hknob_cli.identify.misfit import share_of, widen
+from hknob_cli.identify.covariance import cautious, share_of, widen
+from hknob_cli.identify.fit import Estimate, Fit, blank, doubts, judged, misfit, unidentified, vaf, whiteness
 from hknob_cli.identify.motion import Motion
-from hknob_cli.identify.quality import blank, doubts, judged, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.running_start import best_motion
 from hknob_cli.identify.second_order import Plant, respond_with_slopes
+from hknob_cli.identify.start import best_motion
 from hknob_cli.recordings.trial import Array
 
 NAME, FRICTION_NAME = "least_squares", "least_squares_friction"

@@ -12,15 +12,13 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.covariance import share_of, widen
+from hknob_cli.identify.fit import Estimate, Fit, blank, doubts, judged, misfit, unidentified, vaf, whiteness
 from hknob_cli.identify.levenberg import Minimum
-from hknob_cli.identify.misfit import share_of, widen
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.nearest import cost, nearest
-from hknob_cli.identify.quality import blank, doubts, judged, misfit, unidentified, vaf, whiteness
-from hknob_cli.identify.running_start import Begin, running_starts
 from hknob_cli.identify.second_order import Plant, Start, respond_with_slopes
-from hknob_cli.identify.start import integrated_start
+from hknob_cli.identify.start import Begin, integrated_start, running_starts
 from hknob_cli.recordings.trial import Array
 
 NAME = "output_error"

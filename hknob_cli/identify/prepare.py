@@ -7,11 +7,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.identify.align import Aligned, UnusableError, align, even, interval
-from hknob_cli.identify.motion import Motion
+from hknob_cli.identify.motion import Motion, differentiate, smooth
 from hknob_cli.identify.readings import encoder_step
-from hknob_cli.identify.smooth import differentiate, smooth
-from hknob_cli.recordings.health import flags
-from hknob_cli.recordings.running_health import running_flags
+from hknob_cli.recordings.health import flags, running_flags
 from hknob_cli.recordings.trial import Array, Trial
 
 SMOOTHED_RATE_HZ = 1000.0

@@ -1,7 +1,6 @@
 """The page: figures, claims and provenance as one self-contained HTML file.
 
-- `compose` from plan and results to `book`, plain values
-- `clips` of cycles that have settled
+- `compose` from plan and results to `book`, plain values, with sound clips of cycles that have settled
 - `layout`, `template/` the HTML
 - `defaults` where a spec lists nothing
 """

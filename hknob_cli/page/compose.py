@@ -1,26 +1,59 @@
-"""From a report's plan and finished results to the page: figures drawn, sentences filled in, sources listed."""
+"""From a report's plan and finished results to the page: figures drawn, sentences filled in, sources listed.
 
+Sound clips of recorded cycles, all loud by one factor, so that they can be compared by ear.
+
+What sounds is the knob's speed; what a device makes of it is not known here.
+"""
+
+import base64
 import contextlib
 import hashlib
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import draw, drawing_of, theme
+from hknob_cli.figures.recording import settled_period
 from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source, Table
 from hknob_cli.page.claims.checks import argument_fault, check_fault, compute
-from hknob_cli.page.clips import clips
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
-from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, ReportPlan, Sentence, TablePlan
+from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence, TablePlan
+
+RATE_HZ = 16000
+DURATION_S = 1.2
+MOST_BYTES = 60_000  # of a clip in the page
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]
+
+
+def clips(evidence: ResultSet, wanted: Sequence[Listen]) -> tuple[Clip, ...]:
+    """WAV clips of the cycles that trials end in, as data: addresses. Raises `MissingError`.
+
+    The loudest takes half of full scale, and sets the factor from speed to sample of all.
+    """
+    from hknob_cli.perception import sound
+    from hknob_cli.recordings.spectrum import recorded_harmonics
+
+    motions = []
+    for one in wanted:
+        period = settled_period(evidence, one.of, at=dict(one.at))
+        motions.append(recorded_harmonics(period.time, period.velocity, highest_hz=0.5 * RATE_HZ))
+    factor = min(
+        (sound.clip(*motion, duration_s=DURATION_S, rate_hz=RATE_HZ).factor for motion in motions), default=1.0
+    )
+    found = []
+    for one, motion in zip(wanted, motions, strict=True):
+        made = sound.clip(*motion, duration_s=DURATION_S, rate_hz=RATE_HZ, factor=factor)
+        data = base64.b64encode(sound.wav_bytes(made)).decode("ascii")
+        found.append(Clip(one.name, f"data:audio/wav;base64,{data}"))
+    return tuple(found)
 
 
 class Judgement(NamedTuple):

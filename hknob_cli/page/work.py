@@ -13,13 +13,13 @@ from hknob_cli.page.compose import Judgement, compose, plan_faults
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
-from hknob_cli.results.digest import digest
-from hknob_cli.results.marked import mark
+from hknob_cli.results.files import digest
+from hknob_cli.results.provenance import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, counted
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 _FIGURE = re.compile(r'<figure id="([^"]+)"')
 _MISSING = re.compile(r'viewBox="0 0 400 40"><text y="24">([^<]*)</text>')

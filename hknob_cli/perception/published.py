@@ -1,17 +1,23 @@
-"""The published thresholds that levels are told from, as data files with their sources and ranges of validity."""
+"""The published thresholds that levels are told from, and what a judgment by them may be wrong by.
+
+What a judgment by thresholds may be wrong by: levels that are higher or lower, and other published thresholds.
+"""
 
 import csv
 import hashlib
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
+from hknob_cli.specs.design_plan import DesignPlan
 
 _PACKAGE = Path(__file__).parent
 # In an installed package, then in the repository.
 FOLDERS = (_PACKAGE / "data", _PACKAGE.parents[1] / "data" / "perception")
 SENSES = ("touch", "torque", "hearing")
+
+REDRAWS = 1000  # of the people, with replacement
 
 
 def folder(candidates: tuple[Path, ...] | None = None) -> Path:
@@ -68,3 +74,27 @@ def data_digest() -> str:
     for path in data_files():
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()
+
+
+class Doubt(NamedTuple):
+    """One way in which levels may be others: ``shift_db`` higher, or by another set of ``thresholds`` of touch."""
+
+    name: str
+    shift_db: float = 0.0
+    thresholds: str | None = None
+
+
+def other_sets(plan: DesignPlan) -> tuple[str, ...]:
+    """Published thresholds of touch beside those that the plan judges by."""
+    return tuple(name for name in published("touch")["thresholds"] if name != plan.perceive.thresholds)
+
+
+def doubts(plan: DesignPlan) -> tuple[Doubt, ...]:
+    """All that could change the answer of a search; none where no level is limited."""
+    found: list[Doubt] = []
+    if (plan.touch or plan.hearing) and plan.uncertainty_db > 0.0:
+        off = plan.uncertainty_db
+        found += [Doubt(f"levels {off:g} dB lower", -off), Doubt(f"levels {off:g} dB higher", off)]
+    if plan.touch:
+        found += [Doubt(f"thresholds {name}", thresholds=name) for name in other_sets(plan)]
+    return tuple(found)

@@ -1,9 +1,8 @@
 """The pipeline: steps that run in the order of their inputs, and only where something has changed.
 
-- `step` a stage and its files as pytask's protocols want them
 - `build` pytask asked, its answer read
 - `fresh` whether there is anything to do, without loading it
-- `steps` from a pipeline's plan to steps
+- `steps` from a pipeline's plan to stages with their files, as pytask's protocols want them
 
 A pipeline's record is pytask's. Steps are nodes with the digest of their content: spec files, what the pipeline sets,
 results of other stages, versions of the program. pytask orders them, skips, explains, and journals each as it ends,

@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.pipeline.fresh import LOCK
-from hknob_cli.pipeline.step import FileNode, Step
-from hknob_cli.results.place import create
+from hknob_cli.pipeline.steps import FileNode, Step
+from hknob_cli.results.files import create
 
 _CONFIG = ".pytask.toml"
 _VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}

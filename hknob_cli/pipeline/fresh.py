@@ -12,8 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.results.digest import digest
-from hknob_cli.results.place import create
+from hknob_cli.results.files import create, digest
 from hknob_cli.results.versions import showing_versions
 
 RECORD = "pipeline.json"

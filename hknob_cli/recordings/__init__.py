@@ -1,8 +1,8 @@
 """Recordings of a knob: torque in, angle out, grip force beside; read, checked, written.
 
-- `trial`
+- `trial` and its torque pulse
 - `read` with the row of every fault, `write`
-- `pulse`, `health` what is doubtful, `running_health` of records without a pulse
+- `health` what is doubtful
 - `calibration`
-- `measured_cycle` size and pitch of a recorded buzz, `harmonics` of it
+- `measured_cycle` whether a trial buzzes, and how large, `spectrum` its pitch and harmonics
 """

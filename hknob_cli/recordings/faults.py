@@ -1,9 +1,16 @@
-"""Faults of recordings: file, row, column, what is wrong, the value, what is allowed."""
+"""Faults of recordings, with file, row and column; what every trial must be.
 
-from collections.abc import Mapping, Sequence
+What every trial must be: time that rises, magnitudes that a knob and a hand can have; larger ones are said.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from hknob_cli.errors import UsageError
+from hknob_cli.recordings.columns import LARGEST, LIMITS, LONGEST_STEP_S, LONGEST_TRIAL_S
+from hknob_cli.recordings.trial import Array, Trial
 
 MOST = 20
 
@@ -94,3 +101,63 @@ def _in_file(row: int, lost: Sequence[int]) -> int:
         if 0 < gone <= row:
             row += 1
     return row
+
+
+def check_trial(trial: Trial, faults: Faults, limits: Mapping[str, float]) -> tuple[str, ...]:
+    """Note what is wrong with a trial; what is surprising. Not finite values are noted elsewhere and pass here.
+
+    ``limits``: largest size of a column that is no surprise, by default `columns.LIMITS`.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        _check_time(trial, faults)
+    notes: list[str] = []
+    for column in ("torque_nm", "angle_rad", "grip_n", "measured_torque_nm"):
+        values: Array | None = getattr(trial, column)
+        if values is not None:
+            notes += _check_size(column, values, trial.first_row, faults, limits)
+    target = trial.key.grip_target_n
+    if target < 0.0:
+        faults.add_once("sign", trial.first_row, "grip_target_n", f"must be >= 0 N, got {target:g}")
+    notes += _check_size("grip_target_n", np.array([target]), trial.first_row, faults, limits)
+    return tuple(notes)
+
+
+def _check_time(trial: Trial, faults: Faults) -> None:
+    time, first = trial.time_s, trial.first_row
+    steps = np.diff(time)
+    back = np.flatnonzero(steps <= 0.0)
+    if back.size:
+        at = int(back[0]) + 1
+        how = "stands still" if steps[at - 1] == 0.0 else "runs backwards"
+        alone = ", and a file without a column 'trial' is one trial" if "trial" in faults.absent else ""
+        more = f" ({back.size} times in this trial)" if back.size > 1 else ""
+        message = f"{how}{more}, {time[at]:.17g} after {time[at - 1]:.17g}; must rise within a trial{alone}"
+        faults.add(first + at, "time_s", message)
+    far = np.flatnonzero(steps > LONGEST_STEP_S)
+    if far.size:
+        at = int(far[0]) + 1
+        message = f"step of {steps[at - 1]:g} s; must be <= {LONGEST_STEP_S:g} s: is it in ms?"
+        faults.add_once("unit", first + at, "time_s", message)
+    elif time.size and time[-1] - time[0] > LONGEST_TRIAL_S:
+        at = int(np.flatnonzero(time - time[0] > LONGEST_TRIAL_S)[0])
+        message = f"trial of {time[-1] - time[0]:g} s; must be <= {LONGEST_TRIAL_S:g} s: is it in ms?"
+        faults.add_once("unit", first + at, "time_s", message)
+
+
+def _check_size(column: str, values: Array, first: int, faults: Faults, limits: Mapping[str, float]) -> Iterator[str]:
+    """Note numbers that are none of a knob; say those that are surprising."""
+    limit = LIMITS[column]
+    most = limits.get(column, limit.most)
+    over = np.flatnonzero((np.abs(values) > most) & ~np.isinf(values))
+    if not over.size:
+        return
+    at = int(over[0])
+    size = float(np.max(np.abs(values[over])))
+    if size > LARGEST:
+        message = f"must be within {LARGEST:g} {limit.unit}, got {values[at]:g}: is it in {limit.likely}?"
+        faults.add_once("unit", first + at, column, message)
+        return
+    message = f"{values[at]:g} {limit.unit} is beyond {most:g} {limit.unit}: is it in {limit.likely}?"
+    allowed = f"limits: {{{limit.key}: {float(f'{2.0 * size:.1g}'):g}}} says that it is right"
+    faults.warn(first + at, column, f"{message} {allowed}")
+    yield f"{column} up to {size:.3g} {limit.unit}, beyond {most:g} {limit.unit}: is it in {limit.likely}?"

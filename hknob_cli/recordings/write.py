@@ -12,7 +12,7 @@ import pyarrow.csv as pc
 from hknob_cli.errors import ComputationError
 from hknob_cli.recordings.columns import KEYS, MEASURED_TORQUE, SAMPLES
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.results.place import create
+from hknob_cli.results.files import create
 from hknob_cli.results.store import partial
 
 _WRITE_ROWS = 16_384

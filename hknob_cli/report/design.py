@@ -4,10 +4,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.perception.doubt import REDRAWS, doubts
-from hknob_cli.report.matrix import matrix, short
-from hknob_cli.report.table import table
-from hknob_cli.results.ranged import from_where
+from hknob_cli.perception.published import REDRAWS, doubts
+from hknob_cli.report.table import matrix, short, table
+from hknob_cli.results.means import from_where
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.plan import COUNTS, RATE
 

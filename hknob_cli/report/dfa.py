@@ -1,4 +1,7 @@
-"""A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep."""
+"""A describing-function analysis on the terminal: sizes and pitches by method, and how far they are from a sweep.
+
+How much of a grid a sweep covers that predictions are compared with.
+"""
 
 import re
 from collections import Counter
@@ -7,11 +10,17 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
-from hknob_cli.report.overlap import overlap_text
-from hknob_cli.report.table import table
+from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 
 _NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
+
+
+def overlap_text(summary: dict[str, Any]) -> list[str]:
+    """A line where the sweep has some of the cells only; nothing where it has all, or there is none."""
+    found = summary.get("overlap")
+    if not found or found["with_partner"] == found["cells"]:
+        return []
+    return [f"{found['with_partner']} of {found['cells']} cells are in the sweep, too; only these are compared with it"]
 
 
 def describe_dfa(table: pa.Table, *, axes: list[str], statistics: dict[str, Any] | None) -> dict[str, Any]:

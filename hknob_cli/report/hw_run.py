@@ -6,10 +6,9 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import MAX_ROWS, labels, matrix, short
-from hknob_cli.report.means import differs
-from hknob_cli.report.table import grid
-from hknob_cli.results.campaign_cells import cell_rows
+from hknob_cli.report.table import MAX_ROWS, grid, labels, matrix, short
+from hknob_cli.results.campaign_files import cell_rows
+from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import COUNTS, RATE
 
 Row = dict[str, Any]

@@ -9,9 +9,8 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.report.matrix import short
-from hknob_cli.report.means import MEANS, WORST
-from hknob_cli.report.undecided import Reason, Undecided, undecided_text
+from hknob_cli.report.sweep_words import Reason, Undecided, undecided_text
+from hknob_cli.report.table import short
 from hknob_cli.report.what_matters import (
     Columns,
     axes_that_matter,
@@ -21,6 +20,7 @@ from hknob_cli.report.what_matters import (
     what_matters,
 )
 from hknob_cli.results.arrays import tally
+from hknob_cli.results.means import MEANS, WORST
 from hknob_cli.results.parted import PART_CELLS, Parted
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction", "undecided_fraction")

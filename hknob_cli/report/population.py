@@ -7,8 +7,7 @@ Quantiles interpolate linearly between people.
 
 from typing import Any
 
-from hknob_cli.report.matrix import MAX_ROWS, fits, matrix, short
-from hknob_cli.report.table import table
+from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 from hknob_cli.specs.plan import PERSON
 
 Row = dict[str, Any]

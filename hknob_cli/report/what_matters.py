@@ -12,11 +12,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import short
-from hknob_cli.report.means import ONE, WORST
-from hknob_cli.report.table import table
+from hknob_cli.report.table import short, table
 from hknob_cli.results.arrays import reals
 from hknob_cli.results.columns import PEOPLE
+from hknob_cli.results.means import ONE, WORST
 from hknob_cli.specs.plan import PERSON
 
 if TYPE_CHECKING:

@@ -1,10 +1,27 @@
-"""The columns of the sweep's files: name, type, unit and meaning, as each file's field metadata says them."""
+"""The columns of the sweep's files: name, type, unit and meaning, as each file's field metadata says them.
+
+The columns that ``perceive`` adds to a sweep's files.
+"""
 
 from typing import NamedTuple
 
 import pyarrow as pa
 
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
+
+_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
+# Columns that need samples, or a period of them.
+SAMPLED = (
+    "period_samples",
+    "margin_counts",
+    "closure_rad",
+    "wall_work_j",
+    "damping_loss_j",
+    "friction_loss_j",
+    "late_entry_j",
+    "late_exit_j",
+    "staircase_j",
+)
 
 
 class Column(NamedTuple):
@@ -19,8 +36,6 @@ class Column(NamedTuple):
         """Arrow field with unit and meaning as metadata."""
         return pa.field(self.name, self.type, metadata={"unit": self.unit, "meaning": self.meaning})
 
-
-_REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
 CELLS = (
     Column("p2p_rad", _REAL, "rad", "mean peak minus mean trough, mean of the trials that cycle; null where none does"),
@@ -122,18 +137,6 @@ PEOPLE = (
     Column("hand_damping_nm_s_per_rad", _REAL, "N*m*s/rad", "damping of the person's hand"),
     Column("hand_stiffness_nm_per_rad", _REAL, "N*m/rad", "stiffness of the person's hand"),
 )
-# Columns that need samples, or a period of them.
-SAMPLED = (
-    "period_samples",
-    "margin_counts",
-    "closure_rad",
-    "wall_work_j",
-    "damping_loss_j",
-    "friction_loss_j",
-    "late_entry_j",
-    "late_exit_j",
-    "staircase_j",
-)
 
 _AXES = {
     RATE: Column(RATE, _REAL, "Hz", "sample rate of the controller"),
@@ -145,3 +148,32 @@ _AXES = {
 def axis_column(name: str, unit: str) -> Column:
     """Column of a grid axis; any value of the scene may be one."""
     return _AXES.get(name) or Column(name, _REAL, unit, f"grid axis: scene.{name}")
+
+
+TOUCH_DB = Column("touch_db", _REAL, "dB", "above the threshold of touch, of the harmonics within its published range")
+TOUCH_HZ = Column("touch_hz", _REAL, "Hz", "frequency of the harmonic that is felt best")
+STEP_DB = Column("torque_step_db", _REAL, "dB", "torque step of a count over the least torque variation detected")
+HEARING_HZ = Column("hearing_hz", _REAL, "Hz", "frequency of the harmonic that is most audible")
+HEARING_DB = Column("hearing_db", _REAL, "dB", "above the threshold of hearing, of the most audible harmonic")
+PHON = Column("hearing_phon", _REAL, "phon", "loudness level of the loudest harmonic; null outside ISO 226's range")
+RELATIVE_DB = Column(
+    "hearing_relative_db",
+    _REAL,
+    "dB",
+    "peak speed re 1 rad/s over the threshold of hearing; only differences mean something, for want of a sound gain",
+)
+FELT = Column("felt_fraction", _REAL, "1", "part of the trials that end in a cycle above the threshold of touch")
+HEARD = Column("heard_fraction", _REAL, "1", "part of the trials that end in a cycle above the threshold of hearing")
+
+TOUCH, HEARING, UNGAINED = (TOUCH_DB, TOUCH_HZ), (HEARING_DB, HEARING_HZ, PHON), (RELATIVE_DB, HEARING_HZ)
+
+
+def orbit_columns(*, gained: bool, counted: bool) -> tuple[Column, ...]:
+    """Of an orbit; ``gained``: with a sound gain, ``counted``: with an encoder."""
+    return (*TOUCH, *(HEARING if gained else UNGAINED), *([STEP_DB] if counted else []))
+
+
+def cell_columns(*, gained: bool, counted: bool) -> tuple[Column, ...]:
+    """Of a cell, whose levels are those of its most noticeable orbit."""
+    sound = (HEARING_DB, HEARING_HZ, PHON, HEARD) if gained else UNGAINED
+    return (*TOUCH, FELT, *sound, *([STEP_DB] if counted else []))

@@ -6,10 +6,8 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import RefusedError
-from hknob_cli.results.marked import marked_origin
 from hknob_cli.results.parted import result_schema
-from hknob_cli.results.png import picture_origin
-from hknob_cli.results.provenance import origin
+from hknob_cli.results.provenance import marked_origin, origin, picture_origin
 from hknob_cli.results.staging import staged
 
 Origin = tuple[str, str]  # stage and name

@@ -2,23 +2,81 @@
 
 pandas, Polars, DuckDB and Arrow read the folder as one table. Every part says in its metadata which of how many it is,
 so that a folder that lacks some is known for what it is.
+
+`write_table` is the layout of every Parquet file. The rows of a large result are cut into parts by the number of their
+item, so many items to a part.
 """
 
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import BinaryIO, NamedTuple
 
 import pyarrow as pa
+import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.place import create
+from hknob_cli.results.files import create
 from hknob_cli.results.provenance import KEY, origin
 from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import opened, schema_of, table_of
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
+
 PART = b"hknob.part"
+
+
+def write_table(table: pa.Table, stream: BinaryIO) -> None:
+    """Write a table to a file. Raises `OSError`.
+
+    Reals are stored as they are, all else through a dictionary: few reals occur twice, and looking for those that do
+    takes longer than all the rest, for files that are larger.
+    """
+    repeated = [field.name for field in table.schema if field.type != pa.float64()]
+    pq.write_table(table, stream, compression="zstd", use_dictionary=repeated)
+
+
+def as_file(table: pa.Table, metadata: Mapping[bytes, bytes]) -> memoryview:
+    """The bytes of a file with a table, one row group of it, that says ``metadata`` of itself."""
+    stream = pa.BufferOutputStream()
+    write_table(table.combine_chunks().replace_schema_metadata(dict(metadata)), stream)
+    return memoryview(stream.getvalue())
+
+
+class Parting(NamedTuple):
+    """``total`` items in parts of ``most``, of a result with this provenance; no more than ``most`` are in no parts."""
+
+    total: int
+    provenance: bytes
+    most: int = PART_CELLS
+
+    @property
+    def parted(self) -> bool:
+        """Whether there are parts."""
+        return self.total > self.most
+
+    @property
+    def items(self) -> int:
+        """Items in a part, or in all."""
+        return self.most if self.parted else max(1, self.total)
+
+    @property
+    def parts(self) -> int:
+        """Number of parts, 1 if there are none."""
+        return -(-self.total // self.items)
+
+    def range(self, number: int) -> tuple[int, int]:
+        """Items of a part: the first, and the one behind the last."""
+        return number * self.items, min(self.total, (number + 1) * self.items)
+
+    def whole(self, start: int, stop: int) -> int | None:
+        """The part that items ``start`` to ``stop`` are, all of it; None if they are none."""
+        number = start // self.items
+        return number if self.parted and (start, stop) == self.range(number) else None
+
+    def metadata(self, number: int) -> dict[bytes, bytes]:
+        """What a part says of itself."""
+        return part_metadata(number, self.parts, self.provenance)
 
 
 class Parted(NamedTuple):

@@ -1,15 +1,70 @@
-"""Where a result comes from: the spec as run, and what ran it. No clock time: the same work gives the same bytes."""
+"""Where a result comes from: the spec as run, and what ran it; the mark of it in tables, pages and pictures.
+
+It has no clock time: the same work gives the same bytes. A Parquet file says it in its metadata, a page or an SVG in a
+comment at its head, a PNG file in a text chunk.
+"""
 
 import hashlib
 import json
+import re
+import struct
 from pathlib import Path
 from typing import Any
 
 from hknob_cli.results.versions import computing_versions
 from hknob_cli.specs.plan import PERSON, Scene
 
+_MARK = re.compile(rb"<!-- hknob (?P<stage>[a-z-]+) (?P<name>[A-Za-z0-9._-]+) (?P<digest>[0-9a-f]{16}) -->")
+_HEAD = 300  # bytes
+
+KEYWORD = "Source"
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
 KEY = b"hknob.provenance"
 DESIGN = "design"  # the key of a grid that is no axis
+
+
+def mark(stage: str, name: str, stamp: bytes) -> str:
+    """The comment, for the results of a stage with the provenance ``stamp``."""
+    return f"<!-- hknob {stage} {name} {hashlib.sha256(stamp).hexdigest()[:16]} -->\n"
+
+
+def marked_origin(path: Path) -> tuple[str, str] | None:
+    """Stage and name that a text file was written for; None if it is not one of ours. Raises `OSError`."""
+    found = _found(path)
+    return (found["stage"].decode(), found["name"].decode()) if found else None
+
+
+def is_marked(path: Path, text: str) -> bool:
+    """Whether the file has exactly this mark. Raises `OSError`."""
+    found = _found(path)
+    return bool(found) and found[0].decode() == text.strip() if found else False
+
+
+def _found(path: Path) -> re.Match[bytes] | None:
+    with path.open("rb") as stream:
+        return _MARK.search(stream.read(_HEAD))
+
+
+def source_text(stage: str, name: str) -> str:
+    """What the text chunk of a picture says."""
+    return f"hknob {stage} {name}"
+
+
+def picture_origin(path: Path) -> tuple[str, str] | None:
+    """Stage and name a picture was drawn for; None if it is not one of ours. Raises `OSError`."""
+    with path.open("rb") as stream:
+        if stream.read(len(SIGNATURE)) != SIGNATURE:
+            return None
+        while len(head := stream.read(8)) == 8:
+            length, kind = struct.unpack(">I4s", head)
+            if kind in (b"IDAT", b"IEND") or length > 100_000:
+                return None
+            keyword, _, text = stream.read(length).partition(b"\0")
+            stream.read(4)
+            words = text.decode("latin-1").split(" ")
+            if kind == b"tEXt" and keyword == KEYWORD.encode() and words[0] == "hknob" and len(words) == 3:
+                return words[1], words[2]
+    return None
 
 
 def describe(

@@ -1,7 +1,12 @@
-"""Finished results by name: what figures are drawn from and claims are checked against."""
+"""Finished results by name, and their rows: what figures are drawn from and claims are checked against.
+
+Rows by what is asked of their columns: a value as printed, one of several, or bounds.
+
+A result in memory, which figures are drawn from as from one in a folder.
+"""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -9,14 +14,41 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
-from hknob_cli.results.campaign_cells import NEEDED, campaign_cells
+from hknob_cli.results.campaign_files import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
 from hknob_cli.results.provenance import DESIGN, axes_in, record_of
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, Scene
 
+Where = dict[str, Any]
+
+SAME = 5e-3  # texts round: 2154 Hz is 2154.43
+_BOUNDS: dict[str, Callable[[float, float], bool]] = {
+    "at_least": lambda value, bound: value >= bound * (1.0 - 1e-9),
+    "at_most": lambda value, bound: value <= bound * (1.0 + 1e-9),
+    "above": lambda value, bound: value > bound * (1.0 + 1e-9),
+    "below": lambda value, bound: value < bound * (1.0 - 1e-9),
+}
+
 Rows = list[dict[str, Any]]
 CAMPAIGN = "hw-run"
+
+
+def matching(rows: list[dict[str, Any]], asked: Where) -> list[dict[str, Any]]:
+    """Those of the rows that have what is asked. Raises `UsageError` for an unknown bound."""
+    return [row for row in rows if all(_is(row[name], value) for name, value in asked.items())]
+
+
+def _is(value: Any, asked: Any) -> bool:
+    if isinstance(asked, list):
+        return any(_is(value, one) for one in asked)
+    if isinstance(asked, dict):
+        if unknown := sorted(set(asked) - set(_BOUNDS)):
+            raise UsageError(f"where: unknown {', '.join(unknown)}; there are {', '.join(_BOUNDS)}")
+        return value is not None and all(_BOUNDS[name](value, bound) for name, bound in asked.items())
+    if isinstance(asked, str | bool) or value is None:
+        return bool(value == asked)
+    return bool(abs(value - asked) <= SAME * abs(asked))
 
 
 class MissingError(UsageError):
@@ -189,3 +221,27 @@ class ResultSet:
     def names(self) -> tuple[str, ...]:
         """Names of the results that are there."""
         return tuple(name for name in self._results if name in self)
+
+
+class Held(Result):
+    """Tables of a stage, by file name without ``.parquet``, over these axes; ``spec``: what else of it figures read."""
+
+    def __init__(
+        self, name: str, stage: str, tables: dict[str, pa.Table], axes: list[str], spec: dict[str, Any] | None = None
+    ) -> None:
+        """``name`` is what the figures call it."""
+        super().__init__(name, Path())
+        self._tables = {f"{file}.parquet": table for file, table in tables.items()}
+        self.files = tuple(sorted(self._tables))
+        self.provenance = {"stage": stage, "spec": {"grid": dict.fromkeys(axes), **(spec or {})}}
+
+    def _schema(self, file: str) -> pa.Schema:
+        return self._tables[file].schema if file in self._tables else super()._schema(file)
+
+
+class One(ResultSet):
+    """One result that is at hand."""
+
+    def __init__(self, result: Result) -> None:
+        """The set of this alone."""
+        self._results = {result.name: result}

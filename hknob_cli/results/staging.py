@@ -13,7 +13,7 @@ from pathlib import Path
 from struct import Struct
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.place import create, make_folder
+from hknob_cli.results.files import create, make_folder
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")

@@ -7,9 +7,8 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
+from hknob_cli.results.files import create, make_folder
 from hknob_cli.results.folder import of_another
-from hknob_cli.results.layout import write_table
-from hknob_cli.results.marked import is_marked, marked_origin
 from hknob_cli.results.parted import (
     Parted,
     aside,
@@ -19,10 +18,9 @@ from hknob_cli.results.parted import (
     read_parted,
     read_result,
     set_aside,
+    write_table,
 )
-from hknob_cli.results.place import create, make_folder
-from hknob_cli.results.png import SIGNATURE, picture_origin
-from hknob_cli.results.provenance import KEY, origin
+from hknob_cli.results.provenance import KEY, SIGNATURE, is_marked, marked_origin, origin, picture_origin
 from hknob_cli.specs.parquet import NotTextError, schema_of
 
 LOCK = ".hknob.lock"

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Held, PositiveAngle, PositiveSeconds, SignedDamping
+from hknob_cli.specs.quantity import Bounds, PositiveAngle, PositiveSeconds, SignedDamping
 
 
 class Kind(NamedTuple):
@@ -44,11 +44,11 @@ def _by_kind(schema: dict[str, Any]) -> None:
     ]
 
 
-_Share = Annotated[float, Held(strict=True, gt=0, le=1, allow_inf_nan=False)]
-_UpTo100 = Annotated[float, Held(strict=True, gt=0, le=100, allow_inf_nan=False)]
-_Degrees = Annotated[float, Held(strict=True, gt=0, le=360, allow_inf_nan=False)]
-_Readings = Annotated[int, Held(strict=True, ge=1, le=1000)]
-_Flag = Annotated[bool, Held(strict=True)]
+_Share = Annotated[float, Bounds(strict=True, gt=0, le=1, allow_inf_nan=False)]
+_UpTo100 = Annotated[float, Bounds(strict=True, gt=0, le=100, allow_inf_nan=False)]
+_Degrees = Annotated[float, Bounds(strict=True, gt=0, le=360, allow_inf_nan=False)]
+_Readings = Annotated[int, Bounds(strict=True, ge=1, le=1000)]
+_Flag = Annotated[bool, Bounds(strict=True)]
 
 
 @declared(schema=_by_kind)

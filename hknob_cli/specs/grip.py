@@ -13,7 +13,7 @@ Grip = Annotated[float, Quantity("N")]
 
 def printed_grips() -> list[float]:
     """Grip forces (N) of Tables 1-5, which are the same in each."""
-    from hknob_cli.printed.hands import grasps
+    from hknob_cli.printed.tables import grasps
 
     return [grasp.grip_n for grasp in grasps(1)]
 

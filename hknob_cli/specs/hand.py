@@ -95,7 +95,7 @@ class HandSpec(Part):
         if self.from_ is not None:
             return self._identified
         if self.table is not None and self.grip_n is not None:
-            from hknob_cli.printed.hands import grasps
+            from hknob_cli.printed.tables import grasps
 
             by_grip = tuple((grasp.grip_n, plan.Hand(*grasp[1:])) for grasp in grasps(self.table))
             return plan.gripped(plan.Hand(by_grip=by_grip), self.grip_n)

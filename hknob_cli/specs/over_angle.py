@@ -8,11 +8,11 @@ from math import isclose, pi
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Angle, Held, PositiveAngle, SignedTorque, Stiffness, Torque, Width
+from hknob_cli.specs.quantity import Angle, Bounds, PositiveAngle, SignedTorque, Stiffness, Torque, Width
 
 OVER_ANGLE = ("profile", "detents", "end_stops", "dead_zone")  # the keys of a scene
 
-_Number = Annotated[int, Held(strict=True, ge=1, le=10**9)]
+_Number = Annotated[int, Bounds(strict=True, ge=1, le=10**9)]
 
 
 def ways_round(span: float) -> tuple[int, int] | None:
@@ -33,7 +33,7 @@ class Profile(NamedTuple):
     interpolation: Annotated[
         Literal["linear", "stepped"], "between points; stepped: a torque holds from its angle up to the next"
     ] = "linear"
-    periodic: Annotated[bool, Held(strict=True), "whether it repeats; then the last torque is the first"] = False
+    periodic: Annotated[bool, Bounds(strict=True), "whether it repeats; then the last torque is the first"] = False
 
     def wrong(self) -> str:
         """What is wrong with the points; empty if nothing is."""

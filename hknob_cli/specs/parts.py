@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple
 from hknob_cli.specs.controller_plan import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
-from hknob_cli.specs.quantity import Damping, Held, Inertia, Seconds, Stiffness, Torque
+from hknob_cli.specs.quantity import Bounds, Damping, Inertia, Seconds, Stiffness, Torque
 
 
 @declared()
@@ -54,7 +54,7 @@ class Encoder(NamedTuple):
     ] = "floor"
     offset_counts: Annotated[
         float,
-        Held(strict=True, ge=0, lt=1, allow_inf_nan=False),
+        Bounds(strict=True, ge=0, lt=1, allow_inf_nan=False),
         "encoder edges lie this part of a count above the wall's edge and its multiples",
     ] = 0.0
 
@@ -64,7 +64,7 @@ class Actuator(NamedTuple):
     """From command to torque."""
 
     delay_samples: Annotated[
-        float, Held(strict=True, ge=0, le=1000, allow_inf_nan=False), "transport delay in sample periods"
+        float, Bounds(strict=True, ge=0, le=1000, allow_inf_nan=False), "transport delay in sample periods"
     ] = 0.0
     time_constant: Annotated[Seconds, "of the lag from command to torque, first order"] = 0.0
     torque_limit: Annotated[Torque | None, "saturation of the torque; null: none"] = None

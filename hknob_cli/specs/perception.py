@@ -3,7 +3,7 @@
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import WHOLE, Held, KnobRadius, SoundGain
+from hknob_cli.specs.quantity import WHOLE, Bounds, KnobRadius, SoundGain
 
 
 @declared()
@@ -38,7 +38,7 @@ class Perceive(NamedTuple):
         SoundGain | None, "sound pressure at the ear per speed of the knob, as measured; null: relative levels"
     ] = None
     extrapolate: Annotated[
-        bool, Held(strict=True), "go on outside the published ranges; where false, there is no value"
+        bool, Bounds(strict=True), "go on outside the published ranges; where false, there is no value"
     ] = False
     others: tuple[str, ...] = ()  # sets of thresholds of touch by which each cycle is judged as well
 

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema
 
 
-class Held:
-    """Annotation of a value: what it is held to, by the keywords of pydantic's ``Field``."""
+class Bounds:
+    """Annotation of a value: its bounds, by the keywords of pydantic's ``Field``."""
 
     __is_annotated_types_grouped_metadata__ = True  # pydantic takes what `__iter__` gives in place of this
 
@@ -95,7 +95,7 @@ class NotSweepable:
     """Annotation of a number that no grid varies."""
 
 
-class Quantity(Held):
+class Quantity(Bounds):
     """Annotation of a float field: its SI unit, and bounds. A string may have another unit of its kind."""
 
     def __init__(self, unit: str, **bounds: Any) -> None:
@@ -136,4 +136,4 @@ Minutes = Annotated[float, Quantity("s", gt=0, le=900)]
 SomeSeconds = Annotated[float, Quantity("s", ge=0, le=60)]
 AngleNoise = Annotated[float, Quantity("rad", ge=0, le=0.1)]
 TimeNoise = Annotated[float, Quantity("s", ge=0, le=0.1)]
-Share = Annotated[float, Held(strict=True, ge=0, le=0.5)]
+Share = Annotated[float, Bounds(strict=True, ge=0, le=0.5)]

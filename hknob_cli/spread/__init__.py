@@ -1,7 +1,7 @@
 """Work spread over processes and machines: runs of numbered items, whose results come back in any order.
 
-- `ranges` what is left, `pace` how much to hand out at once, `gather` handing out and taking in
-- `processes` of this machine and the `memory` they keep, `cluster` of Dask
+- `gather` what is left, how much to hand out at once, and taking in
+- `processes` of this machine and the memory they keep, `cluster` of Dask
 
 A piece, then a part. A long sweep is cut into pieces of consecutive cells, by what the last pieces cost. Who computes
 them (`concurrent.futures`: processes, or Dask) knows a function of two numbers, and returns bytes: the files of the

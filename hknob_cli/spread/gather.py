@@ -1,14 +1,23 @@
-"""Handing out pieces of work, and taking in their results, until nothing is left; lost workers cost time only."""
+"""Handing out pieces of work, ranges of numbered items, and taking in their results until nothing is left.
+
+How many items to hand out at once: by what the last ones took.
+
+What is left to do of numbered items: ranges, from which work is cut in order.
+"""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from typing import Protocol
+from math import ceil
+from typing import NamedTuple, Protocol
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.spread.pace import Pace
 from hknob_cli.spread.processes import Done
-from hknob_cli.spread.ranges import Range, Ranges
+
+SECONDS = 6.0  # that a piece of work should take: long beside its handing over, short beside the whole
+SHORTEST = 0.05  # s that its last pieces should take: beside that, what it costs to hand one over is still little
+MOST = 65_536  # items in a piece, which bounds the memory that it takes
+GROWTH = 4.0  # from one piece to the next, at most
 
 DEATHS = 8  # of the worker that has an item, after which it is given up
 # Of them, after which it is done with nothing beside it: it has all the memory then, and no other piece is blamed that
@@ -16,6 +25,94 @@ DEATHS = 8  # of the worker that has an item, after which it is given up
 SUSPECT = 2
 _SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
+
+
+class Pace:
+    """Sizes of pieces by measured cost."""
+
+    def __init__(self, *, first: int = 8, most: int = MOST) -> None:
+        self._size = float(first)
+        self._most = most
+        self._least = 0  # items that take the shortest time at the slowest rate so far, once a piece tells
+
+    def learn(self, items: int, seconds: float) -> None:
+        """A piece of so many items took so long."""
+        rate = items / max(seconds, 1e-6)
+        self._size = min(max(1.0, rate * SECONDS), GROWTH * max(self._size, 1.0), float(self._most))
+        if seconds >= SHORTEST:
+            least = max(1, int(rate * SHORTEST))
+            self._least = min(self._least or least, least)
+
+    def size(self, left: int, workers: int) -> int:
+        """Items for the next piece: fewer towards the end, so that all workers end together."""
+        return max(1, min(int(self._size), max(self._least, ceil(left / (2 * workers)))))
+
+
+class Range(NamedTuple):
+    """Items ``start`` to ``stop``; ``deaths``: how often the worker that had them was lost."""
+
+    start: int
+    stop: int
+    deaths: int = 0
+
+    @property
+    def items(self) -> int:
+        """How many they are."""
+        return self.stop - self.start
+
+
+class Ranges:
+    """Ranges in order; no piece cut from them crosses a multiple of ``part``, and cuts are at multiples of ``unit``."""
+
+    def __init__(
+        self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None, unit: int = 1
+    ) -> None:
+        """All of ``total`` items but those that are ``done``."""
+        self.part = part or max(1, total)
+        self.unit = unit
+        self._left: list[Range] = []  # the lowest last
+        begin = 0
+        for start, stop in [*sorted(done), (total, total)]:
+            if start > begin:
+                self._left.append(Range(begin, start))
+            begin = max(begin, stop)
+        self._left.reverse()
+
+    def __len__(self) -> int:
+        """Number of items left."""
+        return sum(one.items for one in self._left)
+
+    @property
+    def deaths(self) -> int:
+        """How often workers that had the lowest items were lost; 0 if none are left."""
+        return self._left[-1].deaths if self._left else 0
+
+    def take(self, most: int) -> Range:
+        """The lowest items, at most ``most`` of them, or twice as many where that leaves none of a part.
+
+        Raises `IndexError` if none are left.
+        """
+        first = self._left.pop()
+        stop = min(first.stop, (first.start // self.part + 1) * self.part)
+        if 2 * most < stop - first.start:
+            stop = min(stop, (first.start // self.unit + max(1, most // self.unit)) * self.unit)
+        if stop < first.stop:
+            self._left.append(first._replace(start=stop))
+        return first._replace(stop=stop)
+
+    def put_back(self, gone: Iterable[Range]) -> None:
+        """Items that nobody is at any more, for no fault of theirs."""
+        self._left += gone
+        self._left.sort(reverse=True)
+
+    def give_back(self, lost: Iterable[Range]) -> None:
+        """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""
+        for one in lost:
+            units = -(-one.items // self.unit)
+            middle = min(one.stop, one.start + (units + 1) // 2 * self.unit)
+            halves = [Range(one.start, middle, one.deaths + 1), Range(middle, one.stop, one.deaths + 1)]
+            self._left += [half for half in halves if half.items]
+        self._left.sort(reverse=True)
 
 
 class Workers(Protocol):

@@ -6,7 +6,7 @@
   pitch of a cell
 
 A stage is a row of `stage_table.py`, a model in `specs/` and a folder here (of `report` the folder is `page/`). In
-every folder `work` has the stage's parts; `run`, `columns` and `text` are there where a stage has a computation, tables
+every folder `work` has the stage's parts; `run` and `text` are there where a stage has a computation with its columns,
 and words of its own. Words of bench, design, dfa and hw-run that others use, too, are in `report/`.
 Measured and recorded results are sources: a pipeline's stage with a `folder` is never run.
 """

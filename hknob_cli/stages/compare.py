@@ -14,7 +14,7 @@ import pyarrow as pa
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.results.digest import digest as file_digest
+from hknob_cli.results.files import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.specs.cells import Cells

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.specs.parts import Origin
-from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import Hand
+from hknob_cli.stages.job import Job
+from hknob_cli.stages.work import Work
 
 
 def _measured(plan: Any) -> Iterator[tuple[Hand, Origin]]:
@@ -51,19 +52,21 @@ def hand_notes(plan: Any) -> tuple[str, ...]:
     return tuple(dict.fromkeys(text for _, origin in _measured(plan) for text in origin.notes))
 
 
-def threshold_inputs(how: Perceive | None) -> dict[str, str]:
-    """Digest of the published thresholds by name; none where no levels are asked for."""
-    if how is None:
-        return {}
-    from hknob_cli.perception.published import data_digest
+class PerceivingWork(Work):
+    """Work that depends on the published thresholds, where levels above them are asked for."""
 
-    return {"perception_sha256": data_digest()}
+    def inputs(self, job: Job) -> dict[str, str]:
+        """Digest of the thresholds by name."""
+        if job.plan.perceive is None:
+            return {}
+        from hknob_cli.perception.published import data_digest
 
+        return {"perception_sha256": data_digest()}
 
-def threshold_files(how: Perceive | None) -> tuple[Path, ...]:
-    """Files of the published thresholds; none where no levels are asked for."""
-    if how is None:
-        return ()
-    from hknob_cli.perception.published import data_files
+    def input_files(self, job: Job) -> tuple[Path, ...]:
+        """The files of those thresholds, too."""
+        if job.plan.perceive is None:
+            return super().input_files(job)
+        from hknob_cli.perception.published import data_files
 
-    return data_files()
+        return (*super().input_files(job), *data_files())

@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 from hknob_cli.errors import MISSHAPEN, ComputationError
 from hknob_cli.results import provenance, store
 from hknob_cli.results.changes import Change, changes, in_a_line, record_at
+from hknob_cli.results.files import make_folder
 from hknob_cli.results.folder import refuse_mixed
-from hknob_cli.results.marked import mark
-from hknob_cli.results.place import make_folder
+from hknob_cli.results.provenance import mark
 from hknob_cli.specs.usual import unusual
 from hknob_cli.stages.input_files import hand_inputs, hand_notes
 from hknob_cli.stages.job import Job

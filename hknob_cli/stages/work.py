@@ -6,7 +6,7 @@ from typing import Any
 from hknob_cli.results import provenance
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.stages.job import Job
-from hknob_cli.terminal.console import say
+from hknob_cli.terminal import say
 
 Tables = tuple[Any, ...]  # of pa.Table, or results.parted.Parted
 

@@ -1,7 +1,7 @@
 """Theory beside simulation: describing functions, exact relay cycles, closed laws, stability limits.
 
-- `relay` describing functions and Tsypkin's locus
+- `relay` describing functions, Tsypkin's locus and the Nyquist picture
 - `sampled_relay` exact cycles
-- `laws`, `working_edge`, `passivity`
+- `laws` at the working edge, `passivity`
 - `bounded_lag` its domain and rule
 """

@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from math import ceil, floor, inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
-from hknob_cli.theory.working_edge import WorkingEdge
+from hknob_cli.theory.laws import WorkingEdge
 
 MOST_COUNTS = 2.0**53  # more is no finite need
 _ROUNDED = 1.0 - 1e-12  # whole numbers that rounding exceeds are themselves

@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from hknob_cli.apparatus.experiment import record_experiments, truths
-from hknob_cli.apparatus.hand_recording import record_trial, squeeze
+from hknob_cli.apparatus.hand_recording import Pulse, peak_per_torque, record_trial, scaled_pulse, squeeze
 from hknob_cli.apparatus.people import EXPERIMENTS, Variation, grips, mean_hand
-from hknob_cli.apparatus.pulse import Pulse, peak_per_torque, scaled_pulse
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
-from hknob_cli.printed.hands import apparatus_inertia
+from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.recordings.trial import Key, Trial
 from tests.apparatus.reference import pulse_response
 

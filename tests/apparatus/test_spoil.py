@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus import spoil
 from hknob_cli.apparatus.experiment import record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.trial import Trial
+from tests.apparatus import spoil
 
 COLUMNS = ("time_s", "torque_nm", "angle_rad", "grip_n", "measured_torque_nm")
 CHANGED = {

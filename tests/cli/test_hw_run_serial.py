@@ -15,7 +15,7 @@ import pytest
 
 from hknob_cli.hardware.journal import read_journal
 from hknob_cli.hardware.order import trials_of
-from hknob_cli.hardware.samples import joined
+from hknob_cli.hardware.trial_file import joined
 from hknob_cli.hardware.wire.codes import Kind
 from tests.conftest import HKNOB
 from tests.hardware.campaigns import SPEC as VIRTUAL

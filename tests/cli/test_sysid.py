@@ -7,12 +7,12 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.apparatus import spoil
 from hknob_cli.apparatus.experiment import record_experiments, truths
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.figures.sysid_picture import draw_hands
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import write_csv
+from tests.apparatus import spoil
 from tests.conftest import SPEC
 
 VIRTUAL = """\

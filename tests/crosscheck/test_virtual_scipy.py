@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.port import Settings
-from hknob_cli.hardware.simulated import Simulated, Sine
+from hknob_cli.hardware.port import Settings, Simulated, Sine
 from tests.hardware.trials import FRICTION, HAND, settings, virtual_trial
 
 NATIVE = 2**17 * 5

@@ -113,11 +113,11 @@ def run(job: Any, said: Path, steps: Steps | None = None) -> int:
     """Run a job in a copy of this process; its exit code, negative for a signal. What it says is in ``said``."""
     child = os.fork()
     if child == 0:
+        from hknob_cli import terminal
         from hknob_cli.cli.stage_run import run_stage
-        from hknob_cli.terminal import console
 
-        signal.signal(signal.SIGINT, console.interrupt)
-        signal.signal(signal.SIGTERM, console.interrupt)
+        signal.signal(signal.SIGINT, terminal.interrupt)
+        signal.signal(signal.SIGTERM, terminal.interrupt)
         stream = os.open(said, os.O_WRONLY | os.O_CREAT | os.O_TRUNC)
         os.dup2(stream, 1)
         os.dup2(stream, 2)
@@ -126,7 +126,7 @@ def run(job: Any, said: Path, steps: Steps | None = None) -> int:
             steps.watch()
         code = 0
         try:
-            with console.reporting():
+            with terminal.reporting():
                 run_stage(job)
         except SystemExit as leaving:
             code = int(leaving.code or 0)

@@ -4,13 +4,13 @@ import os
 import signal
 import time
 
-from hknob_cli.stages.sweep import piece
+from hknob_cli.stages.sweep import assembly
 
 SECONDS = 0.1
 DEADLY = int(os.environ.get("HKNOB_TEST_DEADLY", -1))  # a cell that kills its worker
 
 
-def slow(plain=piece.find_piece):
+def slow(plain=assembly.find_piece):
     """`find_piece`, taking its time."""
 
     def find_piece(stage, start, stop):
@@ -22,5 +22,5 @@ def slow(plain=piece.find_piece):
     return find_piece
 
 
-if piece.find_piece.__module__ == piece.__name__:  # a worker loads this more than once
-    piece.find_piece = slow()
+if assembly.find_piece.__module__ == assembly.__name__:  # a worker loads this more than once
+    assembly.find_piece = slow()

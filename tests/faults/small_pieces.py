@@ -17,11 +17,11 @@ def shrink(part: int = PART, most: int = MOST) -> None:
     from hknob_cli.results import parted
 
     parted.PART_CELLS = part
-    from hknob_cli.spread import pace
+    from hknob_cli.spread import gather
     from hknob_cli.stages.sweep import run as sweep
 
-    pace.MOST = most
-    pace.Pace.__init__.__kwdefaults__.update(first=most, most=most)
+    gather.MOST = most
+    gather.Pace.__init__.__kwdefaults__.update(first=most, most=most)
     sweep.SPREAD_ABOVE = 0
 
 

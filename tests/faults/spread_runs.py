@@ -46,7 +46,9 @@ def start(spec: Path, out: Path, *args: object, fault: str = "", **env: str) -> 
 
 
 # What a slow machine, or one that has not compiled the engine yet, says besides.
-PASSING = re.compile(r"^(compiling( the engine for this machine)?: .*|compiled \d+ .*|\d+ of \d+ cells(, .* left)?)\n", re.M)
+PASSING = re.compile(
+    r"^(compiling( the engine for this machine)?: .*|compiled \d+ .*|\d+ of \d+ cells(, .* left)?)\n", re.MULTILINE
+)
 
 
 def finish(process: subprocess.Popen[str], timeout: float = 300) -> tuple[int, str]:

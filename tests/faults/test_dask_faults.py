@@ -13,8 +13,7 @@ import pytest
 
 from hknob_cli import __version__
 from hknob_cli.spread.cluster import Cluster
-from hknob_cli.spread.gather import gather
-from hknob_cli.spread.ranges import Ranges
+from hknob_cli.spread.gather import Ranges, gather
 from tests.faults.dask_cluster import ROOT, LocalCluster
 from tests.faults.proxy import Proxy
 from tests.faults.spread_runs import IMPATIENT, SWEEP, finish, left, pieces, run, start, wait_until

@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.errors import MOST_FAULTS, SpecError, UsageError
 from hknob_cli.recordings.calibration import read_columns
 from hknob_cli.recordings.files import NotReadableError, RecordingFile
-from hknob_cli.results.digest import digest
+from hknob_cli.results.files import digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.specs import size_limit
 from hknob_cli.specs.source import parse, read

@@ -19,7 +19,7 @@ import pytest
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.serial_device import SerialDevice
-from hknob_cli.hardware.wire import opening
+from hknob_cli.hardware.wire import pump
 from hknob_cli.hardware.wire.codes import Kind, State, Trip
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, frame
@@ -374,7 +374,7 @@ def test_a_port_without_permission_is_told(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(serial, "serial_for_url", refuse)
     with pytest.raises(DeviceError, match=r"no permission to open this port .* dialout"):
-        opening.open_port("/dev/ttyACM0", baud=9600)
+        pump.open_port("/dev/ttyACM0", baud=9600)
 
 
 def test_opening_again_after_a_fault_works() -> None:

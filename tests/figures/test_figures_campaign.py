@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from hknob_cli.figures import draw, theme
-from hknob_cli.figures.campaign_samples import one_trial
+from hknob_cli.figures.campaign import one_trial
 from hknob_cli.page.defaults import chapters_of, sentences_of
 from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import EXPERIMENTS, HKNOB

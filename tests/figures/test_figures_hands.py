@@ -9,7 +9,7 @@ import pytest
 
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.identification import plan_of, plant_of, pulsed, rows_of
-from hknob_cli.figures.refit import modelled
+from hknob_cli.figures.pulses import modelled
 from hknob_cli.identify.second_order import respond
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from hknob_cli.errors import ComputationError
 from hknob_cli.figures import theme
 from hknob_cli.figures.sheet import save
-from hknob_cli.results.png import picture_origin
+from hknob_cli.results.provenance import picture_origin
 
 
 def crowded() -> Figure:

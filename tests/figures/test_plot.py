@@ -8,7 +8,7 @@ from matplotlib.image import imread
 
 from hknob_cli.figures import DRAWINGS, drawing_of
 from hknob_cli.figures.plot import draw_hidden, draw_scene, draw_trial
-from hknob_cli.results.png import picture_origin
+from hknob_cli.results.provenance import picture_origin
 
 
 def hidden(ratio: float, inertia: float) -> dict[str, Any]:

@@ -95,7 +95,7 @@ def _run(arguments: list[str]) -> int:
     """The command's exit code; a job goes through a pickle, as from the process that parses to the one that works."""
     from hknob_cli.cli import stages
     from hknob_cli.cli.stage_run import run_stage
-    from hknob_cli.terminal.console import reporting
+    from hknob_cli.terminal import reporting
 
     def submit(job: Any) -> None:
         run_stage(pickle.loads(pickle.dumps(job)))

@@ -6,8 +6,7 @@ from pathlib import Path
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
-from hknob_cli.hardware.port import Block, Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.load import validate

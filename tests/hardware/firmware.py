@@ -12,9 +12,8 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.build_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
-from hknob_cli.hardware.port import Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Settings, Simulated
+from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Plain

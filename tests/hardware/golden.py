@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings
-from hknob_cli.hardware.simulated import Simulated, Sine
+from hknob_cli.hardware.port import Block, Settings, Simulated, Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero

@@ -13,13 +13,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
-from hknob_cli.hardware import build_target as building
-from hknob_cli.hardware import run_target as running
-from hknob_cli.hardware.build_target import SOURCES, Target, build_target, compiler
-from hknob_cli.hardware.port import Block, Device, Settings
-from hknob_cli.hardware.run_target import QEMU, run_target
+from hknob_cli.hardware import reference_target
+from hknob_cli.hardware.port import Block, Device, Settings, Simulated, Sine
+from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
-from hknob_cli.hardware.simulated import Simulated, Sine
 from hknob_cli.hardware.virtual import VirtualDevice
 from hknob_cli.hardware.wire.answers import Ack, Event
 from hknob_cli.hardware.wire.codes import Kind, Status, Trip
@@ -182,7 +179,7 @@ def test_it_ends_with_a_killed_parent(target: Target, built: Path) -> None:
     need(target)
     build_target(target, built)
     code = (
-        "import sys, time\nfrom pathlib import Path\nfrom hknob_cli.hardware.run_target import run_target\n"
+        "import sys, time\nfrom pathlib import Path\nfrom hknob_cli.hardware.reference_target import run_target\n"
         f"with run_target({target!r}, Path({os.fspath(built)!r})) as path:\n"
         "    children = Path('/proc/self/task/' + str(__import__('os').getpid()) + '/children').read_text()\n"
         "    print(children, flush=True)\n    time.sleep(60)\n"
@@ -210,7 +207,7 @@ def test_it_is_built_once_and_again_when_the_sources_change(tmp_path: Path, monk
     copy = tmp_path / "firmware"
     shutil.copytree(SOURCES, copy)
     (copy / "board_host.c").write_text((copy / "board_host.c").read_text().replace('"hknob host"', '"another"'))
-    monkeypatch.setattr(building, "SOURCES", copy)
+    monkeypatch.setattr(reference_target, "SOURCES", copy)
     other = build_target("host", tmp_path)
     assert other != first
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["firmware", first.name, other.name])
@@ -219,23 +216,23 @@ def test_it_is_built_once_and_again_when_the_sources_change(tmp_path: Path, monk
 @pytest.mark.parametrize("target", TARGETS)
 def test_no_warnings(target: Target, tmp_path: Path) -> None:
     need(target)
-    command = [*compiler(target), "-Werror", *building.options(target), "-o", os.fspath(tmp_path / "target")]
-    done = subprocess.run([*command, *building.libraries(target)], cwd=SOURCES, capture_output=True, text=True)
+    command = [*compiler(target), "-Werror", *reference_target.options(target), "-o", os.fspath(tmp_path / "target")]
+    done = subprocess.run([*command, *reference_target.libraries(target)], cwd=SOURCES, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_all_targets_are_built_or_what_they_need_is_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(building, "build_target", lambda target, folder: folder / target)
+    monkeypatch.setattr(reference_target, "build_target", lambda target, folder: folder / target)
     with pytest.raises(SystemExit, match="False"):
-        building.main(os.fspath(tmp_path))
+        reference_target.main(os.fspath(tmp_path))
     assert capsys.readouterr().out == f"host: {tmp_path}/host\nqemu: {tmp_path}/qemu\n"
     monkeypatch.undo()
     monkeypatch.setenv("PATH", os.fspath(tmp_path))
     monkeypatch.delenv("CC", raising=False)
     with pytest.raises(SystemExit, match="True"):
-        building.main(os.fspath(tmp_path))
+        reference_target.main(os.fspath(tmp_path))
     assert "apt install gcc" in capsys.readouterr().err
 
 
@@ -261,7 +258,7 @@ def test_a_failing_compiler_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
     copy = tmp_path / "firmware"
     shutil.copytree(SOURCES, copy)
     (copy / "wall.c").write_text("int wall(void) { return later; }\n")
-    monkeypatch.setattr(building, "SOURCES", copy)
+    monkeypatch.setattr(reference_target, "SOURCES", copy)
     with pytest.raises(DeviceError, match=r"cannot be built by .*: wall.c:1:.*error"):
         build_target("host", tmp_path / "out")
     assert list((tmp_path / "out").iterdir()) == []
@@ -272,26 +269,26 @@ def test_a_failing_compiler_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
 
 def test_a_target_that_does_not_start_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     script = tmp_path / "target"
-    monkeypatch.setattr(running, "build_target", lambda target, folder: script)
+    monkeypatch.setattr(reference_target, "build_target", lambda target, folder: script)
     for text, message in [("exit 3", "it ended with 3"), ("echo no terminal >&2; exit 1", "no terminal")]:
         script.write_text(f"#!/bin/sh\n{text}\n")
         script.chmod(0o755)
         with pytest.raises(DeviceError, match=f"the target 'host' did not start: {message}"):
-            running.run_target("host", tmp_path).__enter__()
+            reference_target.run_target("host", tmp_path).__enter__()
     script.chmod(0o644)
     with pytest.raises(DeviceError, match="cannot be run: Permission denied"):
-        running.run_target("host", tmp_path).__enter__()
+        reference_target.run_target("host", tmp_path).__enter__()
 
 
 def test_qemu_with_no_firmware_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     need("qemu")
-    monkeypatch.setattr(running, "build_target", lambda target, folder: tmp_path / "gone")
+    monkeypatch.setattr(reference_target, "build_target", lambda target, folder: tmp_path / "gone")
     with pytest.raises(DeviceError, match=r"the target 'qemu' did not start: .*gone"):
-        running.run_target("qemu", tmp_path).__enter__()
+        reference_target.run_target("qemu", tmp_path).__enter__()
     (tmp_path / "gone").write_bytes(bytes(64))
-    monkeypatch.setattr(running, "READY_WITHIN_S", 0.5)
+    monkeypatch.setattr(reference_target, "READY_WITHIN_S", 0.5)
     with pytest.raises(DeviceError, match=r"the target 'qemu' did not start: "):
-        running.run_target("qemu", tmp_path).__enter__()
+        reference_target.run_target("qemu", tmp_path).__enter__()
 
 
 def test_the_wheel_has_the_sources() -> None:

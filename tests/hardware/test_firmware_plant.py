@@ -13,7 +13,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from hknob_cli.hardware.simulated import Simulated, Sine
+from hknob_cli.hardware.port import Simulated, Sine
 from tests.hardware.firmware import CSimulated, library
 
 TOLERANCE = 1e-12

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.hardware.simulated import Sine
+from hknob_cli.hardware.port import Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero

@@ -9,11 +9,9 @@ from scipy.interpolate import CubicSpline
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.port import Block
-from hknob_cli.measure.buzz import find_buzz
 from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.measure.principal_frequency import principal_frequency
-from hknob_cli.measure.swing import find_swing
-from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
+from hknob_cli.recordings.measured_cycle import TrialMeasures, find_buzz, find_swing, measure_trial
+from hknob_cli.recordings.spectrum import principal_frequency
 from tests.hardware.test_virtual_orbits import stage
 from tests.hardware.trials import ALIGNED, CELLS, FRICTION, HAND, settings, virtual_trial
 

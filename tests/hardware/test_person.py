@@ -16,8 +16,8 @@ from hknob_cli.hardware.person import (
     hold,
     printed_grips,
 )
-from hknob_cli.hardware.simulated import MOST_SINES
-from hknob_cli.printed.hands import grasps
+from hknob_cli.hardware.port import MOST_SINES
+from hknob_cli.printed.tables import grasps
 
 KNOB = Knob(1.9e-6)
 DRAWN = [hold(Person(), KNOB, seed=3, place=(1000, 256, i)) for i in range(1500)]

@@ -11,8 +11,7 @@ import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware.port import Block, Settings
-from hknob_cli.hardware.recorded_trials import FINEST, read_takes
-from hknob_cli.hardware.replay import ReplayDevice
+from hknob_cli.hardware.replay import FINEST, ReplayDevice, read_takes
 from hknob_cli.recordings.columns import KEYS, SAMPLES
 from hknob_cli.recordings.trial import Key, Trial
 from hknob_cli.recordings.write import table

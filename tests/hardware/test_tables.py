@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from hknob_cli.hardware.tables import campaign_tables, trial_row
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
-from hknob_cli.results.campaign_cells import campaign_cells
+from hknob_cli.results.campaign_files import campaign_cells
 from tests.hardware.campaigns import Faulty, campaign, planned
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.simulated import Sine
+from hknob_cli.hardware.port import Sine
 from hknob_cli.hardware.virtual import State, VirtualDevice
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 

@@ -3,8 +3,7 @@
 import numpy as np
 
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.port import Block, Device, Identity, Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Block, Device, Identity, Settings, Simulated
 from hknob_cli.hardware.virtual import VirtualDevice
 
 RATES, COUNTS = (455, 1000, 2000, 4000), (256, 512, 1024, 2048)

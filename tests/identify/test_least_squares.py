@@ -7,10 +7,10 @@ import pytest
 
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.bias_study import differentiated, pulsed
 from hknob_cli.identify.least_squares import FOLLOWS, inflation, least_squares, least_squares_friction
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.second_order import Plant, respond
+from hknob_cli.identify.studies import differentiated, pulsed
 from tests.identify.pulses import FIRM, LIGHT, motion, pulse
 
 

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.bias_study import bias_study
-from hknob_cli.identify.fourth_study import hidden_inertia
+from hknob_cli.identify.studies import bias_study, hidden_inertia
 
 MOTOR_INERTIA = 19.8e-7  # Appendix C
 

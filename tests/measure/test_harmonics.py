@@ -136,7 +136,7 @@ def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     from hknob_cli.controllers.cells import make_batch
     from hknob_cli.controllers.controller import make_control_law
     from hknob_cli.controllers.search import search
-    from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
+    from hknob_cli.measure.orbit import measure_settled, settled_harmonics
     from hknob_cli.specs.plan import Starts
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero
-from hknob_cli.measure.moments import hold_forms
+from hknob_cli.measure.forms import hold_forms
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import SPEC, loaded
 

@@ -10,9 +10,7 @@ import pytest
 from hknob_cli.errors import UsageError
 from hknob_cli.figures.what_matters import what_matters
 from hknob_cli.page.defaults import chapters_of, sentences_of
-from hknob_cli.results.layout import as_file
-from hknob_cli.results.parted import Parted, put_part
-from hknob_cli.results.parting import Parting
+from hknob_cli.results.parted import Parted, Parting, as_file, put_part
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write

@@ -6,13 +6,11 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.page.book import Chapter
-from hknob_cli.page.default_tables import tables_of
+from hknob_cli.page.defaults import tables_of
 from hknob_cli.page.layout import lay_out
 from hknob_cli.page.tables import CUT, WHOLE, table_of
 from hknob_cli.results.columns import CELLS
-from hknob_cli.results.layout import as_file
-from hknob_cli.results.parted import put_part
-from hknob_cli.results.parting import Parting
+from hknob_cli.results.parted import Parting, as_file, put_part
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.store import write

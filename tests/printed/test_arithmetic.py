@@ -10,8 +10,7 @@ from statistics import mean, stdev
 
 import pytest
 
-from hknob_cli.printed.hands import apparatus_inertia, grasps
-from hknob_cli.printed.tables import half_widths, table
+from hknob_cli.printed.tables import apparatus_inertia, grasps, half_widths, table
 
 QUANTITIES = {
     "inertia": "inertia_kg_m2",

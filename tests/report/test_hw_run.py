@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.figures.hw_run_picture import draw_hw_run
 from hknob_cli.printed.tables import table
 from hknob_cli.report.hw_run import cells_of, describe_hw_run, grip_table, hw_run_text, quiet_text
-from hknob_cli.results.campaign_cells import campaign_cells
+from hknob_cli.results.campaign_files import campaign_cells
 
 RATES = (455, 1000, 2000, 4000)
 

@@ -6,10 +6,10 @@ from typing import Any
 import pyarrow as pa
 import pytest
 
-from hknob_cli.figures import what_matters_picture
+from hknob_cli.figures import what_matters
 from hknob_cli.report.dfa import largest_cycles, nearest_cycles
-from hknob_cli.report.means import differs, mean_beside
 from hknob_cli.report.population import pitches, sizes
+from hknob_cli.results.means import differs, mean_beside
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
@@ -80,7 +80,7 @@ def test_of_several_cycles_of_a_method_one_a_cell() -> None:
 
 def test_what_matters_counts_a_cell_with_several_cycles_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     drawn: dict[str, Any] = {}
-    monkeypatch.setattr(what_matters_picture, "draw_matters", lambda series, *_, **__: drawn.update(series) or True)
+    monkeypatch.setattr(what_matters, "draw_matters", lambda series, *_, **__: drawn.update(series) or True)
     rows = [
         {"rate": float(rate), "method": "sampled", "orbit": orbit, "p2p_rad": size, "frequency_hz": 9.0, "in_domain": 1}
         for rate in (1, 2)
@@ -88,5 +88,5 @@ def test_what_matters_counts_a_cell_with_several_cycles_once(tmp_path: Path, mon
     ]
     table = pa.Table.from_pylist(rows)
     path = tmp_path / "a.png"
-    assert what_matters_picture.draw_by(table, "method", ["rate"], title="", path=path, stage="dfa", points=None)
+    assert what_matters.draw_by(table, "method", ["rate"], title="", path=path, stage="dfa", points=None)
     assert drawn["sampled"]["p2p_rad"].tolist() == [3.0, 3.0]

@@ -18,8 +18,7 @@ from hknob_cli.report.what_matters import (
     ranks,
     what_matters,
 )
-from hknob_cli.results.layout import as_file
-from hknob_cli.results.parted import part_metadata, put_part, read_parted
+from hknob_cli.results.parted import as_file, part_metadata, put_part, read_parted
 
 COUNT = 1024
 UNIT = qmc.Sobol(3, rng=1).random(COUNT)

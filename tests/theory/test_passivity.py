@@ -5,7 +5,7 @@ from math import inf, pi
 import pytest
 
 from hknob_cli.theory import passivity
-from hknob_cli.theory.working_edge import WorkingEdge
+from hknob_cli.theory.laws import WorkingEdge
 from tests.theory.test_laws import PLANTS, edge
 
 

@@ -30,7 +30,7 @@ struct sine {
     double amplitude, frequency_hz, phase;
 };
 
-/* Knob, hand and person, SI units; see hknob_cli/hardware/simulated.py. */
+/* Knob, hand and person, SI units; see hknob_cli/hardware/port.py. */
 struct simulated {
     double inertia, damping, stiffness, coulomb_nm, angle_rad, push_nm, grip_n, grip_rise_s, grip_offset_n;
     uint8_t push_count, grip_count;

@@ -1,4 +1,4 @@
-/* The simulated knob, hand and person of hknob_cli/hardware/simulated.py, exact from sample to sample. */
+/* The simulated knob, hand and person of hknob_cli/hardware/port.py, exact from sample to sample. */
 #ifndef PLANT_H
 #define PLANT_H
 

@@ -5,8 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import (
     ZERO,

@@ -3,8 +3,7 @@
 import struct
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import Settings
-from hknob_cli.hardware.simulated import MOST_SINES, Simulated, Sine
+from hknob_cli.hardware.port import MOST_SINES, Settings, Simulated, Sine
 from hknob_cli.hardware.wire.codes import Kind
 
 NONCE = struct.Struct("<I")

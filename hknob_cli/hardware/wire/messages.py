@@ -5,8 +5,7 @@ import struct
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings
-from hknob_cli.hardware.simulated import Simulated
+from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
 from hknob_cli.hardware.wire.codes import VERSION, Kind
 from hknob_cli.hardware.wire.commands import Command, Configure, Simulate, pack_command, unpack_command

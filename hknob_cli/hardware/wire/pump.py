@@ -1,16 +1,24 @@
-"""The thread between a session and its port: takes what comes, sends what is due, every few milliseconds."""
+"""A port: opened by its name or URL, and the thread between a session and it.
 
+Opening a port by its name or URL, with one clear line for each way it can fail.
+"""
+
+import errno
 import threading
 import time
 from typing import Any
 
+from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.wire.session import Session
+from hknob_cli.specs.campaign import url_fault
 
 # A read returns after this time with all that came, whatever kind of port it is: few system calls, ALIVE in time.
 READ_S = 0.0025
 MOST_READ_BYTES = 65536
 # A longer pause than this was this computer's (stopped, or too busy): time spent not listening is not silence.
 LONGEST_STEP_S = 0.05
+
+WRITE_S = 0.02
 
 
 class Pump:
@@ -65,3 +73,44 @@ class Pump:
                 self._port.write(data)
             except serial.SerialTimeoutException:
                 return  # nobody takes the bytes: commands are sent again, and silence is noticed
+
+
+def open_port(url: str, *, baud: int) -> Any:
+    """A port in raw mode, for this process alone, with nothing stale in it. Raises DeviceError."""
+    import serial
+
+    if wrong := url_fault(url):
+        raise DeviceError(f"{url}: {wrong}")
+    try:
+        port = serial.serial_for_url(url, baudrate=baud, timeout=READ_S, write_timeout=WRITE_S, exclusive=True)
+    except (serial.SerialException, OSError, ValueError) as error:
+        raise DeviceError(f"{url}: {_reason(error)}") from error
+    try:
+        port.reset_input_buffer()
+    except (serial.SerialException, OSError) as error:
+        port.close()
+        raise DeviceError(f"{url}: it was opened, but cannot be read: {error}") from error
+    return port
+
+
+def _reason(error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    text = str(error)
+    if number == errno.ENOENT or "FileNotFoundError" in text:
+        return f"there is no such port; {_seen()}"
+    if number == errno.EACCES or "PermissionError" in text:
+        return "no permission to open this port (on Linux, join the group that owns it, often dialout), or it is in use"
+    if number in (errno.EAGAIN, errno.EBUSY):
+        return "this port is in use by another program; close that first"
+    if isinstance(error, ValueError):
+        return f"this is not a port, nor a URL that pyserial knows: {text}"
+    if "Could not configure port" in text:
+        return f"this is not a serial port: {text}"
+    return f"this port cannot be opened: {text}"
+
+
+def _seen() -> str:
+    from serial.tools.list_ports import comports
+
+    ports = sorted(each.device for each in comports())
+    return f"this computer has {', '.join(ports)}" if ports else "this computer has no serial ports"

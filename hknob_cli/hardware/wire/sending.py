@@ -1,9 +1,30 @@
-"""A command under way: sent, sent again unchanged every 30 ms, given up after five times more."""
+"""A command under way: sent again until it is answered, what the target took of it, and the state it leaves it in.
 
-from hknob_cli.hardware.wire.codes import Kind
+A command under way: sent, sent again unchanged every 30 ms, given up after five times more.
+
+What was sent and what the target says it took, compared value by value, bit by bit.
+"""
+
+import struct
+from typing import Any
+
+from hknob_cli.hardware.port import Block, Settings, Simulated, Sine
+from hknob_cli.hardware.wire.answers import Ack, Samples
+from hknob_cli.hardware.wire.codes import Kind, State, Status
 
 AGAIN_AFTER_S = 0.03
 TIMES_AGAIN = 5
+
+# After these a target that did as it was told is in this state. One that trips meanwhile, armed or running, says so.
+_AFTER = {
+    Kind.CONFIGURE: (State.IDLE,),
+    Kind.SIMULATE: (State.IDLE,),
+    Kind.ZERO: (State.IDLE,),
+    Kind.ARM: (State.ARMED, State.TRIPPED),
+    Kind.START: (State.RUNNING, State.TRIPPED),
+    Kind.STOP: (State.IDLE,),
+    Kind.RELEASE: (State.IDLE,),
+}
 
 
 class Sending:
@@ -27,3 +48,72 @@ class Sending:
     def is_given_up(self, now: float) -> bool:
         """Whether the last sending has had its time too."""
         return self._sent > TIMES_AGAIN and now >= self._next
+
+
+def wrong_state(ack: Ack) -> str:
+    """What is wrong with the state in an answer; empty if nothing is."""
+    told = Kind(ack.of)
+    if ack.status is not Status.DONE or ack.state in _AFTER.get(told, tuple(State)):
+        return ""
+    wanted = _AFTER[told][0].name.lower()
+    return f"the target acknowledged {told.name}, but says that it is {ack.state.name.lower()}, and not {wanted}"
+
+
+def shows_torque(block: Block) -> bool:
+    """Whether any sample of a block has the wall on, or a torque."""
+    return bool(block.running.any() or (block.torque_nm != 0.0).any())
+
+
+class AfterRelease:
+    """What a target shows after it was told to release: ``seen`` is empty where nothing speaks against it."""
+
+    def __init__(self, *, boot: int | None) -> None:
+        self.seen = ""
+        self.acknowledged = False
+        self._boot = boot
+
+    def answer(self, ack: Ack) -> None:
+        """The answer to RELEASE."""
+        self._boot = ack.boot
+        if ack.status is not Status.DONE:
+            self.seen = f"the target refused RELEASE, and says that it is {ack.state.name.lower()}"
+        else:
+            self.seen = wrong_state(ack)
+        self.acknowledged = True
+
+    def samples(self, samples: Samples) -> None:
+        """A block that came; those from before the answer may have been under way."""
+        if self.acknowledged and not self.seen and samples.boot == self._boot and shows_torque(samples.samples):
+            what = "the wall on" if samples.samples.running.any() else "a torque"
+            self.seen = f"the target acknowledged RELEASE, but goes on sending samples with {what}"
+
+
+def differences(sent: Settings | Simulated, taken: object) -> list[str]:
+    """One text for each value that differs: its name, sent, taken."""
+    if type(taken) is not type(sent):
+        return ["the target did not say what it took"]
+    ours, theirs = _flat(sent), _flat(taken)
+    return [
+        f"{name} sent {_shown(ours.get(name))}, taken {_shown(theirs.get(name))}"
+        for name in sorted(ours.keys() | theirs.keys())
+        if _bits(ours.get(name)) != _bits(theirs.get(name))
+    ]
+
+
+def _flat(values: Any) -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in values._asdict().items():
+        if isinstance(value, tuple):
+            for index, sine in enumerate(value):
+                flat |= {f"{name}[{index}].{part}": getattr(sine, part) for part in Sine._fields}
+        else:
+            flat[name] = value
+    return flat
+
+
+def _bits(value: Any) -> bytes:
+    return b"" if value is None else struct.pack("<d", value)
+
+
+def _shown(value: Any) -> str:
+    return "nothing" if value is None else repr(value)

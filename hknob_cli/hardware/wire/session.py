@@ -7,18 +7,15 @@ from collections import deque
 from collections.abc import Callable
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.clock_drift import MOST_DRIFT
 from hknob_cli.hardware.port import Block
+from hknob_cli.hardware.sample_clock import MOST_DRIFT
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
-from hknob_cli.hardware.wire.block_order import BlockOrder
+from hknob_cli.hardware.wire.block_order import BlockOrder, HostClock
 from hknob_cli.hardware.wire.codes import TRIP_TEXT, VERSION, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Again, Alive, Command, Plain
-from hknob_cli.hardware.wire.frame import Decoder, frame
-from hknob_cli.hardware.wire.host_clock import HostClock
+from hknob_cli.hardware.wire.frame import Decoder, Unread, frame, unread_of
 from hknob_cli.hardware.wire.messages import decode, encode, not_a_number
-from hknob_cli.hardware.wire.sending import Sending
-from hknob_cli.hardware.wire.torque_off import AfterRelease, shows_torque, wrong_state
-from hknob_cli.hardware.wire.unread import Unread, unread_of
+from hknob_cli.hardware.wire.sending import AfterRelease, Sending, shows_torque, wrong_state
 
 ALIVE_EVERY_S = 0.01
 SILENCE_S = 0.1

@@ -1,8 +1,7 @@
 """The claims ledger: what a text prints, the computation that checks it, and the verdict.
 
 - `ledger` claims with readings and tolerances
-- `bounds`, `verdict` the rule
-- `expression` safe arithmetic
+- `verdict` the rule
 - `checks/` the computations, one file a subject, found by being there
 
 Verdicts are computed. A claim names a check and its arguments; checks read results, whose scene supplies every

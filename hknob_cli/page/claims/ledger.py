@@ -1,4 +1,7 @@
-"""The ledger as a file: claims with their place, printed value, computation, readings and tolerance."""
+"""The ledger as a file: claims with their place, printed value, computation, readings and tolerance.
+
+When a computed number agrees with a printed one.
+"""
 
 import hashlib
 from pathlib import Path
@@ -7,15 +10,50 @@ from typing import Annotated, Any, Self
 from pydantic import Field, ValidationError, model_validator
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.page.claims.bounds import Bounds, Real
 from hknob_cli.page.claims.checks import check_fault
 from hknob_cli.specs import source as yaml
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.named_file import open_named
 from hknob_cli.specs.scene import Part
 
+Real = Annotated[float, Field(allow_inf_nan=False)]
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+
 Text = Annotated[str, Field(min_length=1)]
 Arguments = dict[str, Any]
+
+
+class Bounds(Part):
+    """An interval of computed values, about the printed value or absolute. What is not given does not bind."""
+
+    within: Annotated[Positive | None, Field(description="largest difference from the printed value")] = None
+    within_percent: Annotated[Positive | None, Field(description="the same, in % of the printed value")] = None
+    at_least: Real | None = None
+    at_most: Real | None = None
+
+    @model_validator(mode="after")
+    def _binds(self) -> Self:
+        if all(value is None for value in (self.within, self.within_percent, self.at_least, self.at_most)):
+            raise ValueError("must give at least one of within, within_percent, at_least, at_most")
+        return self
+
+    @property
+    def relative(self) -> bool:
+        """Whether a printed value is needed."""
+        return self.within is not None or self.within_percent is not None
+
+    def hold(self, computed: float, printed: float | None) -> bool:
+        """Whether a computed value lies within; a bound itself does, up to rounding in the last digits."""
+        slack = 1e-9 * max(abs(computed), abs(printed or 0.0))
+        if printed is not None:
+            off = abs(computed - printed) - slack
+            if self.within is not None and off > self.within:
+                return False
+            if self.within_percent is not None and off > 0.01 * self.within_percent * abs(printed):
+                return False
+        if self.at_least is not None and computed < self.at_least - slack:
+            return False
+        return self.at_most is None or computed <= self.at_most + slack
 
 
 class Reading(Part):

@@ -1,4 +1,4 @@
 """Stage bench: the engine beside other methods, error against run time.
 
-- `timed` runs, `verdict`
+- `timed` runs
 """

@@ -1,7 +1,23 @@
-"""The benchmark: every scene by every method and setting, error and run time, as one table.
+"""The benchmark: every scene by every method and setting, its error, run time and verdict, as one table.
 
 Each run has one thread and is timed by that thread's processor time, so runs may go side by side in processes. Run
 times are measured: of two runs of the same spec the files differ in them.
+
+The columns of the benchmark's file.
+
+What a run is worth: its error against the reference, and the verdict.
+
+- accurate: no sample's angle is off by more than ``accurate`` (1e-6) of the reference's swing;
+- inaccurate: it is, but the motion ends on the same attractor: in the last third of the trial peak to peak, and the
+  highest and the lowest angle, are within ``same_attractor`` (1 %) of the swing of the reference's, and the encoder
+  shows the same counts, where a count is not below that;
+- wrong attractor: it ends in another cycle, at rest instead of in a cycle, or flies off;
+- failed: an exception, an angle that is not a number, a scene that the method cannot express;
+- too slow: stopped at the time limit;
+- no reference: the run is good, but the scene's reference has failed or takes too long.
+
+The swing is the reference's peak to peak in the last third, or, where that is below a thousandth of what it is over the
+whole trial, as at rest, the latter.
 """
 
 import multiprocessing
@@ -10,6 +26,7 @@ import signal
 from collections.abc import Callable, Generator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from functools import partial
+from math import inf
 from typing import Any, NamedTuple
 
 import pyarrow as pa
@@ -19,12 +36,98 @@ from hknob_cli.baselines.catalogue import Setting, settings
 from hknob_cli.baselines.controller import Controller
 from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
+from hknob_cli.results.columns import Column
 from hknob_cli.specs.plan import BenchPlan, BenchScene
-from hknob_cli.stages.bench.columns import RUNS
 from hknob_cli.stages.bench.timed import Reference, Run, exact_settings, reference, timed_run
-from hknob_cli.stages.bench.verdict import judge, measure
+
+_REAL, _WHOLE, _TEXT = pa.float64(), pa.int64(), pa.string()
+
+RUNS = (
+    Column("scene", _TEXT, "", "name of the scene"),
+    Column("method", _TEXT, "", "exact, a SciPy method, a method with a fixed step, or a MuJoCo integrator"),
+    Column("setting", _TEXT, "", "compiled or interpreted, relative tolerance, or steps a sample"),
+    Column("friction", _TEXT, "", "how friction is treated: none, stick, smoothed, soft or stiff (a constraint)"),
+    Column("verdict", _TEXT, "", "accurate, inaccurate, wrong attractor, failed, too slow or no reference"),
+    Column("reason", _TEXT, "", "why it failed; empty where it did not"),
+    Column("error_rad", _REAL, "rad", "largest difference of the angle from the reference's, at any sample"),
+    Column("error_counts", _REAL, "count", "error_rad in encoder counts; null for a continuous sensor"),
+    Column("relative_error", _REAL, "1", "error_rad over the reference's swing"),
+    Column("p2p_rad", _REAL, "rad", "highest less lowest angle at the samples of the last third"),
+    Column("p2p_relative_error", _REAL, "1", "difference of p2p_rad from the reference's, over the reference's swing"),
+    Column("seconds", _REAL, "s", "processor time of the run with its set-up, the best of several where it is short"),
+    Column("repeats", _WHOLE, "1", "runs that the best time is of"),
+    Column("steps", _WHOLE, "1", "time steps; samples, of the exact engine"),
+    Column("evaluations", _WHOLE, "1", "right-hand sides; null where the method does not say"),
+    Column("samples", _WHOLE, "sample", "sample intervals of the trial"),
+    Column("reference", _TEXT, "", "what errors are against: exact (the engine) or digits60 (60 digits)"),
+    Column("no_reference", _TEXT, "", "why the scene has no reference; empty where it has one"),
+    Column("reference_swing_rad", _REAL, "rad", "the reference's p2p of the last third; of the whole trial, at rest"),
+)
+
+
+REST = 1e-3
+
+Angles = list[float]
 
 Progress = Callable[[int, int], None]
+
+
+class Measure(NamedTuple):
+    """Lowest and highest angle and swing (rad), and the counts that the encoder shows, of a trial's last third."""
+
+    low_rad: float
+    high_rad: float
+    swing_rad: float
+    counts: frozenset[int]
+
+    @property
+    def p2p_rad(self) -> float:
+        """Peak to peak."""
+        return self.high_rad - self.low_rad
+
+
+class Judged(NamedTuple):
+    """Errors of a run, and the verdict; relative errors are to the reference's swing."""
+
+    verdict: str
+    error_rad: float
+    relative_error: float
+    p2p_rad: float
+    p2p_relative_error: float
+
+
+def measure(trial: BenchScene, angles: Angles) -> Measure:
+    """Measure the last third of a trial, from angles (rad) at its samples."""
+    last = angles[2 * len(angles) // 3 :]
+    p2p = max(last) - min(last)
+    whole = max(angles) - min(angles)
+    controller = Controller(trial)
+    counts = frozenset(controller.level(angle) for angle in last) if controller.rounding else frozenset[int]()
+    return Measure(min(last), max(last), p2p if p2p > REST * whole else whole, counts)
+
+
+def judge(trial: BenchScene, angles: Angles, reference: Angles, *, accurate: float, same_attractor: float) -> Judged:
+    """Compare finite angles (rad) at all samples with those of the reference."""
+    ours, theirs = measure(trial, angles), measure(trial, reference)
+    error = max(abs(a - b) for a, b in zip(angles, reference, strict=True))
+    relative = _over(error, theirs.swing_rad)
+    off = _over(abs(ours.p2p_rad - theirs.p2p_rad), theirs.swing_rad)
+    near = same_attractor * theirs.swing_rad
+    ends = max(abs(ours.low_rad - theirs.low_rad), abs(ours.high_rad - theirs.high_rad))
+    fine = Controller(trial).quantum < near
+    if relative <= accurate:
+        verdict = "accurate"
+    elif off <= same_attractor and ends <= near and (fine or ours.counts == theirs.counts):
+        verdict = "inaccurate"
+    else:
+        verdict = "wrong attractor"
+    return Judged(verdict, error, relative, ours.p2p_rad, off)
+
+
+def _over(value: float, scale: float) -> float:
+    if value == 0.0:
+        return 0.0
+    return value / scale if scale > 0.0 else inf
 
 
 class Entry(NamedTuple):

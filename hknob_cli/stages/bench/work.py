@@ -10,7 +10,7 @@ from hknob_cli.report.bench import bench_text, describe_bench
 from hknob_cli.stages.bench.run import BenchStage
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 RIVALS = ("scipy", "numba", "mujoco", "mpmath")
 

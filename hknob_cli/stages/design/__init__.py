@@ -2,6 +2,5 @@
 
 - `run` searches and chooses
 - `space` what can be chosen
-- `evaluate` all people at once, `people` what they notice
-- `certainty` how sure an answer is
+- `evaluate` all people at once, `people` what they notice, and how sure an answer is
 """

@@ -5,8 +5,8 @@ from math import inf, isfinite, nan, pi
 from typing import Any
 
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.perception.doubt import other_sets
-from hknob_cli.results.ranged import extent, one_start
+from hknob_cli.perception.published import other_sets
+from hknob_cli.results.means import extent, one_start
 from hknob_cli.specs.design_plan import Candidate, DesignPlan
 from hknob_cli.specs.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
 from hknob_cli.stages.attractor_sizes import sizes_of_result

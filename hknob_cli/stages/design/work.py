@@ -7,14 +7,14 @@ from typing import Any
 
 from hknob_cli.report.design import describe_design, design_text
 from hknob_cli.stages.design.run import DesignStage
-from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
-from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.stages.work import Tables, counted, note
+from hknob_cli.terminal import progress_bar
 
 
-class DesignWork(Work):
+class DesignWork(PerceivingWork):
     """The cheapest design whose limit cycles nobody minds."""
 
     def size(self, plan: Any) -> str:
@@ -29,14 +29,6 @@ class DesignWork(Work):
     def pictures(self, _job: Job) -> tuple[str, ...]:
         """Cost against level."""
         return ("design.png",)
-
-    def inputs(self, job: Job) -> dict[str, str]:
-        """The published thresholds."""
-        return threshold_inputs(job.plan.perceive)
-
-    def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The files of those thresholds, too."""
-        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """The table of `files`."""

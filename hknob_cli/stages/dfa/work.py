@@ -11,7 +11,7 @@ from hknob_cli.stages.dfa import listed
 from hknob_cli.stages.dfa.run import DfaStage
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class DfaWork(Work):
@@ -62,7 +62,7 @@ class DfaWork(Work):
 
         drawn = draw_dfa(job.plan, tables[0].to_pylist(), path=paths[0])
         if not drawn:
-            from hknob_cli.figures.what_matters_picture import draw_by
+            from hknob_cli.figures.what_matters import draw_by
 
             axes, name = list(job.plan.axes), job.plan.name
             drawn = draw_by(

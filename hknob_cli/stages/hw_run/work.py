@@ -23,7 +23,7 @@ from hknob_cli.stages.hw_run.strip import watching
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import interrupt, say
+from hknob_cli.terminal import interrupt, say
 
 HARDWARE = "hardware"
 
@@ -125,8 +125,7 @@ class HwRunWork(Work):
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Grid, grip and motions; the sample clock."""
-        from hknob_cli.figures.hw_run_picture import draw_hw_run
-        from hknob_cli.figures.timing_picture import draw_timing
+        from hknob_cli.figures.hw_run_picture import draw_hw_run, draw_timing
 
         samples, rows = tables[0], tables[1].to_pylist()
         target, name = job.plan.course.grip_target_n, job.plan.name

@@ -9,7 +9,7 @@ from hknob_cli.stages.job import Job
 from hknob_cli.stages.predict.run import predict
 from hknob_cli.stages.predict.text import describe_predictions, predictions_text
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 
 class PredictWork(Work):
@@ -57,7 +57,7 @@ class PredictWork(Work):
         axes, name = list(job.plan.axes), job.plan.name
         drawn = draw_predictions(tables[0], axes, title=name, path=paths[0])
         if not drawn:
-            from hknob_cli.figures.what_matters_picture import draw_by
+            from hknob_cli.figures.what_matters import draw_by
 
             drawn = draw_by(tables[0], "law", axes, title=name, path=paths[0], stage=job.kind, points=job.plan.points)
         if not drawn:

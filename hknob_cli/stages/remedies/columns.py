@@ -1,9 +1,14 @@
-"""The columns of a trial of remedies."""
+"""The columns of a trial of remedies.
+
+How much louder or quieter a remedy is to the skin and the ear, where a trial is asked to say so.
+"""
+
+from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.results.columns import Column
-from hknob_cli.results.perceived_columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED
+from hknob_cli.results.columns import HEARING, HEARING_DB, RELATIVE_DB, STEP_DB, TOUCH, UNGAINED, Column
+from hknob_cli.specs.remedies_plan import RemediesPlan
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
@@ -45,6 +50,12 @@ CASES = (
 )
 _OVER = "over the reference's, same cell and hand; null where one of them has no level"
 
+NEEDS = (
+    Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),
+    Column("source", _TEXT, "", "where the remedy is from"),
+)
+Row = dict[str, Any]
+
 
 def felt_columns(*, gained: bool) -> tuple[Column, ...]:
     """What ``perceive`` adds; ``gained``: with a sound gain."""
@@ -61,7 +72,27 @@ def felt_columns(*, gained: bool) -> tuple[Column, ...]:
     )
 
 
-NEEDS = (
-    Column("needs", _TEXT, "", "sensors, parts and computing that the remedy asks for"),
-    Column("source", _TEXT, "", "where the remedy is from"),
-)
+def level_columns(plan: RemediesPlan) -> tuple[Column, ...]:
+    """Columns that ``perceive`` adds to a trial, where it is asked for."""
+    how = plan.perceive
+    return felt_columns(gained=how.sound_gain is not None) if how else ()
+
+
+def louder(plan: RemediesPlan, row: Row, reference: Row | None) -> Row:
+    """The row with levels of the ``reference`` in the same cell and hand, and the differences from them, dB."""
+    how = plan.perceive
+    if how is None:
+        return row
+    heard = "hearing_db" if how.sound_gain is not None else "hearing_relative_db"
+    there = reference or {"touch_db": None, heard: None}
+
+    def change(column: str) -> float | None:
+        return None if row[column] is None or there[column] is None else float(row[column] - there[column])
+
+    return {
+        **row,
+        "touch_reference_db": there["touch_db"],
+        f"{heard[:-3]}_reference_db": there[heard],
+        "touch_change_db": change("touch_db"),
+        "hearing_change_db": change(heard),
+    }

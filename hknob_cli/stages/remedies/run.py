@@ -14,10 +14,8 @@ from hknob_cli.specs.plan import PERSON
 from hknob_cli.specs.remedies_plan import RemediesPlan, Remedy
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.lag_domain import has_domain
-from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED
-from hknob_cli.stages.remedies.levels import level_columns, louder
-from hknob_cli.stages.remedies.trial import Row, Rows, case_rows, grid_rows
-from hknob_cli.stages.remedies.tuning import tuned_rows, ways
+from hknob_cli.stages.remedies.columns import AXES, BUZZ, CASES, DOMAIN, KEYS, NEEDS, TUNED, level_columns, louder
+from hknob_cli.stages.remedies.trial import Row, Rows, case_rows, grid_rows, tuned_rows, ways
 
 FEW = 2000  # trials, which are over before another process has begun
 

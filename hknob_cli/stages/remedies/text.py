@@ -1,4 +1,7 @@
-"""A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost."""
+"""A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost.
+
+Remedies over the whole grid, on the terminal: what a trial without cases has to say.
+"""
 
 from collections.abc import Sequence
 from statistics import median
@@ -6,17 +9,43 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.matrix import short
 from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
-from hknob_cli.report.table import table
-from hknob_cli.results.ranged import from_where, together
-from hknob_cli.stages.remedies.grid_text import grid_text
+from hknob_cli.report.table import short, table
+from hknob_cli.results.means import from_where, together
 
 Row = dict[str, Any]
+_HEADS = ("smaller", "least", "at rest %", "proven %")
+
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
 _HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
 _RANGED = ("from", "one start")
 _FELT = ("touch dB", "louder", "by ear")
+
+
+def grid_text(grid: dict[str, Row]) -> list[str]:
+    """A line for each remedy, that which makes the buzz smallest first, and what the columns say."""
+    wide = max(len(name) for name in grid)
+    diverges = any(row["diverged_fraction"] for row in grid.values())
+    heads = (*_HEADS, *(["diverge %"] if diverges else []))
+    lines = ["over the grid, all cells and hands", f"{'':{wide}}  " + "".join(f"{head:>10}" for head in heads)]
+    for name, row in sorted(grid.items(), key=lambda item: -(item[1]["ratio_median"] or 0.0)):
+        cells = [
+            _times(row["ratio_median"]),
+            _times(row["ratio_least"]),
+            *(f"{100.0 * row[part]:.3g}" for part in ("at_rest_fraction", "certified_fraction")),
+            *([f"{100.0 * row['diverged_fraction']:.3g}"] if diverges else []),
+        ]
+        lines.append(f"{name:{wide}}  " + "".join(f"{cell:>10}" for cell in cells))
+    return [
+        *lines,
+        "",
+        "smaller: times, by the largest cycles, median of the cells and hands where the remedy does not rest;",
+        "least: of the cell and hand that gain least. at rest: of all trials.",
+    ]
+
+
+def _times(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3g}"
 
 
 def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ()) -> dict[str, Any]:
@@ -172,10 +201,6 @@ def _starts(row: Row) -> list[str]:
     """The largest from one start, and how many starts the largest of all is of."""
     single = row["p2p_one_start_rad"]
     return [from_where(row), "-" if single is None else "rest" if single == 0.0 else short(1e3 * single)]
-
-
-def _times(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
 
 
 def decibel(value: float | None, *, signed: bool = False) -> str:

@@ -1,14 +1,21 @@
-"""One remedy on trial: its buzz over a grid, and at a case what is left of the wall's stiffness."""
+"""One remedy on trial, and the best value of one that is tuned: its buzz over a grid, and the stiffness left.
 
-from math import nan
+A remedy that is tuned: of each cell the value whose largest cycle of any hand is smallest.
+
+A controller does not know who holds the knob, so that one value serves all hands; it knows its device, so that another
+cell may have another value.
+"""
+
+from collections.abc import Sequence
+from math import inf, nan
 from typing import Any
 
-from hknob_cli.results.ranged import extent, one_start
+from hknob_cli.results.means import extent, one_start
 from hknob_cli.specs.plan import PERSON, Bias, Record, Starts, SweepPlan, scene_at
 from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
-from hknob_cli.stages.remedies.levels import level_columns
+from hknob_cli.stages.remedies.columns import level_columns
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
 
@@ -103,3 +110,35 @@ def _knocks(plan: RemediesPlan, sweep: SweepPlan) -> list[float]:
 def _over(one: float, other: float) -> float:
     """A ratio, NaN over 0: a wall that does not give within a count has no stiffness to tell."""
     return one / other if other else nan
+
+
+def ways(remedy: Remedy) -> list[Remedy]:
+    """The remedy at each value of what it tunes; itself where it tunes nothing."""
+    return [remedy._replace(grid=one.grid, cases=one.cases) for one in remedy.tuned] or [remedy]
+
+
+def tuned_rows(remedy: Remedy, found: Sequence[Rows]) -> Rows:
+    """Rows of the best value of each cell, with the value as ``tuned``; ``found`` has those of each of its `ways`."""
+    if not remedy.tuned:
+        return [{**row, "tuned": None} for row in found[0]]
+    axes = [name for name in remedy.grid.axes if name != PERSON and name in found[0][0]]
+
+    def cell(row: Row) -> tuple[object, ...]:
+        return tuple(row[name] for name in axes)
+
+    worst: dict[tuple[object, ...], list[float]] = {}
+    for i, rows in enumerate(found):
+        for row in rows:
+            sizes = worst.setdefault(cell(row), [0.0] * len(found))
+            sizes[i] = max(sizes[i], _size(row))
+    best = {key: sizes.index(min(sizes)) for key, sizes in worst.items()}
+    return [
+        {**found[best[cell(row)]][i], "tuned": remedy.tuned[best[cell(row)]].value} for i, row in enumerate(found[0])
+    ]
+
+
+def _size(row: Row) -> float:
+    """Of the largest cycle; of what diverges, or is not known, larger than all."""
+    if row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0:
+        return inf
+    return float(row["p2p_max_rad"])

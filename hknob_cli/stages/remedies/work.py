@@ -3,16 +3,16 @@
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.remedies.text import describe_trial, trial_text
-from hknob_cli.stages.work import Tables, Work, counted, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.stages.work import Tables, counted, note
+from hknob_cli.terminal import progress_bar
 
 
-class RemediesWork(Work):
+class RemediesWork(PerceivingWork):
     """Remedies against the buzz, tried over a grid, hands and cases."""
 
     def size(self, plan: Any) -> str:
@@ -23,14 +23,6 @@ class RemediesWork(Work):
         """The grid, and the cases."""
         del job
         return "remedies.parquet", "cases.parquet"
-
-    def inputs(self, job: Job) -> dict[str, str]:
-        """The published thresholds, where levels above them are asked for."""
-        return threshold_inputs(job.plan.perceive)
-
-    def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The files of those thresholds, too."""
-        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The cases, and how much each remedy helps over each further axis of the grid."""
@@ -51,7 +43,7 @@ class RemediesWork(Work):
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """The pictures that there are."""
         from hknob_cli.figures.plot import draw_trial
-        from hknob_cli.figures.remedies_over_picture import draw_over
+        from hknob_cli.figures.remedies import draw_over
 
         further = list(job.plan.varied.items())
         drawn = []

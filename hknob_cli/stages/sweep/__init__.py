@@ -1,8 +1,8 @@
 """Stage sweep: every limit cycle of a grid.
 
 - `cell` one of a sweep, `every_start` all its starts, `plain_chunk` a run of plain ones
-- `found` attractors in columns, `tables`
-- `piece`, `assembly`, `spread` for long sweeps
+- `tables`, of attractors in columns
+- `assembly` of pieces, `spread` for long sweeps
 - `controlled` cells with a controller
 - `perceived`, `record`, `basins` where each start ends
 """

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from hknob_cli.report.matrix import labels
+from hknob_cli.report.table import labels
 from hknob_cli.specs.plan import Starts
 
 

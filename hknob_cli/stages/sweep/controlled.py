@@ -14,8 +14,7 @@ from hknob_cli.controllers.sets.starts import follow_starts, followable
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.measure.orbit import OrbitMeasures
-from hknob_cli.measure.remedied_orbit import measure_settled, settled_harmonics
+from hknob_cli.measure.orbit import OrbitMeasures, measure_settled, settled_harmonics
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at

@@ -22,8 +22,7 @@ from hknob_cli.specs.cells import Cells
 from hknob_cli.specs.plan import GRIP, PERSON, SweepPlan, scene_at
 from hknob_cli.stages.sweep.cell import group_of
 from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
-from hknob_cli.stages.sweep.found import AttractorColumns
-from hknob_cli.stages.sweep.tables import SweepTables, lay_out_cells, lay_out_orbits
+from hknob_cli.stages.sweep.tables import AttractorColumns, SweepTables, lay_out_cells, lay_out_orbits
 
 GROUP = "cells"  # of compiled functions, `engine.jit`
 EVERY_PHASE_GROUP = "arc_cells"

@@ -4,19 +4,17 @@ from collections.abc import Callable
 from typing import Any
 
 from hknob_cli.errors import unwritable
-from hknob_cli.report.matrix import short
-from hknob_cli.results.parting import Parting
+from hknob_cli.report.table import short
+from hknob_cli.results.parted import Parting
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.gather import Workers, gather
-from hknob_cli.spread.ranges import Range, Ranges
+from hknob_cli.spread.gather import Range, Ranges, Workers, gather
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sweep.assembly import Assembly
-from hknob_cli.stages.sweep.piece import PieceFinder, unit_of
+from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, unit_of
 from hknob_cli.stages.sweep.run import SweepStage
-from hknob_cli.terminal.console import heed, spread_progress
+from hknob_cli.terminal import heed, spread_progress
 
 
 def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[str], None]) -> tuple[Any, ...]:
@@ -59,8 +57,7 @@ def _workers(job: Job, stage: SweepStage, finder: PieceFinder, notify: Callable[
         from hknob_cli.spread.cluster import Cluster
 
         return Cluster(finder, job.scheduler, notify)
-    from hknob_cli.spread.memory import keep_memory
-    from hknob_cli.spread.processes import Processes
+    from hknob_cli.spread.processes import Processes, keep_memory
 
     keep_memory()
     stage.compile()

@@ -8,19 +8,19 @@ from typing import Any
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON
-from hknob_cli.stages.input_files import threshold_files, threshold_inputs
+from hknob_cli.stages.input_files import PerceivingWork
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import Tables, Work, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
 
-class SweepWork(Work):
+class SweepWork(PerceivingWork):
     """Limit cycles over a grid."""
 
     def pictures(self, job: Job) -> tuple[str, ...]:
@@ -37,14 +37,6 @@ class SweepWork(Work):
         """Recordings and maps of basins, where none are asked for."""
         recorded = () if job.plan.record else ("trajectories.parquet", "trajectories.png")
         return *recorded, *(() if job.plan.basins else ("basins.parquet", "basins.png"))
-
-    def inputs(self, job: Job) -> dict[str, str]:
-        """The published thresholds, where levels above them are asked for."""
-        return threshold_inputs(job.plan.perceive)
-
-    def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The files of those thresholds, too."""
-        return (*super().input_files(job), *threshold_files(job.plan.perceive))
 
     def compute(self, job: Job) -> Tables:
         """Cells and orbits."""
@@ -70,7 +62,7 @@ class SweepWork(Work):
 
     def finished(self, job: Job) -> str:
         """Cells of a long sweep."""
-        from hknob_cli.results.parting import Parting
+        from hknob_cli.results.parted import Parting
         from hknob_cli.specs.cells import cells_of
         from hknob_cli.stages.sweep.assembly import finished
 
@@ -215,8 +207,8 @@ def _draw_grid(job: Job, cells: Any, orbits: Any, path: Path) -> bool:
         drawn = draw_sweep(cells, orbits, axes, title=job.plan.name, path=path)
     if drawn or not axes:
         return drawn
-    from hknob_cli.report.means import WORST
     from hknob_cli.report.what_matters import axes_that_matter, columns_of
+    from hknob_cli.results.means import WORST
 
     names = axes_that_matter(axes, cells.column_names)
     return _draw_matters(job, columns_of(cells, [*names, *WORST, "at_rest_fraction"]), names, path)
@@ -237,7 +229,7 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
 
 
 def _draw_matters(job: Job, columns: Any, axes: list[str], path: Path, *, total: int | None = None) -> bool:
-    from hknob_cli.figures.what_matters_picture import draw_matters
+    from hknob_cli.figures.what_matters import draw_matters
 
     scales = job.plan.points.scales if job.plan.points else {}
     return draw_matters({"": columns}, axes, title=job.plan.name, path=path, stage="sweep", scales=scales, total=total)

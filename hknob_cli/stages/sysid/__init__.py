@@ -1,4 +1,4 @@
 """Stage sysid: the hand that holds a knob, identified.
 
-- `calibration`, `study`, `remarks`
+- `calibration`, `study` of the estimators, `remarks`
 """

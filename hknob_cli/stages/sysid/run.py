@@ -9,13 +9,12 @@ import pyarrow as pa
 
 from hknob_cli.apparatus.bench_rigs import record_apparatus
 from hknob_cli.apparatus.experiment import record_experiments
-from hknob_cli.apparatus.virtual_rig import virtual_rig
+from hknob_cli.apparatus.rig import virtual_rig
 from hknob_cli.errors import ComputationError, UsageError
-from hknob_cli.identify.combine import over_blocks, over_subjects
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
+from hknob_cli.identify.identified import at_the_skin, damping_ratio, over_blocks, over_subjects, without_apparatus
 from hknob_cli.identify.least_squares import least_squares, least_squares_friction
-from hknob_cli.identify.models import at_the_skin, damping_ratio, without_apparatus
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions

@@ -5,9 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 import pyarrow as pa
 
 from hknob_cli.apparatus.people import mean_hand
-from hknob_cli.identify.bias_study import NUISANCES, UNITS, bias_study
-from hknob_cli.identify.fourth_study import hidden_inertia
-from hknob_cli.printed.hands import apparatus_inertia
+from hknob_cli.identify.studies import NUISANCES, UNITS, bias_study, hidden_inertia
+from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.results.arrays import build_table
 from hknob_cli.specs.identification import BiasPlan, HiddenPlan
 from hknob_cli.stages.sysid import columns

@@ -7,15 +7,14 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import UsageError
-from hknob_cli.report.study import study_text
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sysid.calibration import calibrate
 from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
 from hknob_cli.stages.sysid.study import levels_of, study_bias, study_hidden
-from hknob_cli.stages.sysid.text import describe_sysid, sysid_text
+from hknob_cli.stages.sysid.text import describe_sysid, study_text, sysid_text
 from hknob_cli.stages.work import Tables, Work, note
-from hknob_cli.terminal.console import progress_bar
+from hknob_cli.terminal import progress_bar
 
 CALIBRATED = ("motor", "grip_cell")
 STUDIES = ("bias", "hidden_inertia")

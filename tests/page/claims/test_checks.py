@@ -8,7 +8,7 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import compute, known
-from hknob_cli.page.claims.checks.network import network
+from hknob_cli.page.claims.checks.finger import network
 from hknob_cli.printed import tables
 from hknob_cli.results.result_set import ResultSet
 

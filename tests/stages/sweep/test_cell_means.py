@@ -13,9 +13,8 @@ from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sweep.cell import CellFinder, CellResult
-from hknob_cli.stages.sweep.found import in_columns
 from hknob_cli.stages.sweep.plain_chunk import GROUP, plain_chunk
-from hknob_cli.stages.sweep.tables import cells_table
+from hknob_cli.stages.sweep.tables import cells_table, in_columns
 from tests.conftest import EXPERIMENTS, loaded
 
 PUSHED = ("grid.sample_rate_hz=455", "grid.counts_per_rev=256", "scene.bias.torque=0.007")

@@ -3,7 +3,7 @@
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.linear_motion import hold_matrices
+from hknob_cli.identify.finger_network import hold_matrices
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.arithmetic import Names, bound
 from hknob_cli.page.claims.checks.rows import one_number, rows_of

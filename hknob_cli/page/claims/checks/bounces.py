@@ -9,8 +9,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.motion import Point, trials
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 
 ERRANT = 2.0  # times the median bounce of a trial: above it a bounce is errant

@@ -8,8 +8,7 @@ from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.motion import motion
 from hknob_cli.page.claims.checks.rows import one_number, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet, Rows
+from hknob_cli.results.result_set import ResultSet, Rows, Where
 
 PARTS = ("late_entry_j", "late_exit_j", "staircase_j")
 

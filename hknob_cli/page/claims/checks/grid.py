@@ -1,13 +1,21 @@
-"""What the cells of a grid say: values, shares, trends, slopes and spreads."""
+"""What the cells of a grid say: values, shares, trends and slopes, their lists of limit cycles, and people.
+
+What holds of all limit cycles of a cell, where a sweep lists them completely.
+
+People against one wall: how their limit cycles spread.
+"""
 
 import itertools
 from math import log, nan
 
+import numpy as np
+
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
+from hknob_cli.page.claims.checks.edge import edge_of
 from hknob_cli.page.claims.checks.rows import Line, averaged, lines, one_number, percent, rows_of
-from hknob_cli.results.matching import Where, matching
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import MissingError, ResultSet, Where, matching
+from hknob_cli.specs.plan import PERSON
 
 
 @check
@@ -205,3 +213,69 @@ def exponent(line: Line) -> float | None:
     mean_x, mean_y = (sum(point[i] for point in points) / len(points) for i in (0, 1))
     square = sum((x - mean_x) ** 2 for x, _ in points)
     return sum((x - mean_x) * (y - mean_y) for x, y in points) / square if square else None
+
+
+def _complete(evidence: ResultSet, result: str, where: Where | None, column: str) -> list[dict[str, float]]:
+    """Cells with a column. Raises `MissingError` where a list is not proven to be complete."""
+    rows = rows_of(evidence, result, "cells", where, needs=["complete", column])
+    if not all(row["complete"] for row in rows):
+        raise MissingError(f"a list of limit cycles of '{result}' is not complete")
+    return rows
+
+
+@check
+def largest_within(evidence: ResultSet, result: str, counts: float, where: Where | None = None) -> float | None:
+    """Share of the cells, %, whose largest cycle, of all there are, is smaller than so many counts, peak to peak."""
+    rows = _complete(evidence, result, where, "p2p_max_rad")
+    return percent(
+        (row["p2p_max_rad"] or 0.0) < counts * edge_of(evidence, result, row).quantum_rad * (1.0 - 1e-9) for row in rows
+    )
+
+
+@check
+def alone(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
+    """Share of the cells, %, with one attractor only."""
+    return percent(row["orbit_count"] == 1 for row in _complete(evidence, result, where, "orbit_count"))
+
+
+@check
+def rows_in(evidence: ResultSet, result: str, file: str = "cells", where: Where | None = None) -> float:
+    """Number of rows of a table."""
+    return len(rows_of(evidence, result, file, where, needs=[]))
+
+
+@check
+def cells_larger(evidence: ResultSet, result: str, than: str, times: float = 1.0) -> float:
+    """Number of cells whose largest cycle, of all there are, is more than so many times that of another sweep."""
+    axes = evidence[than].axes
+    others = rows_of(evidence, than, "cells", needs=[*axes, "p2p_max_rad"])
+    larger = 0
+    for row in _complete(evidence, result, None, "p2p_max_rad"):
+        (other,) = matching(others, {axis: row[axis] for axis in axes})
+        larger += (row["p2p_max_rad"] or 0.0) > times * (other["p2p_max_rad"] or 0.0) * (1.0 + 1e-9)
+    return larger
+
+
+def _values(evidence: ResultSet, result: str, column: str, where: Where | None) -> "np.ndarray":
+    rows = rows_of(evidence, result, "cells", where, needs=[column, PERSON])
+    found = np.array([row[column] for row in rows if row[column]], dtype=float)
+    if len(found) < 2:
+        raise MissingError(f"fewer than two people of '{result}' have a {column} above 0")
+    return found
+
+
+@check
+def people_percentile(
+    evidence: ResultSet, result: str, column: str, percentile: float, where: Where | None = None
+) -> float:
+    """Value of a column that so many per cent of the people for whom it is above 0 do not exceed; in its unit."""
+    return float(np.percentile(_values(evidence, result, column, where), percentile))
+
+
+@check
+def people_spread(
+    evidence: ResultSet, result: str, column: str, low: float = 5.0, high: float = 95.0, where: Where | None = None
+) -> float:
+    """Value of a column at a high percentile of the people over that at a low one; of those for whom it is above 0."""
+    least, largest = np.percentile(_values(evidence, result, column, where), [low, high])
+    return float(largest / least)

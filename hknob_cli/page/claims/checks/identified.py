@@ -5,12 +5,11 @@ from typing import Any
 
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.pulse import peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.results.result_set import MissingError, ResultSet, Where
 
 _J, _B, _K, _RATIO = "inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad", "damping_ratio"
 _STD = {

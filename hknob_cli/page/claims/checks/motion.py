@@ -6,8 +6,7 @@ from typing import NamedTuple
 
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where
 from hknob_cli.specs.plan import COUNTS, RATE
 
 _NEEDS = ("time_s", "event", "angle_rad", "velocity_rad_s", "torque_nm")

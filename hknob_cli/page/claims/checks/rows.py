@@ -5,8 +5,7 @@ from math import isfinite, nan, sqrt
 from typing import Any
 
 from hknob_cli.errors import UsageError
-from hknob_cli.results.matching import Where, matching
-from hknob_cli.results.result_set import MissingError, ResultSet, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows, Where, matching
 
 Line = list[tuple[float, float]]
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, rows_of
-from hknob_cli.results.matching import Where
-from hknob_cli.results.result_set import ResultSet
+from hknob_cli.results.result_set import ResultSet, Where
 
 AUDIBLE_HZ = (20.0, 12500.0)  # where ISO 226 has values
 

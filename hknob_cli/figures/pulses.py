@@ -1,0 +1,251 @@
+"""Torque pulses: as recorded, beside models, and what they work against (Hasser, Figs 5-8).
+
+Recorded pulses beside the motion of models: of the same data, and of another block's (Hasser, Fig. 8).
+
+What a recorded pulse works against: torques of an identified inertia, damping and stiffness (Hasser, Fig. 7).
+
+What a torque pulse works against: inertia, damping and stiffness of hand and knob (as Hasser, Fig. 7).
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from hknob_cli.figures import drawing, theme
+from hknob_cli.figures.identification import Pulsed, plan_of, plant_of, pulsed, recorded, rows_of
+from hknob_cli.figures.panel import key, scale_of
+from hknob_cli.figures.recording import At, Of, one_recording
+from hknob_cli.figures.trajectory_picture import Scale
+from hknob_cli.identify.second_order import Plant, respond
+from hknob_cli.recordings.trial import Trial
+from hknob_cli.results.result_set import MissingError, ResultSet
+from hknob_cli.specs.plan import Hand
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+THIN = 6  # of the samples of a thumbnail one in so many is drawn: 0.6 ms of a motion of 20
+
+THIN_DATA = 3  # of the samples one in so many is drawn
+
+
+@drawing
+def trial_thumbnails(
+    evidence: ResultSet, of: str, *, subject: str = "S1", experiment: str = "1", to_s: float = 0.05
+) -> "Figure":
+    """Angle (mrad) from rest over time (ms from the onset), every trial of a person, a panel a grip force.
+
+    Raises `MissingError` where no recordings were kept.
+    """
+    grips: dict[float, list[Trial]] = {}
+    for trial in recorded(evidence[of], subject=subject, experiment=experiment):
+        grips.setdefault(trial.key.grip_target_n, []).append(trial)
+    rows = -(-len(grips) // 3)
+    drawn = theme.figure(0.7 + 1.5 * rows)
+    panels = drawn.subplots(rows, min(3, len(grips)), squeeze=False, sharex=True, sharey=True).ravel()
+    for panel, (grip, trials) in zip(panels, sorted(grips.items()), strict=False):
+        for trial in trials:
+            time, angle = _from_rest(trial)
+            kept = slice(0, int(np.searchsorted(time, to_s)) + 1, THIN)
+            panel.plot(1e3 * time[kept], 1e3 * angle[kept], color=theme.COLOURS[0], linewidth=0.8, alpha=0.75)
+        panel.set_title(f"{grip:g} N, {len(trials)} trials", loc="left")
+    for panel in panels[len(grips) :]:
+        panel.set_visible(False)
+    drawn.supxlabel("time from the onset of the pulse, ms", fontsize=9)
+    drawn.supylabel("angle from rest, mrad", fontsize=9)
+    return drawn
+
+
+def _from_rest(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
+    """Time from the onset, and angle from its mean before it."""
+    pushed = np.flatnonzero(trial.torque_nm)
+    if not len(pushed):
+        raise MissingError(f"trial {trial.key.trial} of {trial.key.subject} has no pulse")
+    onset = int(pushed[0])
+    rest = float(trial.angle_rad[: onset + 1].mean())
+    return trial.time_s[onset:] - trial.time_s[onset], trial.angle_rad[onset:] - rest
+
+
+@drawing
+def pulse_vectors(
+    evidence: ResultSet,
+    of: str,
+    *,
+    subject: str = "S1",
+    experiment: str = "1",
+    grip_n: float = 2.4,
+    block: int = 1,
+    to_s: float = 0.05,
+) -> "Figure":
+    """Commanded torque, acceleration, velocity and angle of one averaged condition, as the least squares take them.
+
+    Averaged over its trials, smoothed and differentiated as the result says. Raises `MissingError`.
+    """
+    asked = {"subject": subject, "experiment": experiment, "grip_target_n": grip_n, "block": block}
+    one = pulsed(evidence[of], smooth=True, after_s=to_s, **asked)[0]
+    motion = one.motion
+    if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
+        raise MissingError(f"'{of}' was not differentiated")
+    time = time_of(one)
+    drawn = theme.figure(3.9)
+    panels = drawn.subplots(2, 2, sharex=True)
+    shown = (
+        (panels[0, 0], 1e3 * motion.torque_nm, "torque, mN\u00b7m"),
+        (panels[0, 1], 1e-3 * motion.acceleration_rad_s2, "acceleration, 10\u00b3 rad/s\u00b2"),
+        (panels[1, 0], motion.velocity_rad_s, "velocity, rad/s"),
+        (panels[1, 1], 1e3 * motion.angle_rad, "angle, mrad"),
+    )
+    for i, (panel, values, label) in enumerate(shown):
+        panel.plot(time, values, color=theme.COLOURS[0], drawstyle="default" if i else "steps-post")
+        panel.set_ylabel(label)
+        rule_pulse(panel, one)
+    for panel in panels[1]:
+        panel.set_xlabel("time from the onset, ms")
+    drawn.align_ylabels(panels[:, 0])
+    return drawn
+
+
+def time_of(one: Pulsed) -> np.ndarray:
+    """Time (ms) of every sample, from the onset of the pulse."""
+    return 1e3 * one.motion.dt_s * (np.arange(len(one.motion.angle_rad)) - one.start)
+
+
+def _pulse_ms(one: Pulsed) -> float:
+    return 1e3 * one.motion.dt_s * float(np.count_nonzero(one.motion.torque_nm))
+
+
+def rule_pulse(panel: "Axes", one: Pulsed) -> None:
+    """Shade the time of the pulse."""
+    panel.axvspan(0.0, _pulse_ms(one), color="black", alpha=0.06, linewidth=0)
+
+
+@drawing
+def models_beside_data(
+    evidence: ResultSet,
+    of: str,
+    *,
+    subject: str = "S1",
+    experiment: str = "1",
+    block: int = 1,
+    other: int = 2,
+    estimator: str = "output_error",
+    to_s: float = 0.05,
+) -> "Figure":
+    """Angle (mrad) of an averaged condition, by its own model, and by that of block ``other``, a panel a grip force.
+
+    Models know the friction and the lag that the identification knew. Raises `MissingError`.
+    """
+    result = evidence[of]
+    known = plan_of(result)
+    drawn_of = pulsed(result, smooth=False, after_s=to_s, subject=subject, experiment=experiment, block=block)
+    drawn_of.sort(key=lambda one: one.of.condition.grip_target_n)
+    rows = -(-len(drawn_of) // 3)
+    drawn = theme.figure(0.9 + 1.6 * rows)
+    panels = drawn.subplots(rows, min(3, len(drawn_of)), squeeze=False, sharex=True, sharey=True).ravel()
+    wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
+    for panel, one in zip(panels, drawn_of, strict=False):
+        grip, time = one.of.condition.grip_target_n, time_of(one)[::THIN_DATA]
+        rule_pulse(panel, one)
+        panel.plot(time, 1e3 * one.motion.angle_rad[::THIN_DATA], label="recorded", **wide)
+        for i, (number, label) in enumerate(((block, "model of these data"), (other, f"model of block {other}"))):
+            asked = {"subject": subject, "experiment": experiment, "grip_target_n": grip, "block": number}
+            plant = plant_of(rows_of(result, "trials", estimator=estimator, **asked)[0])
+            angle = modelled(plant, one, coulomb_nm=known.coulomb_nm, lag_s=known.lag_s)
+            panel.plot(time, 1e3 * angle[::THIN_DATA], label=label, **theme.series(i))
+        panel.set_title(f"{grip:g} N", loc="left")
+    for panel in panels[len(drawn_of) :]:
+        panel.set_visible(False)
+    drawn.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, handlelength=3.0)
+    drawn.supxlabel("time from the onset of the pulse, ms", fontsize=9)
+    drawn.supylabel("angle from rest, mrad", fontsize=9)
+    return drawn
+
+
+def modelled(plant: Plant, one: Pulsed, *, coulomb_nm: float = 0.0, lag_s: float = 0.0) -> np.ndarray:
+    """Angle (rad) of a second-order model under a recorded torque, the friction known beside that fitted."""
+    if plant.inertia <= 0.0:
+        raise MissingError("a model without inertia does not move")
+    if not plant.coulomb:
+        plant = plant._replace(coulomb=coulomb_nm)
+    return respond(plant, one.motion.torque_nm, one.motion.dt_s, lag_s=lag_s)
+
+
+def _draw_terms(
+    panel: "Axes", time: np.ndarray, commanded: np.ndarray, terms: dict[str, np.ndarray], *, factor: float, step: str
+) -> None:
+    """Torques over time: the command wide, their sum dotted, and each term; ``factor`` to the axis's unit."""
+    wide: dict[str, Any] = {"color": "black", "linewidth": 4.0, "alpha": 0.3}
+    panel.plot(time, factor * commanded, label="commanded", drawstyle=step, **wide)
+    panel.plot(time, factor * sum(terms.values()), label="sum", color="black", linewidth=1.0, linestyle=":")
+    for i, (name, values) in enumerate(terms.items()):
+        panel.plot(time, factor * values, label=name, **theme.series(i))
+
+
+@drawing
+def identified_terms(
+    evidence: ResultSet,
+    of: str,
+    *,
+    subject: str = "S1",
+    experiment: str = "1",
+    grip_n: float = 2.4,
+    block: int = 1,
+    estimator: str = "least_squares",
+    to_s: float = 0.05,
+) -> "Figure":
+    """Torques (mN·m) J θ'' + B θ' + K θ, identified parameters times the recorded motion, their sum, and the command.
+
+    The motion is smoothed and differentiated as the result says. Raises `MissingError`.
+    """
+    asked = {"subject": subject, "experiment": experiment, "grip_target_n": grip_n, "block": block}
+    one = pulsed(evidence[of], smooth=True, after_s=to_s, **asked)[0]
+    plant = plant_of(rows_of(evidence[of], "trials", estimator=estimator, **asked)[0])
+    motion = one.motion
+    if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
+        raise MissingError(f"'{of}' was not differentiated")
+    terms = {
+        "inertia": plant.inertia * motion.acceleration_rad_s2,
+        "damping": plant.damping * motion.velocity_rad_s,
+        "stiffness": plant.stiffness * motion.angle_rad,
+    }
+    time = time_of(one)
+    drawn = theme.figure(3.4)
+    panel = drawn.subplots()
+    _draw_terms(panel, time, motion.torque_nm, terms, factor=1e3, step="steps-post")
+    panel.set_xlabel("time from the onset, ms")
+    panel.set_ylabel("torque, mN\u00b7m")
+    panel.set_xlim(float(time[0]), float(time[-1]))
+    key(panel)
+    return drawn
+
+
+@drawing
+def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: float | None = None) -> "Figure":
+    """Torques (mN·m) of inertia, damping and stiffness, J θ'' + B θ' + K θ, their sum, and the pulse commanded.
+
+    J, B and K are the scene's, the motion is recorded; accelerations are means between rows. Up to ``to_s`` (s). Raises
+    `MissingError` for a hand of fourth order, with a wall or friction, or without a pulse.
+    """
+    one = one_recording(evidence, of, at=at, to_s=to_s)
+    scene, hand = one.scene, one.scene.hand or Hand()
+    if one.pulse is None or scene.wall.stiffness > 0.0 or hand.finger or scene.knob.coulomb_torque > 0.0:
+        raise MissingError(f"'{one.name}' is not a pulse on a hand of second order, without a wall and friction")
+    spans = np.diff(one.time)
+    middle = one.time[:-1] + 0.5 * spans
+    velocity, angle = (0.5 * (of[:-1] + of[1:]) for of in (one.velocity, one.angle))
+    terms = {
+        "inertia": (scene.knob.inertia + hand.inertia) * np.diff(one.velocity) / spans,
+        "damping": (scene.knob.damping + hand.damping) * velocity,
+        "stiffness": hand.stiffness * angle,
+    }
+    time, unit = scale_of(one.time), Scale(abs(one.pulse.torque))
+    drawn = theme.figure(3.4)
+    panel = drawn.subplots()
+    commanded = np.where(middle < one.pulse.duration, one.pulse.torque, 0.0)
+    _draw_terms(panel, time.factor * middle, commanded, terms, factor=unit.factor, step="steps-mid")
+    panel.set_xlabel(f"time, {time.prefix}s")
+    panel.set_ylabel(f"torque, {unit.prefix}N\u00b7m")
+    panel.set_xlim(0.0, time.factor * float(one.time[-1]))
+    key(panel)
+    return drawn

@@ -1,0 +1,52 @@
+"""Files: written new and through no link, and known again by their digest.
+
+The digest of a file's content, or of a folder of results. Loads nothing: a pipeline asks for it before it does.
+"""
+
+import hashlib
+from pathlib import Path
+from typing import BinaryIO
+
+from hknob_cli.errors import RefusedError
+
+_RESULTS = (".parquet", ".svg")
+
+
+def digest(path: Path) -> str | None:
+    """SHA-256 of a file's content, or of a folder's results by name and content; None if it is not there."""
+    try:
+        if path.is_dir():
+            whole = hashlib.sha256()
+            for file in sorted(path.iterdir()):
+                if file.suffix in _RESULTS:
+                    whole.update(f"{file.name} {digest(file)}\n".encode())
+            return whole.hexdigest()
+        if not path.is_file():  # a device or pipe may have no end
+            return None
+        with path.open("rb") as stream:
+            return hashlib.file_digest(stream, "sha256").hexdigest()
+    except OSError:
+        return None
+
+
+def create(path: Path) -> BinaryIO:
+    """A new file to write, in place of what is there; of a link the link is removed. Raises `OSError`."""
+    path.unlink(missing_ok=True)
+    return path.open("xb")  # exclusive creation follows no link, and fails where someone has been quicker
+
+
+def make_folder(path: Path) -> None:
+    """Make a folder inside a results folder, if it is not there.
+
+    Raises `OSError`, and `RefusedError` for a file or a link in the way.
+    """
+    refuse_link(path)
+    if path.exists() and not path.is_dir():
+        raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
+    path.mkdir(exist_ok=True)
+
+
+def refuse_link(path: Path) -> None:
+    """Raise `RefusedError` if a folder inside a results folder is a link: what is behind it is not of these results."""
+    if path.is_symlink():
+        raise RefusedError(f"{path}: is a link, which nothing is written through; remove it, or choose another --out")

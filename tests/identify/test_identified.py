@@ -1,0 +1,76 @@
+"""Damping ratio, hand without apparatus, models at the skin; means over blocks and persons."""
+
+import math
+
+import numpy as np
+import pytest
+
+from hknob_cli.errors import UsageError
+from hknob_cli.identify.fit import Estimate, Fit
+from hknob_cli.identify.identified import (
+    at_the_skin,
+    damping_ratio,
+    over_blocks,
+    over_subjects,
+    student,
+    without_apparatus,
+)
+from hknob_cli.identify.output_error import output_error
+from tests.identify.pulses import LIGHT, motion, pulse, seen
+
+
+def test_damping_ratio_has_the_spread_of_repeated_fits() -> None:
+    """The delta method against 200 fits: their spread is known to 5 %."""
+    rng, true = np.random.default_rng(0), motion(LIGHT, pulse(350))
+    found = [damping_ratio(output_error(seen(true, rng, 1e-4, 0, 1, 50))) for _ in range(200)]
+    values = [one.value for one in found]
+    assert np.mean(values) == pytest.approx(LIGHT[1] / (2.0 * math.sqrt(LIGHT[0] * LIGHT[2])), rel=1e-3)
+    assert np.mean([one.std for one in found]) == pytest.approx(np.std(values), rel=0.2)
+
+
+def test_no_damping_ratio_of_next_to_nothing() -> None:
+    """1e-200 kg·m² on 1e-200 N·m/rad: both are positive, their product is no number any more."""
+    tiny = {name: Estimate(1e-200, 1e200) for name in ("inertia", "damping", "stiffness")}
+    assert math.isnan(damping_ratio(Fit("least_squares", tiny, 0.0)).value)
+    vague = {name: Estimate(1.0, 1e200) for name in tiny}
+    assert not damping_ratio(Fit("least_squares", vague, 0.0)).identifiable
+    assert not without_apparatus(Estimate(1.0, 1e200), 0.5)[0].identifiable
+
+
+def test_no_damping_ratio_without_a_spring() -> None:
+    fit = output_error(motion(LIGHT))
+    none = {**fit.parameters, "stiffness": Estimate(-0.01, 0.1)}
+    assert math.isnan(damping_ratio(fit._replace(parameters=none)).value)
+    assert damping_ratio(fit._replace(covariance=None)).value == pytest.approx(damping_ratio(fit).value)
+
+
+def test_the_apparatus_is_subtracted_with_its_error() -> None:
+    hand, flags = without_apparatus(Estimate(2.11e-6, 3e-8), Estimate(1.98e-6, 4e-8))
+    assert hand.value == pytest.approx(1.3e-7)
+    assert hand.std == pytest.approx(5e-8)
+    assert (hand.identifiable, flags) == (True, ())
+    _, flags = without_apparatus(Estimate(1.67e-6, 1e-8), 1.98e-6)
+    assert flags == ("inertia is below the apparatus's own: 1.67e-06 less 1.98e-06",)
+
+
+def test_models_at_the_skin() -> None:
+    found = at_the_skin({"stiffness": Estimate(0.04, 0.01), "coulomb": Estimate(1e-3, 1e-4)}, 8.9e-3)
+    assert found["stiffness"].value == pytest.approx(0.04 / 8.9e-3**2)
+    assert found["coulomb"] == pytest.approx((1e-3 / 8.9e-3, 1e-4 / 8.9e-3, True, 0.0))
+    with pytest.raises(UsageError, match="radius must be > 0, got 0"):
+        at_the_skin({}, 0.0)
+
+
+def test_blocks_give_a_mean_and_its_error() -> None:
+    found = over_blocks([Estimate(1.0, 0.01), Estimate(2.0, 0.01), Estimate(3.0, 0.01), Estimate(math.nan, math.nan)])
+    assert found == pytest.approx((2.0, 1.0 / math.sqrt(3.0), True, 0.0))
+    assert over_blocks([Estimate(1.0, 0.01)]) == Estimate(1.0, 0.01)
+    assert not over_blocks([]).identifiable
+    assert student(0.95, 2) == pytest.approx(4.302653, rel=1e-6)
+
+
+def test_subjects_give_a_row_of_table_1() -> None:
+    found = over_subjects([1.0, 2.0, 3.0, math.nan])
+    assert found == pytest.approx((2.0, 1.0, 0.5, 3))
+    assert math.isnan(over_subjects([1.0]).std)
+    assert over_subjects([]).number == 0
