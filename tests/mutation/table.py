@@ -13,7 +13,11 @@ GENERAL_SETS, CONTROLLER_SETS = f"{GENERAL}sets/", "tests/controllers/sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
-STANDSTILL = (f"{PROOF}test_standstill_margins.py", f"{GENERAL}test_inner_region.py")
+STANDSTILL = (
+    f"{PROOF}test_standstill_margins.py",
+    f"{PROOF}test_runs_off.py",
+    f"{GENERAL}test_inner_region.py",
+)
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
@@ -25,6 +29,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/arc.py": ARCS,
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
+    "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),

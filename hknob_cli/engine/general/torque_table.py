@@ -30,6 +30,7 @@ def locate(shown, table):
     elif place >= size:
         turns = floor((place - size) / table[TURN]) + 1.0
     place -= turns * table[TURN]
+    # Positions that no double tells apart any more may come out beyond the ends.
     return int(min(max(place, 0.0), size - 1.0)), turns
 
 
@@ -38,10 +39,7 @@ def command_at(shown, table):
     if table is None:
         return 0.0
     place, turns = locate(shown, table)
-    u = table[HEAD + place]
-    if turns != 0.0:
-        u += turns * (table[RISE_BELOW] if turns < 0.0 else table[RISE_ABOVE])
-    return u
+    return table[HEAD + place] + turns * (table[RISE_BELOW] if turns < 0.0 else table[RISE_ABOVE])
 
 
 def run_at(shown, table):
@@ -52,9 +50,6 @@ def run_at(shown, table):
     size = (len(table) - HEAD) // 3
     low, high = table[HEAD + size + place], table[HEAD + 2 * size + place]
     shift = turns * table[TURN]
-    # What never ends is one run, however many turns are between: its other end stays where it is.
-    if turns < 0.0 and low == -float("inf"):
-        return low, high
-    if turns > 0.0 and high == float("inf"):
-        return low, high
+    if low == -float("inf") or high == float("inf"):
+        return low, high  # one run, however many turns are between: its other end stays where it is
     return low + shift, high + shift

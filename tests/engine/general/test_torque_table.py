@@ -57,6 +57,22 @@ def test_a_table_goes_on_beyond_its_ends() -> None:
         assert command_at(float(shown), one) == expected
 
 
+def test_springs_on_both_sides() -> None:
+    one = table([2.0, 1.0, 0.0, 0.0, -3.0, -6.0], first=-2, below=-1.0, above=-3.0)
+    for shown in range(-40, 40):
+        assert command_at(float(shown), one) == max(0.0, -shown) - 3.0 * max(0.0, shown - 1)
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_positions_that_no_double_tells_apart_have_a_command(name: str) -> None:
+    one = TABLES[name]
+    chance = np.random.default_rng(1)
+    for size in [1e300, *(10.0 ** chance.uniform(16.0, 22.0, 300)).round().tolist()]:
+        for shown in (size, -size):
+            assert abs(command_at(shown, one)) <= 10.0 + 2.0 * size
+            assert run_at(shown, one)[0] <= run_at(shown, one)[1]
+
+
 def test_a_turn_changes_nothing() -> None:
     one = TABLES["pattern"]
     for shown in range(-40, 40):
