@@ -3,6 +3,7 @@
 The numbers, the memory and the parts of an interval are those of the controller's own file in `controllers`.
 """
 
+from itertools import pairwise
 from math import inf
 from typing import NamedTuple
 
@@ -14,8 +15,9 @@ from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.laws.law import CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
-from hknob_cli.scene.general_knob import GeneralKnob, add_spans
+from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.plan import Scene
 
 SAME = 1e-12  # of two instants in an interval that are one
 
@@ -40,8 +42,11 @@ class _Fading(NamedTuple):
     guarded: bool = False
 
 
-def make_law(plan: Controller, knob: GeneralKnob, *, stiffness: float, delay_samples: float) -> LawKnob:
-    """The law of one cell; ``stiffness`` of the wall, N·m/rad."""
+def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
+    """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
+    assert scene.controller
+    knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    plan, stiffness = scene.controller, scene.wall.stiffness
     control = make_control_law(plan)
     lane = _lane(knob, stiffness)
     fixed, fading = _numbers(plan, control, lane)
@@ -53,7 +58,7 @@ def make_law(plan: Controller, knob: GeneralKnob, *, stiffness: float, delay_sam
     if plan.kind == "passivity":
         rows, first = rows + 1, [*first, 0.0]
     split = knob.wall.split
-    whole = int(delay_samples)
+    whole = int(scene.actuator.delay_samples) if scene.actuator else 0
     ages = whole + 1 + (1 if split > 0.0 else 0)
     looks, parts = len(control.looks), len(control.parts)
     line = rows + 1 + looks
@@ -153,7 +158,7 @@ def _pieces(
             cuts.append(one)
     cuts.append(1.0)
     parts, found = len(control.parts), []
-    for begin, end in zip(cuts[:-1], cuts[1:], strict=True):
+    for begin, end in pairwise(cuts):
         middle = 0.5 * (begin + end)
         older = middle < split
         phase = middle - split + (1.0 if older else 0.0)

@@ -101,7 +101,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     if scene.controller:
         found += controller_contradictions(scene.controller, axes)
-        found += refusals(scene, axes, ["controllers"])
+        found += refusals(scene, axes, ["controllers", "laws"])
         if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
             found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
     elif scene.sampling == "continuous":

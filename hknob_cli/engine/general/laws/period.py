@@ -5,6 +5,8 @@ remembered must come back to the last bit. The plant's fixed point is found as i
 torques of that memory. What the torques may be wrong by enters the bound on the orbit's error.
 """
 
+from math import sqrt
+
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import distance, norm, stiffness
@@ -171,7 +173,7 @@ def certify_with_law(z, past, period, body, wall, law, space):
     if law.anchor >= 0:
         wrong += ROUNDINGS * EPSILON * strength * period * period * (1.0 + pace)  # a sum since it began anew
     # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
-    drift = wrong * period * (1.0 + body.ratio)
+    drift = wrong * period * (1.0 + sqrt(body.ratio))
     shift = drift * max(1.0, min(float(period), body.reach))
     rounding = 8.0 * EPSILON * period * law.pieces
     for i in range(n):
