@@ -81,6 +81,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         fading=fading.row,
         fade=float(fading.fade),
         weight=float(fading.weight * knob.wall.kappa),
+        coarse=_coarseness(plan, fixed),
         guarded=fading.guarded or stepped,
         anchor=3 if plan.kind == "passivity" else -1,
         provable=control.provable and not control.senses_speed,
@@ -141,6 +142,13 @@ def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[l
     return [*own, sensor], _Fading()  # half_sample, matched_wall
 
 
+def _coarseness(plan: Controller, fixed: list[float]) -> float:
+    """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
+    if plan.kind == "impulse_damping":
+        return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
+    return 1.0 + abs(fixed[1]) + abs(fixed[2]) if plan.kind == "matched_wall" else 1.0
+
+
 def _pieces(
     control: ControlLaw, split: float, late: int, looks: int, line: int, knob: GeneralKnob
 ) -> list[tuple[float, ...]]:
@@ -157,7 +165,8 @@ def _pieces(
         if one - cuts[-1] > SAME and 1.0 - one > SAME:
             cuts.append(one)
     cuts.append(1.0)
-    parts, found = len(control.parts), []
+    parts = len(control.parts)
+    found: list[tuple[float, ...]] = []
     for begin, end in pairwise(cuts):
         middle = 0.5 * (begin + end)
         older = middle < split

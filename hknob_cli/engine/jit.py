@@ -201,8 +201,8 @@ def compiled_law(name: str) -> Any:
     functions = compiled("laws")
     numbers = kinds.float64[::1]
     signature = kinds.float64(kinds.float64, kinds.float64, numbers, numbers, numbers)
-    source = functions[f"general.laws.{name}"].py_func
-    return numba.cfunc(signature, cache=not _not_kept())(source)
+    source: Any = functions[f"general.laws.{name}"]
+    return numba.cfunc(signature, cache=not _not_kept())(source.py_func)
 
 
 def _keep_if_room(function: Any) -> None:

@@ -2,8 +2,9 @@
 
 from math import nan
 
-from hknob_cli.measure.general_orbit import Array, GeneralMeasurer
+from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.leak import Leak
+from hknob_cli.measure.moments import Array
 
 
 class LawMeasurer(GeneralMeasurer):

@@ -166,7 +166,9 @@ def follow_with_law(
                         copy_to(keep, space.orbit)
                         copy_to(keeppast, law.periodic)
                         if not law.provable:
-                            break
+                            copy_to(z, keep)
+                            copy_to(past, keeppast)
+                            return kept_fate, since, i
                     if status != WAIT:
                         tolerance = 0.5 * gap
                     if status == NOT_CAPTURED:

@@ -35,6 +35,7 @@ class Law(NamedTuple):
     fading: int  # the row that fades, or -1
     fade: float  # by which a difference in it shrinks in a sample; 0 without one
     weight: float  # acceleration by which a torque differs, by a difference in it
+    coarse: float  # times that a torque's rounding may be larger than that of the wall's own
     guarded: bool  # whether the law's guards are of that row
     anchor: int  # a row that is 1 where the others have just begun anew, which a proof needs; or -1
     provable: bool

@@ -130,7 +130,7 @@ def certify_with_law(z, past, period, body, wall, law, space):
     copy_to(space.orbit, z)
     gone = 1.0 - law.fade**period
     margin, edge, reach, pace, guard, strength, anchored = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, True
-    closure, size, missed, late = 0.0, 0.0, 0.0, 0.0
+    closure, missed, late = 0.0, 0.0, 0.0
     solved, best = True, float("inf")
     for step in range(NEWTON_STEPS):
         copy_to(law.beside, law.periodic)
@@ -148,9 +148,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
             space.residual[i] = space.state[i] - space.orbit[i]
             closure += space.residual[i] * space.residual[i]
         closure = closure**0.5
-        size = 4.0 * EPSILON * (reach + pace)
         solved = invert(space.matrix, space.cols, n, space.width)
-        if not solved or closure <= size or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+        if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
         best = min(best, closure)
         for i in range(n):
@@ -169,9 +168,10 @@ def certify_with_law(z, past, period, body, wall, law, space):
     if law.fading >= 0:
         scale = abs(law.periodic[law.fading]) + strength / wall.kappa + reach
         worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
-    wrong = law.weight * worn + late + ROUNDINGS * EPSILON * strength
+    size = law.coarse * (strength + wall.kappa * (1.0 + reach))  # of the terms of a torque, which may cancel
+    wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
     if law.anchor >= 0:
-        wrong += ROUNDINGS * EPSILON * strength * period * period * (1.0 + pace)  # a sum since it began anew
+        wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
     # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
     drift = wrong * period * (1.0 + sqrt(body.ratio))
     shift = drift * max(1.0, min(float(period), body.reach))

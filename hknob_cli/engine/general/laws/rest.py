@@ -40,7 +40,7 @@ def settled_past(past, shown, wall, law):
     return True, guard
 
 
-def find_balance(z, u, body, orbit):
+def find_balance(u, body, orbit):
     """Leave in ``orbit`` where a body without friction stands under the torque ``u``; whether it does."""
     n = body.order
     for i in range(n):
@@ -69,10 +69,11 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         return MOVING
     n = body.order
     u = law.periodic[law.line + (law.ages - 1) * law.parts]
-    left = torques_apart(past, law.periodic, law) + ROUNDINGS * EPSILON * abs(u)
+    size = law.coarse * (abs(u) + wall.kappa * (1.0 + abs(z[0])))
+    left = torques_apart(past, law.periodic, law) + ROUNDINGS * EPSILON * size
     push = pushed_apart(left, body)
     if body.friction == 0.0:
-        if not find_balance(z, u, body, orbit):
+        if not find_balance(u, body, orbit):
             return MOVING
         for i in range(n):
             away[i] = z[i] - orbit[i]
