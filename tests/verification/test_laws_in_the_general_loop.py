@@ -42,22 +42,18 @@ def scenes(controller: str, count: int, seed: int = 0) -> list[Drawn]:
     return [draw(numbers, controller) for _ in range(count)]
 
 
-def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> np.ndarray:
-    """States at samples, (samples + 1, n)."""
-    n = made.knob.body.order
-    states = np.zeros((samples + 1) * n)
+def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """States at samples, (samples + 1, n), and counts at the looks of each interval, (samples, looks)."""
+    n, law = made.knob.body.order, made.law
     functions: Any = compiled("laws")
-    functions["general.laws.run_with_law"](
-        np.array(state, dtype=np.float64),
-        np.array(past, dtype=np.float64),
-        samples,
-        as_arrays(made.knob.body),
-        made.knob.wall,
-        engine._law,
-        np.zeros(2 * n),
-        states,
-    )
-    return states.reshape(samples + 1, n)
+    z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
+    states, looks = [z.copy()], []
+    body, pad, room = as_arrays(made.knob.body), np.zeros(2 * n), np.zeros(2 * n)
+    for _ in range(samples):
+        functions["general.laws.run_with_law"](z, memory, 1, body, made.knob.wall, engine._law, pad, room)
+        states.append(z.copy())
+        looks.append(memory[law.rows + 1 : law.line].copy())
+    return np.array(states), np.array(looks)
 
 
 def check_trial(one: Drawn) -> float:
@@ -69,7 +65,7 @@ def check_trial(one: Drawn) -> float:
     body = as_arrays(knob.body)
     functions["general.begin"](z, np.array(knob.start(0.02, -0.5)), phase, body, np.zeros(2 * len(z)))
     functions["general.laws.begin_past"](past, functions["general.read"](z[0], knob.wall), engine._law)
-    states = run(engine, made, z, past, SAMPLES)
+    states, _ = run(engine, made, z, past, SAMPLES)
     trial = simulate_law(one.scene, one.rate_hz, one.counts, angle=0.02, velocity=-0.5, phase=phase)
     worst, size = float("nan"), float(np.abs(states[:, 0]).max())
     for i in range(SAMPLES):
@@ -87,15 +83,14 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     knob, n = made.knob, orbit.period
     bodies, control = build(one.scene, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
     state = [orbit.x, orbit.v, *orbit.state]
-    seen = run(engine, made, state, orbit.line, n)[:, 0]
+    states, between_counts = run(engine, made, state, orbit.line, n)
+    seen = states[:, 0]
     z = to_si(knob, control, state)
     detections = one.scene["controller"].get("detections", 1)
     shown = [control.measured((mp.mpf(float(x)) + mp.mpf(knob.shift)) * control.quantum) for x in seen[:n]]
-    rows = made.law.rows + 1
-    first = [
-        (mp.mpf(float(count)) + control.offset) * control.quantum for count in orbit.line[rows : rows + detections - 1]
-    ]
-    looks = [first] * n  # those before the first sample are known; the others follow from the motion
+    # What is seen between the samples is part of what the law reads: at each sample that of the interval before.
+    angles = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
+    looks = [angles[-1], *angles[:-1]]
     units = [control.quantum, control.quantum / control.period] * 2 + [mp.mpf(knob.torque_nm)]
     free = unknowns(knob)
     values = [z[i] / units[i] for i in free]
@@ -109,11 +104,6 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
         return [motion.z[i] / units[i] - value for value, i in zip(given, free, strict=True)], thetas, seen_between
 
     wave = periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks)
-    for _ in range(3 if detections > 1 else 0):
-        # What is seen between the samples is part of what the law reads.
-        _, _, between = residual(values, wave)
-        looks = [between[-1], *between[:-1]]
-        wave = periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks)
     off, thetas, between = residual(values, wave)
     for _ in range(6):
         if max(map(abs, off)) < CLOSED:
