@@ -19,6 +19,7 @@ from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller_plan import Controller
 from hknob_cli.specs.plan import Scene
 
+LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -122,7 +123,7 @@ def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[l
     own = [float(one[0]) for one in control.constants(lane)]
     sensor = 1.0 if control.senses_speed else 0.0
     if plan.kind == "bounded_lag":
-        stays = float(np.exp(-lane.period_s[0] / plan.time_constant))
+        stays = min(float(np.exp(-lane.period_s[0] / plan.time_constant)), LONGEST)
         return [offset, own[0], plan.keep], _Fading(0, stays, 1.0 - plan.keep)
     if plan.kind == "first_order_hold":
         return [offset, float(plan.correct)], _Fading()

@@ -191,6 +191,11 @@ def test_friction_holds_a_knob_while_the_mean_still_moves() -> None:
         assert (fate == AT_REST) == held
 
 
+def test_a_mean_that_hardly_moves_divides_by_nothing() -> None:
+    _, cell = made({"kind": "bounded_lag", "time_constant": 9e5}, knob={"coulomb_torque": 1e-4})
+    assert 0.0 < 1.0 - cell.law.fade < 1e-8
+
+
 def test_torques_push_nowhere_without_a_difference() -> None:
     _, cell = made({"kind": "bounded_lag"}, hand={"stiffness": 0.0})
     assert pushed_apart(0.0, cell.knob.body) == 0.0
