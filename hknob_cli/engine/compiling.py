@@ -14,6 +14,7 @@ COMPILING_S = {
     "arc_cells": 25.0,
     "bounces": 3.0,
     "general": 40.0,
+    "laws": 60.0,
     "sets": 25.0,
     "general sets": 90.0,
     "friction sets": 120.0,

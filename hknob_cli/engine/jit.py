@@ -42,6 +42,11 @@ GENERAL = (
     "general.ensemble",
     "general.trace",
 )
+# The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
+LAWS = (
+    *GENERAL,
+    *(f"general.laws.{name}" for name in ("kinds", "step", "cascade", "period", "rest", "follow", "trials")),
+)
 SETS = (
     *MOTION,
     *(f"sets.{name}" for name in ("known", "ball", "arc_cut", "arc", "polygon", "region", "lattice", "box")),
@@ -83,6 +88,7 @@ GROUPS = {
     "arc_cells": (ARC_CELLS, "cells.run_arc_cells"),
     "bounces": (BOUNCES, "bounces.bounce_peaks"),
     "general": (GENERAL, "ensemble.run_trials"),
+    "laws": (LAWS, "trials.run_trials_with_law"),
     "unsampled": (UNSAMPLED, "settling.settle_motion"),
     "sets": (SETS, "ball.follow_ball"),
     "general sets": (GENERAL_SETS, "ball.follow_ball"),
@@ -185,6 +191,19 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
             if keep:
                 _keep_if_room(done[function])
     return named
+
+
+@cache
+def compiled_law(name: str) -> Any:
+    """The address of a law of `general.laws.kinds`, compiled by itself: what calls it need not be compiled for it."""
+    import numba
+    from numba import types as kinds
+
+    functions = compiled("laws")
+    numbers = kinds.float64[::1]
+    signature = kinds.float64(kinds.float64, kinds.float64, numbers, numbers, numbers)
+    source: Any = functions[f"general.laws.{name}"]
+    return numba.cfunc(signature, cache=not _not_kept())(source.py_func)
 
 
 def _keep_if_room(function: Any) -> None:

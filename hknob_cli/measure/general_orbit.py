@@ -231,6 +231,14 @@ class GeneralMeasurer:
         return Totals(*(float(value) for value in total))
 
 
+class LawMeasurer(GeneralMeasurer):
+    """As `GeneralMeasurer`, under a controller; what a late edge gives out is known of the plain wall alone."""
+
+    def _leak(self, x: Array, commands: Array) -> Leak:
+        del x, commands
+        return Leak(nan, nan, nan)
+
+
 def _quadrature(start: Array, span: float, alpha: float, beta: float) -> tuple[float, float, float]:
     """Integrals of x, x² and v² over a short piece from (x, v, drive)."""
     x, v, drive = (float(value) for value in start)

@@ -3,6 +3,7 @@
 Like `scene.sampled_knob`, in counts and sample periods; without an encoder a count is a milliradian.
 """
 
+from collections.abc import Sequence
 from math import inf, isfinite, pi, sqrt
 from typing import NamedTuple
 
@@ -202,6 +203,16 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         halt=[0.0],
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
+
+
+def add_spans(body: Body, spans: Sequence[float]) -> Body:
+    """The body with D over more times (sample periods) at the end of its matrices; of second order as it is."""
+    n = body.order
+    if n == 2:
+        return body
+    a = np.array(body.matrices[: n * n]).reshape(n, n)
+    more = [_increment(a, span, body.alpha, body.beta).ravel() for span in spans]
+    return body._replace(matrices=[*body.matrices, *np.concatenate(more).tolist()])
 
 
 def _series(alpha: float, beta: float) -> Array:

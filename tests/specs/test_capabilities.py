@@ -131,6 +131,29 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
     _sweeps_as_the_table_says(part, "phases")
 
 
+BESIDE = ("friction", "finger", "virtual_damping", "delay", "lag", "torque_step")
+
+
+@pytest.mark.parametrize("starts", ["phases", "one", "ranges"])
+@pytest.mark.parametrize("part", BESIDE)
+def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> None:
+    """In the general loop, from sampled starts: what is found is proven, that the list is complete is not."""
+    both = merged(CHANGES[part], CHANGES["controller"])
+    source = Source("spec.yaml")
+    source.value = {**merged(deepcopy(BASE), both), "starts": {**KINDS[starts], "phases": 2}}
+    if starts != "phases":
+        source.value["starts"] = KINDS[starts]
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    plan = plan._replace(starts=plan.starts._replace(phases=2)) if starts == "one" else plan
+    scene = scene_at(plan.scene, next(iter(cells_of(plan))))
+    assert engine_of(scene, STARTS[starts]) == "laws"
+    assert verdict_of(parts_of(scene), "laws")[0] == PROVEN
+    cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
+    assert cell["certified_fraction"] == 1.0
+    assert not cell.get("complete", False)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("starts", ["one", "ranges", "anywhere"])
 @pytest.mark.parametrize("part", CHANGES)

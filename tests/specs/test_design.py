@@ -153,11 +153,9 @@ def test_rate_and_counts_must_be_chosen() -> None:
     assert any("choices: must have sample_rate_hz; a single value is a choice of one" in one for one in found)
 
 
-def test_a_controller_beside_friction_says_so_at_the_choice() -> None:
+def test_a_controller_goes_with_friction_as_a_choice() -> None:
     text = DESIGN.replace("knob.damping:", "knob.coulomb_torque:")
-    found = faults(text)
-    assert len(found) == 1
-    assert "must be absent where a controller is given" in found[0]
+    assert planned(text).candidates[1].fixed == ()
     free = text.replace("{scene: {controller:", "{scene: {knob: {coulomb_torque: 0}, controller:")
     assert planned(free).candidates[1].fixed == ("knob.coulomb_torque",)
 

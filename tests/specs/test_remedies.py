@@ -5,7 +5,7 @@ import pytest
 from hknob_cli.specs.controller_plan import KINDS, Controller
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
-from tests.conftest import ROOT, SPEC, faults_of
+from tests.conftest import ROOT, SPEC, faults_of, loaded
 
 TRIAL = """\
 kind: remedies
@@ -59,13 +59,8 @@ def test_fault_of_a_controller(name: str) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "place"),
     [
-        ("{inertia: 1.9e-6}", "{inertia: 1.9e-6, coulomb_torque: 1e-4}", "4:43: scene.knob.coulomb_torque"),
-        ("{stiffness: 0.27}", "{stiffness: 0.27, damping: 1e-4}", "6:36: scene.wall.damping"),
         ("{stiffness: 0.27}", "{stiffness: 0}", "6:21: scene.wall.stiffness: must be > 0"),
         ("grid:", "  encoder: none\ngrid:", "scene.encoder"),
-        ("grid:", "  actuator: {delay_samples: 1}\ngrid:", "scene.actuator.delay_samples"),
-        ("grid:", "  actuator: {time_constant: 1 ms}\ngrid:", "scene.actuator.time_constant"),
-        ("[1024]", "[1024]\n  knob.coulomb_torque: [0, 1e-4]", 'grid["knob.coulomb_torque"]'),
         ("[1024]", "[1024]\n  controller.keep: [0.1]", 'grid["controller.keep"]'),
         ("starts:", "growth: {duration: 1}\nstarts:", "growth"),
     ],
@@ -73,6 +68,23 @@ def test_fault_of_a_controller(name: str) -> None:
 def test_parts_that_no_controller_has_been_built_for(old: str, new: str, place: str) -> None:
     text = SPEC.replace("grid:", "  controller: {kind: stiffening}\ngrid:", 1).replace(old, new, 1)
     assert place in faults_of(text)
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("{inertia: 1.9e-6}", "{inertia: 1.9e-6, coulomb_torque: 1e-4}"),
+        ("{stiffness: 0.27}", "{stiffness: 0.27, damping: 1e-4}"),
+        ("grid:", "  actuator: {delay_samples: 1}\ngrid:"),
+        ("grid:", "  actuator: {time_constant: 1 ms}\ngrid:"),
+        ("grid:", "  actuator: {torque_step: 1e-4}\ngrid:"),
+        ("[1024]", "[1024]\n  knob.coulomb_torque: [0, 1e-4]"),
+    ],
+)
+def test_a_controller_goes_with_what_real_knobs_have(old: str, new: str) -> None:
+    plan = loaded(SPEC.replace("grid:", "  controller: {kind: stiffening}\ngrid:", 1).replace(old, new, 1))
+    assert plan.scene.controller
+    assert plan.scene.controller.kind == "stiffening"
 
 
 @pytest.mark.parametrize("kind", ["dfa", "predict"])

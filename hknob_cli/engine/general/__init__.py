@@ -4,6 +4,7 @@
 - `advance` from event to event
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
+- `laws/` the same loop under a controller
 
 Beyond the plain loop (`engine/general/`). Between events the motion is linear; the events are zeros of the velocity
 and the release of a held knob. Two states have closed forms; with more, a step is halved until the energy of the

@@ -51,6 +51,7 @@ HALVINGS = 53  # D down to the last bit of a sample period
 RATES, HELD = 0, 1  # A, sliding and held by friction
 FIRST, SECOND = 2, 3  # D over the part of an interval under the older command, and over the rest
 HALVES, HALVES_HELD = 4, 4 + HALVINGS  # D(1), D(1/2), D(1/4), ...; not of second order
+ADDED = 4 + 2 * HALVINGS  # D over the pieces of an interval under a law, without friction; not of second order
 CONSTANT, CONSTANT_HELD, ENTRY = 0, 1, 2  # c, sliding and held; p
 
 

@@ -30,6 +30,7 @@ from hknob_cli.engine.general import ensemble, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS
+from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.torque_table import HEAD
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -38,6 +39,9 @@ GENERAL_FATES = {
     **FATES,
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
+    CYCLE_AT_SWITCH: (Outcome.CYCLE, Reason.AT_SWITCH),
+    CYCLE_NOT_AFFINE: (Outcome.CYCLE, Reason.NOT_AFFINE),
+    REST_NOT_PROVEN: (Outcome.REST, Reason.EXPANDS),
 }
 AT_ONCE = 2**40  # phases, of which the first is half a trillionth of a sample after the start
 FIRST_SLICE = 8  # trials until the first chance to be interrupted

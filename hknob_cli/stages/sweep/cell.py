@@ -122,6 +122,8 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
+        if group == "laws":
+            return self._find_with_law(plan, cell)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
@@ -164,25 +166,25 @@ class CellFinder:
         try:
             search = self._starts.search_general(plan, knob, group) if group != "general" else None
             if search is None:
-                start, several = knob.start(plan.starts.angle, plan.starts.velocity), None
-                if plan.starts.span:
-                    several = [knob.start(*one) for one in random_starts(plan.starts)]
-                    start = [max(map(abs, values)) for values in zip(*several, strict=True)]
-                search = self._general.search(
-                    knob.body,
-                    knob.wall,
-                    start,
-                    several=several,
-                    rate=knob.rate,
-                    phases=plan.starts.phases,
-                    delay_line=knob.delay_line,
-                    max_samples=plan.max_samples,
-                    seconds=plan.seconds_per_cell,
-                )
+                search = _search_trials(plan, self._general, knob, rate=knob.rate, line=knob.delay_line)
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
         return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
+
+    def _find_with_law(self, plan: SweepPlan, cell: Cell) -> CellResult:
+        from hknob_cli.controllers.scalar_law import make_law
+        from hknob_cli.engine.general.laws.search import LawEngine
+        from hknob_cli.measure.general_orbit import LawMeasurer
+
+        made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+        engine = LawEngine(made.law, self.functions.get("laws"), self.stopped, self.patience("laws"))
+        try:
+            search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
+        except NeedsCompilerError:
+            raise NeedsCompilerError("laws") from None
+        measurer = LawMeasurer(made.knob, engine)
+        return _perceived(plan, measurer, _result(cell, made.knob.quantum_rad, search, measurer.measure, "laws"))
 
     def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.growth import bounce_peaks, energy_growth
@@ -238,6 +240,26 @@ class CellFinder:
         search = Search((attractor,), trial.events)
         found = _result(cell, knob.unit_rad, search, lambda _one: measures, "unsampled")
         return found._replace(contact=trial)
+
+
+def _search_trials(plan: SweepPlan, engine: Any, knob: Any, *, rate: float, line: int) -> Search:
+    """What trials settle to in the general loop: from phases of one start, or from random starts in ranges."""
+    start, several = knob.start(plan.starts.angle, plan.starts.velocity), None
+    if plan.starts.span:
+        several = [knob.start(*one) for one in random_starts(plan.starts)]
+        start = [max(map(abs, values)) for values in zip(*several, strict=True)]
+    found: Search = engine.search(
+        knob.body,
+        knob.wall,
+        start,
+        several=several,
+        rate=rate,
+        phases=plan.starts.phases,
+        delay_line=line,
+        max_samples=plan.max_samples,
+        seconds=plan.seconds_per_cell,
+    )
+    return found
 
 
 def _reach(knob: SampledKnob, ranges: tuple[float, float, float, float] | None) -> tuple[float, float] | None:

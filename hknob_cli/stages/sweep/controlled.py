@@ -18,7 +18,7 @@ from hknob_cli.measure.orbit import OrbitMeasures, measure_settled, settled_harm
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at
-from hknob_cli.stages.sweep.cell import CellResult
+from hknob_cli.stages.sweep.cell import CellResult, engine_group
 from hknob_cli.stages.sweep.every_start import why_open
 
 MOST_LANES = 4096  # side by side
@@ -30,19 +30,30 @@ def block_of(plan: SweepPlan) -> int:
     return 1 << (most.bit_length() - 1)
 
 
-def remedied_results(plan: SweepPlan, some: Sequence[Cell] | None = None) -> Iterator[CellResult]:
-    """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together."""
+def remedied_results(
+    plan: SweepPlan, some: Sequence[Cell] | None = None, *, find: Callable[[Cell], CellResult]
+) -> Iterator[CellResult]:
+    """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together.
+
+    ``find``: finds a cell that has more in it than array programs take.
+    """
     if some is None:
         grid, block = cells_of(plan), block_of(plan)
         for start in range(0, len(grid), block):
-            yield from remedied_results(plan, list(grid.run(start, min(len(grid), start + block))))
+            yield from remedied_results(plan, list(grid.run(start, min(len(grid), start + block))), find=find)
         return
     every = list(some)
     alike: dict[tuple[object, ...], deque[int]] = {}
+    alone = {i for i, cell in enumerate(every) if engine_group(plan, scene_at(plan.scene, cell)) == "laws"}
     for i, cell in enumerate(every):
+        if i in alone:
+            continue
         alike.setdefault(_key(plan, cell), deque()).append(i)
     done: dict[int, CellResult] = {}
     for i, cell in enumerate(every):
+        if i in alone:
+            yield find(cell)
+            continue
         if i not in done:
             left = alike[_key(plan, cell)]
             group = [left.popleft() for _ in range(min(len(left), max(1, MOST_LANES // plan.starts.phases)))]

@@ -179,16 +179,16 @@ def record_trial(
             acting = later
         elif event == "pulse ends":
             body = knob.body
-        speed = knob.quantum_rad / knob.period_s
-        torque = (z[n - 1] if body.lag > 0.0 else acting) * knob.torque_nm
-        found = Instant(time * knob.period_s, event, knob.angle_rad(z[0]), z[1] * speed, torque)
-        if body.ratio > 0.0:
-            found = found._replace(finger=knob.angle_rad(z[0] - z[2]), finger_velocity=(z[1] - z[3]) * speed)
-        yield found
+        yield _instant(knob, time, event, z, z[n - 1] if body.lag > 0.0 else acting)
 
 
 def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
     """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
+    from hknob_cli.specs.capabilities import TRIALS, engine_of
+
+    if engine_of(scene_at(plan.scene, cell), TRIALS) == "laws":
+        yield from _with_law(plan, cell, trial, angle_rad)
+        return
     from hknob_cli.controllers.cells import make_batch
     from hknob_cli.controllers.controller import make_control_law
     from hknob_cli.controllers.trajectory import follow
@@ -209,6 +209,29 @@ def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> It
     speed, step = knob.quantum_rad / period_s, scene.wall.stiffness * knob.quantum_rad
     for one in points:
         yield Instant(one.time * period_s, one.event, knob.angle_rad(one.x), one.v * speed, one.torque * step)
+
+
+def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
+    """The same in the general loop."""
+    from hknob_cli.controllers.scalar_law import make_law
+    from hknob_cli.stages.sweep.law_record import follow_law
+
+    assert plan.record
+    made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+    knob = made.knob
+    start, phase = knob.start(angle_rad, plan.starts.velocity), (trial + 0.5) / plan.starts.phases
+    every = plan.record.interval / knob.period_s
+    for one in follow_law(made, start, phase=phase, until=plan.record.duration / knob.period_s, every=every):
+        yield _instant(knob, one.time, one.event, one.state, one.torque)
+
+
+def _instant(knob: GeneralKnob, time: float, event: str, z: list[float], torque: float) -> Instant:
+    """A moment in SI units, from sample periods, counts, and the torque that acts as an acceleration."""
+    speed = knob.quantum_rad / knob.period_s
+    found = Instant(time * knob.period_s, event, knob.angle_rad(z[0]), z[1] * speed, torque * knob.torque_nm)
+    if knob.body.ratio > 0.0:
+        found = found._replace(finger=knob.angle_rad(z[0] - z[2]), finger_velocity=(z[1] - z[3]) * speed)
+    return found
 
 
 def _unsampled(plan: SweepPlan, scene: Scene, counts: int | None, angle_rad: float) -> Iterator[Instant]:

@@ -28,6 +28,7 @@ HEAVIER = {
     "plain": 1.0,
     "bounces": 1.0,
     "general": 10.0,
+    "laws": 10.0,
     "sets": 1.0,
     "general sets": 20.0,
     "friction sets": 50.0,
@@ -229,7 +230,7 @@ class SweepStage:
         if self.plan.scene.controller:
             from hknob_cli.stages.sweep.controlled import remedied_results
 
-            yield from remedied_results(self.plan, some)
+            yield from remedied_results(self.plan, some, find=self.run_cell)
             return
         self._stop.clear()  # set at the end of cells found before
         every = cells_of(self.plan) if some is None else some

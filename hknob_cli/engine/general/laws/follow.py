@@ -1,0 +1,197 @@
+"""Following one trial under a law until its fate is proven: as `general.follow`, by the law's memory as well."""
+
+from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.follow import (
+    CYCLE_CONTINUUM,
+    CYCLE_ON_EDGE,
+    CYCLE_PROVEN,
+    FIRST_REST_TEST,
+    FIRST_TOLERANCE,
+    GREW,
+    REST_EDGE,
+    REST_PROVEN,
+    UNDAMPED,
+    UNSETTLED,
+)
+from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.controller import inside, read
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, PATIENCE, WAIT, has_period
+from hknob_cli.engine.general.laws.cascade import (
+    apart,
+    faded,
+    nearly_same,
+    pushed_apart,
+    same_count,
+    torques_apart,
+)
+from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH
+from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS, certify_with_law
+from hknob_cli.engine.general.laws.rest import settles_with_law
+from hknob_cli.engine.general.laws.step import advance_with_law, copy_to
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
+from hknob_cli.engine.general.standstill import SETTLING
+from hknob_cli.engine.rest import AT_REST, REST_ON_EDGE, RINGS
+
+LOOK_AGAIN = 64  # samples of one reading
+
+
+def fate_of(status, law):
+    """Fate of a periodic motion by the ``status`` of its proof."""
+    if status == PROVEN or status == NOT_CAPTURED:
+        return CYCLE_PROVEN
+    if status == NEUTRAL:
+        return CYCLE_CONTINUUM
+    if status == ON_EDGE:
+        return CYCLE_ON_EDGE
+    if status == AT_EVENT:
+        return CYCLE_AT_EVENT
+    if status == AT_SWITCH:
+        return CYCLE_AT_SWITCH
+    if status == EXPANDS:
+        return CYCLE_EXPANDS if law.provable else law.unproven
+    return UNSETTLED
+
+
+def captured_with_law(z, past, body, law, away, rows, table, states, pasts):
+    """Row of the proven orbit, at its deepest sample, so close to ``z`` that it is followed for ever; -1 if none.
+
+    The last number of a row is not a reading here, but by how much the orbit's guards clear all errors.
+    """
+    n, length = body.order, len(past)
+    for row in range(rows):
+        base = row * FIELDS
+        margin = table[base + 2] - table[base + 5]
+        if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
+            continue
+        for j in range(length):
+            law.beside[j] = pasts[row * length + j]
+        if not same_count(past, law.beside, law):
+            continue
+        if law.guarded and not faded(past, law.beside, law) < table[base + 9]:
+            continue
+        for j in range(n):
+            away[j] = z[j] - states[row * n + j]
+        if apart(away, past, law.beside, body, law) < margin:
+            return row
+    return -1
+
+
+def unlike(dz, past, other, body, law):
+    """How far a trial is from where it was; beyond any tolerance where what is counted differs."""
+    if not law.provable:
+        return distance(dz, body) if nearly_same(past, other, law, REPEATS) else float("inf")
+    if not same_count(past, other, law):
+        return float("inf")
+    return distance(dz, body) + pushed_apart(torques_apart(past, other, law), body)
+
+
+def follow_with_law(
+    z, past, budget, final, limit, body, wall, law, space, check, checkpast, keep, keeppast, rows, table, states, pasts
+):
+    """Follow a trial for at most ``budget`` samples: ``(fate, period, samples)``; as `general.follow.follow_trial`.
+
+    ``z`` and ``past`` are left at the orbit's state.
+    """
+    n = body.order
+    loosest = FIRST_TOLERANCE if law.provable else REPEATS * (1.0 + abs(z[0]))
+    have, events, next_checkpoint, since = False, 0, 1, 0
+    tolerance, left_alone = loosest, 0
+    kept, kept_fate = 0, CYCLE_ON_EDGE
+    resting_on_edge, settling = False, False
+    shown = read(z[0], wall)
+    run, next_test = 0, FIRST_REST_TEST
+    for i in range(budget):
+        x = z[0]
+        if body.halt[0] > 0.0:
+            return UNSETTLED, 0, i
+        if not -limit < x < limit:
+            return GREW, 0, i
+        close = False
+        for row in range(rows):
+            if abs(x - states[row * n]) < table[row * FIELDS + 2] and table[row * FIELDS] == CYCLE_PROVEN:
+                close = True
+        if close:
+            row = captured_with_law(z, past, body, law, space.away, rows, table, states, pasts)
+            if row >= 0:
+                return KNOWN, row, i
+        last = shown
+        shown = read(x, wall)
+        if law.watch.damping == 0.0:
+            shown = inside(shown)
+        if shown == last:
+            run += 1
+            if run >= next_test:
+                next_test = 2 * run
+                fate = settles_with_law(z, read(x, wall), past, body, wall, law, space.orbit, space.away)
+                if fate == SETTLING:
+                    settling = True
+                    copy_to(space.state, z)
+                    copy_to(law.beside, past)
+                    advance_with_law(space.state, law.beside, body, wall, law, space.pad)
+                    stands = True
+                    for j in range(n):
+                        stands = stands and space.state[j] == z[j]
+                    if stands:
+                        return REST_PROVEN, 1, i
+                if fate == AT_REST:
+                    copy_to(z, space.orbit)
+                    return REST_PROVEN, 1, i
+                if fate == RINGS:
+                    return UNDAMPED, 0, i
+                resting_on_edge = fate == REST_ON_EDGE
+        else:
+            run, next_test = 0, FIRST_REST_TEST
+            resting_on_edge, settling = False, False
+        if shown < last or (not law.provable and run % LOOK_AGAIN == LOOK_AGAIN - 1):
+            # What cannot be proven to rest may still come to a standstill within one count.
+            if have:
+                for j in range(n):
+                    space.away[j] = z[j] - check[j]
+                gap = unlike(space.away, past, checkpast, body, law)
+                if gap < tolerance:
+                    status, margin = DIFFERENT, 0.0
+                    if law.provable and gap > 0.0 and left_alone < PATIENCE and has_period(since, rows, table):
+                        status, left_alone = WAIT, left_alone + 1
+                        tolerance = 0.25 * gap
+                    else:
+                        status, margin, _, _, _ = certify_with_law(z, past, since, body, wall, law, space)
+                        if status == NEUTRAL and body.friction > 0.0:
+                            status = DIFFERENT
+                    if status == PROVEN or status == NEUTRAL:
+                        copy_to(z, space.orbit)
+                        copy_to(past, law.periodic)
+                        return fate_of(status, law), since, i
+                    if status != WAIT and status != DIFFERENT and status != NOT_CAPTURED:
+                        kept, kept_fate = since, fate_of(status, law)
+                        copy_to(keep, space.orbit)
+                        copy_to(keeppast, law.periodic)
+                        if not law.provable:
+                            copy_to(z, keep)
+                            copy_to(past, keeppast)
+                            return kept_fate, since, i
+                    if status != WAIT:
+                        tolerance = 0.5 * gap
+                    if status == NOT_CAPTURED:
+                        for j in range(n):
+                            space.away[j] = z[j] - space.orbit[j]
+                        away = apart(space.away, past, law.periodic, body, law)
+                        tolerance = gap * min(1.0, 0.9 * margin / away) if away > 0.0 else 0.5 * gap
+                    elif status == DIFFERENT and gap == 0.0:
+                        tolerance = loosest
+            events += 1
+            if events == next_checkpoint:
+                next_checkpoint = 2 * events
+                have, since, tolerance = True, 0, loosest
+                copy_to(check, z)
+                copy_to(checkpast, past)
+        since += 1
+        advance_with_law(z, past, body, wall, law, space.pad)
+    if kept > 0:
+        copy_to(z, keep)
+        copy_to(past, keeppast)
+        return kept_fate, kept, budget
+    if resting_on_edge:
+        return REST_EDGE, 1, budget
+    if final and settling:
+        return REST_PROVEN, 1, budget
+    return (UNSETTLED if body.damped else UNDAMPED), 0, budget

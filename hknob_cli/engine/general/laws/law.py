@@ -1,0 +1,47 @@
+"""What the loop knows of a controller: its function and numbers, what it remembers, and when its torques act."""
+
+from typing import Any, NamedTuple
+
+from hknob_cli.engine.general.controller import Controller
+
+PIECE = 7  # numbers of a piece of an interval: time, S, G, F, where its torque stands, where a look goes, its matrix
+SPAN, S, G, F, TORQUE, LOOK, MATRIX = range(PIECE)
+
+# Fates beside those of `general.follow`.
+CYCLE_AT_SWITCH = 12
+CYCLE_NOT_AFFINE = 13
+REST_NOT_PROVEN = 14
+
+
+class Law(NamedTuple):
+    """A controller of one cell, with room to work in.
+
+    ``past`` of a trial is one array: ``rows`` numbers that the law remembers, the last reading, those of ``looks``
+    into the last interval, and from ``line`` on the torques of ``ages`` samples, ``parts`` each, the newest last,
+    as accelerations of the knob. The oldest of them no longer matters once the next sample has come.
+    """
+
+    act: Any  # the function of `kinds`, or its address
+    fixed: Any
+    first: Any  # (rows), memory before the first sample
+    rows: int
+    place: int  # 1: the first row begins at the place that the encoder shows
+    looks: int
+    line: int
+    parts: int
+    ages: int
+    pieces: int
+    sched: Any  # (pieces * PIECE), the pieces of an interval between changes of torque and looks
+    fading: int  # the row that fades, or -1
+    fade: float  # by which a difference in it shrinks in a sample; 0 without one
+    weight: float  # acceleration by which a torque differs, by a difference in it
+    coarse: float  # times that a torque's rounding may be larger than that of the wall's own
+    guarded: bool  # whether the law's guards are of that row
+    anchor: int  # a row that is 1 where the others have just begun anew, which a proof needs; or -1
+    provable: bool
+    unproven: int  # fate of what repeats under a law that is not provable
+    watch: Controller  # the wall, with virtual damping where readings outside matter: which edges change a command
+    out: Any  # (parts)
+    room: Any  # (1), by how much the guards of the last orbit tried clear all errors
+    beside: Any  # like ``past``, of a motion beside the trial
+    periodic: Any  # like ``past``, of the periodic orbit

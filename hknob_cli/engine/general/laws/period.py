@@ -1,0 +1,207 @@
+"""Proof of a limit cycle under a law: the periodic memory of its readings, and the plant's periodic motion under it.
+
+The number that fades goes to its fixed point, over a period an affine map whose slope is known; all else that is
+remembered must come back to the last bit. The plant's fixed point is found as in `general.period_map`, with the
+torques of that memory. What the torques may be wrong by enters the bound on the orbit's error.
+"""
+
+from math import sqrt
+
+from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general.advance import rub_columns
+from hknob_cli.engine.general.body import distance, norm, stiffness
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.laws.cascade import apart, faded, nearly_same, same_count
+from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, decide
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
+from hknob_cli.engine.general.powers import dissipates, invert
+
+AT_SWITCH = 7  # a guard of the law lies within the error bound
+REPEATS = 1e-8  # counts, relative: by which what cannot be proven must come back
+ROUNDINGS = 16.0  # of a torque, or of an update of what fades
+
+
+def turn_with_law(past, period, body, wall, law, space, m):
+    """Run the orbit in ``space`` over a period with its derivative, and ``past`` with it.
+
+    Returns ``(margin, edge, reach, pace, guard, strength, anchored)``: the first four as `period_map.turn` does, the
+    least guard, the largest torque, and whether the law's memory has begun anew.
+    """
+    n, width = body.order, space.width
+    for c in range(m):
+        for i in range(width):
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
+        space.cols[width * width + c] = 0.0  # torques do not depend on where the plant is, between edges
+    for i in range(n):
+        space.state[i] = space.orbit[i]
+    space.marks[0], space.marks[1] = float("inf"), float("inf")
+    margin, edge, guard = float("inf"), float("inf"), FREE
+    reach, pace, strength = 0.0, 0.0, 0.0
+    anchored = law.anchor < 0
+    newest = law.line + (law.ages - 1) * law.parts
+    for _ in range(period):
+        x = space.state[0]
+        shown = read(x, wall)
+        margin = min(margin, edge_gap(x, shown, shown, law.watch))
+        edge = min(edge, count_gap(x, wall))
+        reach = max(reach, abs(x))
+        pace = max(pace, abs(space.state[1]))
+        guard = min(guard, decide(shown, space.state[1], past, wall, law))
+        for i in range(law.parts):
+            strength = max(strength, abs(past[newest + i]))
+        if law.anchor >= 0 and past[law.anchor] > 0.0:
+            anchored = True
+        for piece in range(law.pieces):
+            at = piece * PIECE
+            rub_columns(
+                space.state,
+                past[int(law.sched[at + TORQUE])],
+                law.sched[at + SPAN],
+                law.sched[at + S],
+                law.sched[at + G],
+                law.sched[at + F],
+                body,
+                space.pad,
+                space.cols,
+                width * width,
+                m,
+                width,
+                space.marks,
+            )
+            look = int(law.sched[at + LOOK])
+            if look >= 0:
+                past[look] = read(space.state[0], wall)
+                margin = min(margin, edge_gap(space.state[0], past[look], past[look], law.watch))
+        pace = max(pace, abs(space.state[0] - x))
+    return margin, edge, reach, pace, guard, strength, anchored
+
+
+def find_periodic_past(z, past, period, body, wall, law, space):
+    """Leave in ``law.periodic`` what is remembered at the start of a period of the readings that ``z`` gets.
+
+    False where more than what fades is not as it was. The torques under way are those of the periods before.
+    """
+    copy_to(space.state, z)
+    copy_to(law.periodic, past)
+    for _ in range(period):
+        advance_with_law(space.state, law.periodic, body, wall, law, space.pad)
+    if not same_count(law.periodic, past, law):
+        return False
+    if law.fading >= 0:
+        ahead = law.periodic[law.fading] - past[law.fading]
+        law.periodic[law.fading] = past[law.fading] + ahead / (1.0 - law.fade**period)
+    done = 0
+    while done < law.ages or done == 0:
+        copy_to(space.state, z)
+        for _ in range(period):
+            advance_with_law(space.state, law.periodic, body, wall, law, space.pad)
+        if not same_count(law.periodic, past, law):
+            return False
+        done += period
+    return True
+
+
+def certify_repeat(z, past, period, body, wall, law, space):
+    """What `certify_with_law` says of a law that cannot be proven: whether the trial comes back, to eight digits."""
+    copy_to(space.orbit, z)
+    copy_to(law.beside, past)
+    margin, edge, reach, pace, _, _, _ = turn_with_law(law.beside, period, body, wall, law, space, body.order)
+    closure = 0.0
+    for i in range(body.order):
+        closure = max(closure, abs(space.state[i] - z[i]))
+    copy_to(law.periodic, past)
+    if closure <= REPEATS * (reach + pace) and nearly_same(law.beside, past, law, REPEATS):
+        return EXPANDS, margin, edge, closure, closure
+    return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+
+
+def certify_with_law(z, past, period, body, wall, law, space):
+    """Try to prove an orbit of ``period`` samples from a trial at ``z`` whose readings seem to repeat.
+
+    Returns ``(status, margin, edge, closure, bound)`` as `engine.certificate.certify` does. The orbit's state at this
+    sample is left in ``space.orbit``, what is remembered there in ``law.periodic``.
+    """
+    n = body.order
+    if not law.provable:
+        return certify_repeat(z, past, period, body, wall, law, space)
+    if not find_periodic_past(z, past, period, body, wall, law, space):
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+    copy_to(space.orbit, z)
+    gone = 1.0 - law.fade**period
+    margin, edge, reach, pace, guard, strength, anchored = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, True
+    closure, missed, late = 0.0, 0.0, 0.0
+    solved, best = True, float("inf")
+    for step in range(NEWTON_STEPS):
+        copy_to(law.beside, law.periodic)
+        margin, edge, reach, pace, guard, strength, anchored = turn_with_law(
+            law.beside, period, body, wall, law, space, n
+        )
+        if not same_count(law.beside, law.periodic, law):
+            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+        missed = faded(law.beside, law.periodic, law)
+        late = 0.0  # by which torques under way are not those of a period before
+        for j in range(law.line + law.parts, law.line + law.ages * law.parts):
+            late = max(late, abs(law.beside[j] - law.periodic[j]))
+        closure = 0.0
+        for i in range(n):
+            space.residual[i] = space.state[i] - space.orbit[i]
+            closure += space.residual[i] * space.residual[i]
+        closure = closure**0.5
+        solved = invert(space.matrix, space.cols, n, space.width)
+        if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+            break
+        best = min(best, closure)
+        for i in range(n):
+            for j in range(n):
+                space.orbit[i] += space.matrix[i * 2 * n + n + j] * space.residual[j]
+        if law.fading >= 0:
+            ahead = law.beside[law.fading] - law.periodic[law.fading]
+            law.beside[law.fading] = law.periodic[law.fading] + ahead / gone
+        copy_to(law.periodic, law.beside)
+    if not closure < 1e-6 * (reach + pace):
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+    if not solved:
+        return NEUTRAL, margin, edge, closure, 0.0
+    # How wrong the number that fades may be, by its residual and by the rounding of each update; how wrong a torque.
+    worn = 0.0
+    if law.fading >= 0:
+        scale = abs(law.periodic[law.fading]) + strength / wall.kappa + reach
+        worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
+    size = law.coarse * (strength + wall.kappa * (1.0 + reach))  # of the terms of a torque, which may cancel
+    wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
+    if law.anchor >= 0:
+        wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
+    # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
+    drift = wrong * period * (1.0 + sqrt(body.ratio))
+    shift = drift * max(1.0, min(float(period), body.reach))
+    rounding = 8.0 * EPSILON * period * law.pieces
+    for i in range(n):
+        total = 0.0
+        for j in range(n):
+            part = abs(space.residual[j])
+            part += rounding * (reach + pace) + shift if j % 2 == 0 else rounding * 2.0 * pace + drift
+            total += abs(space.matrix[i * 2 * n + n + j]) * part
+        space.away[i] = total
+    bound = space.away[0]
+    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
+    if body.reach < float("inf"):
+        bound = max(bound, distance(space.away, body) + body.reach * wrong * period)
+    if body.friction > 0.0:
+        speed = norm(space.away, body) + wrong * period
+        short = space.away[n - 1] if body.lag > 0.0 else 0.0
+        if not (space.marks[0] > 2.0 * (stiffness(body) * speed + short + wrong) and space.marks[1] > speed):
+            return AT_EVENT, margin, edge, closure, bound
+    if not margin > bound:
+        return ON_EDGE, margin, edge, closure, bound
+    law.room[0] = guard - worn
+    if law.guarded and not guard > worn:
+        return AT_SWITCH, margin, edge, closure, bound
+    if not anchored or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
+        return EXPANDS, margin, edge, closure, bound
+    for i in range(n):
+        space.residual[i] = z[i] - space.orbit[i]
+    near = apart(space.residual, past, law.periodic, body, law) + bound < margin
+    if near and (not law.guarded or faded(past, law.periodic, law) < law.room[0]):
+        return PROVEN, margin, edge, closure, bound
+    return NOT_CAPTURED, margin, edge, closure, bound

@@ -1,0 +1,109 @@
+"""Rest under a law: one reading for ever, and what is remembered comes to an end that is known.
+
+Under a reading that goes on, what is counted stops changing, and what fades goes to its fixed point in one direction.
+So all that the torques will still differ by from their last value is a known sum. As in `general.standstill` and
+`general.inner_region`, the distance from a rest under that last torque cannot grow by more.
+"""
+
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.body import acceleration, distance
+from hknob_cli.engine.general.controller import edge_gap
+from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
+from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, torques_apart
+from hknob_cli.engine.general.laws.step import copy_to, decide
+from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
+from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
+
+
+def settled_past(past, shown, wall, law):
+    """Leave in ``law.periodic`` what is remembered where ``shown`` goes on for ever; whether it is, and the guard.
+
+    False where something that is counted still changes, or where the torques of an interval differ.
+    """
+    for j in range(law.rows, law.line):
+        if past[j] != shown:
+            return False, 0.0
+    copy_to(law.periodic, past)
+    decide(shown, 0.0, law.periodic, wall, law)
+    if not same_count(law.periodic, past, law):
+        return False, 0.0
+    if law.fading >= 0:
+        ahead = law.periodic[law.fading] - past[law.fading]
+        law.periodic[law.fading] = past[law.fading] + ahead / (1.0 - law.fade)
+    guard = 0.0
+    for _ in range(law.ages):
+        guard = decide(shown, 0.0, law.periodic, wall, law)
+    newest = law.line + (law.ages - 1) * law.parts
+    for i in range(law.parts):
+        if law.periodic[newest + i] != law.periodic[newest]:
+            return False, guard
+    return True, guard
+
+
+def find_balance(u, body, orbit):
+    """Leave in ``orbit`` where a body without friction stands under the torque ``u``; whether it does."""
+    n = body.order
+    for i in range(n):
+        orbit[i] = 0.0
+    if body.ratio > 0.0:
+        if body.pad_stiffness == 0.0 or body.finger_stiffness == 0.0:
+            return False
+        drive = u - body.push
+        orbit[2] = drive / body.pad_stiffness
+        orbit[0] = orbit[2] + body.ratio * drive / body.finger_stiffness - body.shift
+    elif body.beta > 0.0:
+        orbit[0] = (u + body.drive) / body.beta
+    else:
+        return False
+    if body.lag > 0.0:
+        orbit[n - 1] = u
+    return True
+
+
+def settles_with_law(z, shown, past, body, wall, law, orbit, away):
+    """Fate of a trial whose reading goes on, as `standstill.settles`; the rest point is left in ``orbit``."""
+    if not law.provable:
+        return MOVING
+    still, guard = settled_past(past, shown, wall, law)
+    if not still or (law.weight > 0.0 and not guard > faded(past, law.periodic, law)):
+        return MOVING
+    n = body.order
+    u = law.periodic[law.line + (law.ages - 1) * law.parts]
+    size = law.coarse * (abs(u) + wall.kappa * (1.0 + abs(z[0])))
+    left = torques_apart(past, law.periodic, law) + ROUNDINGS * EPSILON * size
+    push = pushed_apart(left, body)
+    if body.friction == 0.0:
+        if not find_balance(u, body, orbit):
+            return MOVING
+        for i in range(n):
+            away[i] = z[i] - orbit[i]
+        gap = edge_gap(orbit[0], shown, shown, law.watch)
+        bound = rest_rounding(z, orbit[0], abs(u), body)
+        reach = distance(away, body) + push
+        if reach + bound < gap:
+            return AT_REST if body.damped else RINGS
+        return REST_ON_EDGE if abs(gap) <= bound and reach < 1e-6 else MOVING
+    copy_to(orbit, z)
+    gap = edge_gap(z[0], shown, shown, law.watch)
+    exact = torques_apart(past, law.periodic, law) == 0.0
+    held = body.order == 2 and z[1] == 0.0 and abs(acceleration(z, u, body)) + left <= body.friction
+    if held or (exact and stays_held(z, u, body)):
+        return AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE
+    if body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0:
+        return MOVING
+    stiffness, low, high = hold_zone(u, shown, body, law.watch)
+    if low > high:
+        return MOVING
+    rest = min(max(z[0], low), high)
+    for i in range(n):
+        away[i] = 0.0
+    away[0] = rest
+    if body.ratio > 0.0:
+        away[2] = stiffness * (rest + body.shift) / body.pad_stiffness
+    if body.lag > 0.0:
+        away[n - 1] = u
+    for i in range(n):
+        away[i] = z[i] - away[i]
+    gap = edge_gap(rest, shown, shown, law.watch)
+    reach = distance(away, body) + push + ROUNDINGS * EPSILON * (1.0 + abs(rest) + abs(z[0]))
+    return SETTLING if reach < gap else MOVING

@@ -1,0 +1,62 @@
+"""What the trials of a cell under a law settle to: `general.search.GeneralEngine` with the law's own loop."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from hknob_cli.engine.attractors import USUAL, Patience
+from hknob_cli.engine.general.laws import kinds, step, trials
+from hknob_cli.engine.general.laws.law import Law
+from hknob_cli.engine.general.search import GeneralEngine
+
+
+class LawEngine(GeneralEngine):
+    """The general loop of one cell under its ``law``, plain or compiled; used as a `GeneralEngine` is.
+
+    Its searches want ``delay_line`` to be `past_length`; an attractor's ``line`` is all that is remembered there.
+    """
+
+    def __init__(
+        self,
+        law: Law,
+        functions: dict[str, Callable[..., Any]] | None = None,
+        stopped: Callable[[], bool] = lambda: False,
+        patience: Patience = USUAL,
+    ) -> None:
+        """Make ready; ``functions``: compiled, by name, as `GeneralEngine` has them."""
+        super().__init__(functions, stopped, patience)
+        found = functions or {}
+        self._law = self._ready(law)
+        self._trials: Callable[..., Any] = found.get("general.laws.run_trials_with_law", trials.run_trials_with_law)
+        self._pieces: Callable[..., Any] = found.get("general.laws.chart_with_law", step.chart_with_law)
+        self._run_trials = self._run_with_law
+        self._chart = self._chart_with_law
+
+    @property
+    def past_length(self) -> int:
+        """How many numbers are remembered."""
+        return len(self._law.beside)
+
+    def _ready(self, law: Law) -> Law:
+        """The law as the loop wants it: its function by name becomes one that can be called, its numbers arrays."""
+        if not self.compiled:
+            return with_function(law)
+        from hknob_cli.engine.jit import compiled_law
+
+        filled = (np.array(value, dtype=np.float64) if isinstance(value, list) else value for value in law)
+        return Law._make(filled)._replace(act=compiled_law(law.act))
+
+    def _run_with_law(self, *values: Any) -> Any:
+        *before, space, z, past, check, checkpast, keep, keeppast = values
+        return self._trials(*before, self._law, space, z, past, check, checkpast, keep, keeppast)
+
+    def _chart_with_law(self, state: Any, before: float, past: Any, head: int, period: int, *rest: Any) -> Any:
+        del before, head
+        body, wall, *others = rest
+        return self._pieces(state, past, period, body, wall, self._law, *others)
+
+
+def with_function(law: Law) -> Law:
+    """The law as the interpreter runs it: its function in place of the name."""
+    return law._replace(act=getattr(kinds, law.act))

@@ -1,0 +1,103 @@
+"""One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
+
+from hknob_cli.engine.general.advance import advance_hold, rub_many
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.slide_two import step_with_friction
+from hknob_cli.engine.general.trace import chart
+from hknob_cli.engine.loop import floor
+
+FREE = 1e300  # of a guard
+
+
+def decide(shown, speed, past, wall, law):
+    """Let the law act on a reading: memory, torques and last reading are renewed in ``past``; the least guard.
+
+    The wall's virtual damping acts beside the law, inside the wall. The D/A converter and the amplifier come last.
+    """
+    guard = law.act(shown, speed, past, law.fixed, law.out)
+    newest = law.line + (law.ages - 1) * law.parts
+    for j in range(law.line, newest):
+        past[j] = past[j + law.parts]
+    brake = wall.damping * (shown - past[law.rows]) if shown < 0.0 else 0.0
+    for i in range(law.parts):
+        u = wall.kappa * law.out[i] - brake
+        if wall.step > 0.0:
+            if law.weight > 0.0:
+                part = (u / wall.step + 0.5) % 1.0
+                guard = min(guard, min(part, 1.0 - part) * wall.step / law.weight)
+            u = wall.step * floor(u / wall.step + 0.5)
+        past[newest + i] = min(wall.limit, max(-wall.limit, u))
+    past[law.rows] = shown
+    return guard
+
+
+def move_piece(z, past, piece, body, law, pad):
+    """Move ``z`` over one piece of an interval."""
+    at = piece * PIECE
+    u = past[int(law.sched[at + TORQUE])]
+    if body.order == 2:
+        s, g, f = law.sched[at + S], law.sched[at + G], law.sched[at + F]
+        if body.friction > 0.0:
+            z[0], z[1] = step_with_friction(z[0], z[1], u, law.sched[at + SPAN], s, g, f, body)
+        else:
+            y = u + body.drive - body.beta * z[0]
+            z[0], z[1] = z[0] + (s * z[1] + g * y), f * z[1] + s * y
+    elif body.friction > 0.0:
+        rub_many(z, u, law.sched[at + SPAN], body, pad)
+    else:
+        advance_hold(z, u, int(law.sched[at + MATRIX]), body, pad)
+
+
+def advance_with_law(z, past, body, wall, law, pad):
+    """One interval from a sample to the next; the least guard."""
+    guard = decide(read(z[0], wall), z[1], past, wall, law)
+    for piece in range(law.pieces):
+        move_piece(z, past, piece, body, law, pad)
+        look = int(law.sched[piece * PIECE + LOOK])
+        if look >= 0:
+            past[look] = read(z[0], wall)
+    return guard
+
+
+def begin_past(past, shown, law):
+    """What is remembered before the first sample, at which the encoder shows ``shown``: no torque is under way."""
+    for j in range(len(past)):
+        past[j] = 0.0
+    for j in range(law.rows):
+        past[j] = law.first[j]
+    if law.place > 0:
+        past[0] = shown + law.fixed[0]
+    for j in range(law.rows, law.line):
+        past[j] = shown
+
+
+def copy_to(target, source):
+    """Copy an array."""
+    for j in range(len(source)):
+        target[j] = source[j]
+
+
+def run_with_law(z, past, samples, body, wall, law, pad, states):
+    """Run ``samples`` intervals; ``states`` takes the state at every sample, (samples + 1) times the order."""
+    n = body.order
+    for i in range(samples + 1):
+        for j in range(n):
+            states[i * n + j] = z[j]
+        if i < samples:
+            advance_with_law(z, past, body, wall, law, pad)
+
+
+def chart_with_law(z, past, period, body, wall, law, pad, capacity, spans, modes, commands, states):
+    """Write down one period of an orbit, as `general.trace.chart_period`."""
+    rows = 0
+    for _ in range(period):
+        decide(read(z[0], wall), z[1], past, wall, law)
+        for piece in range(law.pieces):
+            at = piece * PIECE
+            u = past[int(law.sched[at + TORQUE])]
+            rows = chart(z, u, law.sched[at + SPAN], body, pad, capacity, rows, spans, modes, commands, states)
+            look = int(law.sched[at + LOOK])
+            if look >= 0:
+                past[look] = read(z[0], wall)
+    return rows

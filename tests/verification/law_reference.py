@@ -1,0 +1,150 @@
+"""The 60-digit model of the whole scene (`general_reference`) under the controllers of `tests.controllers.laws`.
+
+The controllers have each law as its source has it, in 40 digits, sample by sample; the bodies, their friction and the
+actuator are those of the model without controllers. A torque commanded at t acts at t + delay: what is commanded over
+time is kept as one waveform, of which each hold is a piece.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+from tests.controllers.reference import Law, Rig, law_of
+from tests.controllers.reference import mp as shorter
+
+from .general_reference import KNOB, SPEED, Control, Friction, build
+from .reference import mp
+
+# Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
+# crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
+LEAST = {False: 3, True: 5400}
+
+Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
+
+
+class Firmware:
+    """A controller with encoder and amplifier: from what the sensor shows to the torques of the next interval."""
+
+    def __init__(self, scene: dict[str, Any], rate_hz: float, counts: int, control: Control) -> None:
+        """Nothing has happened yet."""
+        plain = {name: part for name, part in scene.items() if name != "controller"}
+        self.control = control
+        self.rig = Rig(plain, rate_hz, counts, shorter.mpf)
+        self.law: Law = law_of(self.rig, scene["controller"])
+        self.before: Any = None
+        self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
+
+    def command(self, shown: Any, omega: Any, looks: list[Any]) -> Pieces:
+        """Torques of the interval that begins."""
+        control, before = self.control, shown if self.before is None else self.before
+        self.before = shown
+        brake = control.damping * (shown - before) / control.period if shown < 0 else mp.zero
+        pieces = self.law.command(shorter.mpf(shown), shorter.mpf(omega), [shorter.mpf(one) for one in looks])
+        found = []
+        for torque, _ in pieces:
+            wanted = mp.mpf(torque) - brake
+            self.step = min(self.step, control.step_distance(wanted))
+            found.append(control.command(wanted))
+        if len(pieces) == 1:
+            return [(found[0], control.period)]
+        first = mp.mpf(pieces[0][1])
+        return [(found[0], first), (found[1], control.period - first)]
+
+
+def window(wave: list[Pieces], begin: Any, end: Any, period: Any) -> Pieces:
+    """What a waveform, one list an interval, has between two times; before its begin nothing."""
+    found: Pieces = []
+    if begin < 0:
+        found.append((mp.zero, min(end, mp.zero) - begin))
+    first = max(0, int(mp.floor(begin / period)))
+    for i in range(first, len(wave)):
+        time = i * period
+        if time >= end:
+            break
+        for torque, duration in wave[i]:
+            low, high = max(begin, time), min(end, time + duration)
+            if high - low > period * mp.mpf(10) ** -35:
+                found.append((torque, high - low))
+            time += duration
+    return found
+
+
+def move(motion: Friction, pieces: Pieces, control: Control, detections: int) -> list[Any]:
+    """Move through an interval; what the encoder shows at each look."""
+    looks, time = [], mp.zero
+    due = [control.period * k / detections for k in range(1, detections)]
+    for torque, duration in pieces:
+        end = time + duration
+        while due and due[0] <= end:
+            if due[0] > time:
+                motion.hold(torque, due[0] - time)
+            time = due.pop(0)
+            looks.append(control.measured(motion.z[KNOB]))
+        if end - time > control.period * mp.mpf(10) ** -35:
+            motion.hold(torque, end - time)
+        time = end
+    return looks
+
+
+def simulate_law(
+    scene: dict[str, Any], rate_hz: float, counts: int, *, angle: float, velocity: float, phase: float
+) -> Iterator[tuple[Any, Any, Any]]:
+    """Angle and velocity at every sample, and the least distance so far to where rounding could change a command."""
+    bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
+    at = mp.mpf(angle), mp.mpf(velocity)
+    start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one)
+    motion = Friction(bodies, control.period, start)
+    motion.hold(mp.zero, mp.mpf(phase) * control.period)
+    firmware = Firmware(scene, rate_hz, counts, control)
+    detections = firmware.law.detections
+    looks = [control.measured(motion.z[KNOB])] * (detections - 1)
+    wave: list[Pieces] = []
+    clear = float("inf")
+    i = 0
+    while True:
+        theta = motion.z[KNOB]
+        clear = min(clear, control.edge_distance(theta) / float(control.quantum))
+        wave.append(firmware.command(control.measured(theta), motion.z[SPEED], looks))
+        if control.step:
+            clear = min(clear, firmware.step / float(control.stiffness * control.quantum))
+        yield theta, motion.z[SPEED], clear
+        begin = (i - control.delay) * control.period
+        looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections)
+        i += 1
+
+
+def periodic_wave(
+    scene: dict[str, Any], rate_hz: float, counts: int, control: Control, shown: list[Any], looks: list[list[Any]]
+) -> list[Pieces]:
+    """Torques of a period of readings that has gone on for so long that the beginning is forgotten to 40 digits.
+
+    ``looks``: those in the interval *before* each sample.
+    """
+    firmware = Firmware(scene, rate_hz, counts, control)
+    n = len(shown)
+    last: list[Pieces] = []
+    for lap in range(100_000):
+        wave = [firmware.command(shown[i], mp.zero, looks[i]) for i in range(n)]
+        if lap * n >= LEAST[scene["controller"]["kind"] == "phase_damping"] and all(
+            abs(one[0] - other[0]) <= mp.mpf(10) ** -34
+            for a, b in zip(wave, last, strict=True)
+            for one, other in zip(a, b, strict=True)
+        ):
+            return wave
+        last = wave
+    raise AssertionError("the controller's memory does not settle")
+
+
+def run_period(
+    motion: Friction, wave: list[Pieces], control: Control, detections: int
+) -> tuple[list[Any], list[list[Any]]]:
+    """Run a period of torques that has always gone on: angles at its samples and one more, looks in each interval."""
+    n = len(wave)
+    back = int(mp.ceil(control.delay / n)) + 1 if control.delay else 0
+    long = wave * (back + 1)
+    thetas, looks = [], []
+    for i in range(n):
+        thetas.append(motion.z[KNOB])
+        begin = (back * n + i - control.delay) * control.period
+        looks.append(move(motion, window(long, begin, begin + control.period, control.period), control, detections))
+    thetas.append(motion.z[KNOB])
+    return thetas, looks

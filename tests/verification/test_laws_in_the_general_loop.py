@@ -1,0 +1,168 @@
+"""Controllers beside friction, finger, delay, lag, limits and steps, against the 60-digit model under the same law.
+
+Random scenes with three features each or more. A trial has the model's angle at every sample, as far as no sample of
+the model comes so near to an edge that rounding may decide. A proven cycle is derived again: the law's memory from the
+readings of its period, gone on until 40 digits no longer change, and the plant's periodic motion under those torques by
+Newton's method. It must have those readings, and the package's positions lie within its own bound of it.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.laws.search import LawEngine
+from hknob_cli.engine.general.search import as_arrays
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.general_orbit import LawMeasurer
+from tests.controllers.laws import CONTROLLERS
+
+from .general_orbits import NEAR, to_si, unknowns
+from .general_reference import Friction, build
+from .law_reference import periodic_wave, run_period, simulate_law
+from .law_scenes import Drawn, draw, reduce, search
+from .reference import mp
+
+LONGEST = 40  # samples of a period, for the time that 60 digits take
+SAMPLES = 60
+CLEAR = 1e-6  # counts from an edge within which rounding may decide, far beyond the roundings of so many samples
+WITHIN = 1e-9  # counts, relative to the largest
+CLOSED = mp.mpf(10) ** -30
+ROUNDINGS = 16.0 * 2.0**-53
+# A sum of energy that never begins anew drifts, however the knob buzzes: its memory has no period.
+DRIFTS = "passivity, no reset"
+PROVABLE = [name for name, given in CONTROLLERS.items() if given.get("velocity") != "sensor" and name != DRIFTS]
+
+
+def scenes(controller: str, count: int, seed: int = 0) -> list[Drawn]:
+    """Random scenes under a controller."""
+    numbers = np.random.default_rng([seed, sorted(CONTROLLERS).index(controller)])
+    return [draw(numbers, controller) for _ in range(count)]
+
+
+def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """States at samples, (samples + 1, n), and counts at the looks of each interval, (samples, looks)."""
+    n, law = made.knob.body.order, made.law
+    functions: Any = compiled("laws")
+    z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
+    states, looks = [z.copy()], []
+    body, pad, room = as_arrays(made.knob.body), np.zeros(2 * n), np.zeros(2 * n)
+    for _ in range(samples):
+        functions["general.laws.run_with_law"](z, memory, 1, body, made.knob.wall, engine._law, pad, room)
+        states.append(z.copy())
+        looks.append(memory[law.rows + 1 : law.line].copy())
+    return np.array(states), np.array(looks)
+
+
+def check_trial(one: Drawn) -> float:
+    """The largest error of a trial's position over its size; NaN where rounding may decide from the start."""
+    made = reduce(one)
+    knob, engine = made.knob, LawEngine(made.law, compiled("laws"))
+    functions: Any = compiled("laws")
+    z, past, phase = np.zeros(knob.body.order), np.zeros(engine.past_length), 0.37
+    body = as_arrays(knob.body)
+    functions["general.begin"](z, np.array(knob.start(0.02, -0.5)), phase, body, np.zeros(2 * len(z)))
+    functions["general.laws.begin_past"](past, functions["general.read"](z[0], knob.wall), engine._law)
+    states, _ = run(engine, made, z, past, SAMPLES)
+    trial = simulate_law(one.scene, one.rate_hz, one.counts, angle=0.02, velocity=-0.5, phase=phase)
+    worst, size = float("nan"), float(np.abs(states[:, 0]).max())
+    for i in range(SAMPLES):
+        theta, _, clear = next(trial)
+        if clear < CLEAR:
+            break
+        off = abs(float(theta / mp.mpf(knob.quantum_rad)) - knob.shift - states[i, 0]) / (1.0 + size)
+        worst = off if not off <= worst else worst
+        assert off <= WITHIN, f"sample {i} is {off:.3g} off: {one}"
+    return worst
+
+
+def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> tuple[float, float]:
+    """Derive a proven cycle again: the largest error of a position, counts, and that over the bound it was given."""
+    knob, n = made.knob, orbit.period
+    bodies, control = build(one.scene, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
+    state = [orbit.x, orbit.v, *orbit.state]
+    states, between_counts = run(engine, made, state, orbit.line, n)
+    seen = states[:, 0]
+    z = to_si(knob, control, state)
+    detections = one.scene["controller"].get("detections", 1)
+    shown = [control.measured((mp.mpf(float(x)) + mp.mpf(knob.shift)) * control.quantum) for x in seen[:n]]
+    # What is seen between the samples is part of what the law reads: at each sample that of the interval before.
+    angles = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
+    looks = [angles[-1], *angles[:-1]]
+    units = [control.quantum, control.quantum / control.period] * 2 + [mp.mpf(knob.torque_nm)]
+    free = unknowns(knob)
+    values = [z[i] / units[i] for i in free]
+
+    def residual(given: list[Any], wave: Any) -> tuple[list[Any], list[Any], list[list[Any]]]:
+        at = list(z)
+        for value, i in zip(given, free, strict=True):
+            at[i] = value * units[i]
+        motion = Friction(bodies, control.period, tuple(at))
+        thetas, seen_between = run_period(motion, wave, control, detections)
+        return [motion.z[i] / units[i] - value for value, i in zip(given, free, strict=True)], thetas, seen_between
+
+    wave = periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks)
+    off, thetas, between = residual(values, wave)
+    for _ in range(6):
+        if max(map(abs, off)) < CLOSED:
+            break
+        slopes = mp.matrix(len(values), len(values))
+        for j in range(len(values)):
+            nudged = [v + (NEAR if i == j else 0) for i, v in enumerate(values)]
+            for i, value in enumerate(residual(nudged, wave)[0]):
+                slopes[i, j] = (value - off[i]) / NEAR
+        change = mp.lu_solve(slopes, mp.matrix([-value for value in off]))
+        values = [v + change[i] for i, v in enumerate(values)]
+        off, thetas, between = residual(values, wave)
+    assert max(map(abs, off)) < CLOSED, f"does not close, {float(max(map(abs, off))):.3g}: {one}"
+    worst = 0.0
+    for x, theta in zip(seen, thetas, strict=True):
+        exact = theta / control.quantum - mp.mpf(knob.shift)
+        worst = max(worst, float(abs(mp.mpf(float(x)) - exact)))
+    allowed = orbit.bound + ROUNDINGS * n * float(np.ptp(seen) + np.abs(seen).max())
+    assert worst <= allowed, f"{worst:.3g} counts off, bound {orbit.bound:.3g}: {one}"
+    assert [control.measured(theta) for theta in thetas[:n]] == shown, one
+    assert [between[-1], *between[:-1]] == looks or detections == 1, one
+    return worst, worst / orbit.bound
+
+
+@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
+def test_trials(controller: str) -> None:
+    errors = [check_trial(one) for one in scenes(controller, 3)]
+    assert np.isfinite(errors).any(), "rounding could decide in all scenes: nothing was tested"
+
+
+def proven(controller: str, count: int, seed: int = 0) -> list[tuple[float, float]]:
+    """Errors of all proven cycles of random scenes."""
+    found = []
+    for one in scenes(controller, count, seed):
+        made = reduce(one)
+        engine, attractors = search(one, made)
+        for orbit in attractors:
+            if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
+                found.append(check_orbit(one, made, engine, orbit))
+                balance(made, engine, orbit, one)
+    return found
+
+
+def balance(made: Any, engine: LawEngine, orbit: Attractor, one: Drawn) -> None:
+    """The torque's work over a cycle is what dampers and friction take."""
+    found = LawMeasurer(made.knob, engine).measure(orbit)
+    lost = found.damping_loss_j + (found.friction_loss_j if made.knob.body.friction > 0.0 else 0.0)
+    assert abs(found.wall_work_j - lost) <= 1e-9 * abs(lost), one
+
+
+@pytest.mark.parametrize("controller", PROVABLE)
+def test_proven_cycles(controller: str) -> None:
+    assert proven(controller, 4), "no proven cycle: nothing was tested"
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
+def test_many_scenes(controller: str) -> None:
+    for one in scenes(controller, 40, seed=1):
+        check_trial(one)
+    if controller in PROVABLE:
+        proven(controller, 40, seed=1)
