@@ -36,6 +36,7 @@ ORDER = [
     "stages",
     "page",
     "pipeline",
+    "api",
     "cli",
 ]
 

@@ -28,14 +28,19 @@ def write_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path) ->
 
     Raises `ComputationError` if the file cannot be written.
     """
+    figure = sheet_of(result, planned)
+    if figure is not None:
+        save(figure, path, stage=result.stage, name=result.name)
+    return figure is not None
+
+
+def sheet_of(result: Result, planned: Sequence[FigurePlan]) -> "Figure | None":
+    """Figures of a result, each under its title, two in a row; None if it has none of them."""
     drawn = []
     for one in planned:
         with contextlib.suppress(MissingError):
             drawn.append((one.title, draw(one.draw, One(result), result.name, one.options)))
-    if not drawn:
-        return False
-    save(_beside(drawn), path, stage=result.stage, name=result.name)
-    return True
+    return _beside(drawn) if drawn else None
 
 
 def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:

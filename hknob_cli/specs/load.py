@@ -54,6 +54,16 @@ def load(
     return validate(source, kind=kind)
 
 
+def load_text(text: str, name: str, overrides: tuple[str, ...] = (), *, kind: str | None = None) -> Plan:
+    """Validate the text of a spec; ``name`` stands for its file in faults, and paths in it are relative to it.
+
+    Raises `SpecError` with every fault found.
+    """
+    source = yaml.parse(text, name)
+    _apply(source, overrides, "--set ")
+    return validate(source, kind=kind)
+
+
 def kind_of(path: Path) -> object:
     """What a spec file says its kind is. Raises as `load`."""
     return yaml.read(path).value.get("kind")

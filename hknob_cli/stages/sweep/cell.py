@@ -226,7 +226,7 @@ class CellFinder:
             max_events=most,
             functions=functions,
         )
-        if trial.reason is Reason.EVENT_LIMIT and most < MAX_EVENTS:
+        if trial.events >= most and most < MAX_EVENTS:  # fewer bounces would be another result
             raise NeedsCompilerError("unsampled")
         attractor = Attractor(outcome=trial.outcome, reason=trial.reason, trials=1)
         measures = OrbitMeasures(
