@@ -13,7 +13,8 @@ import pytest
 from tests.conftest import EXPERIMENTS, HKNOB
 
 PATCHED = (
-    "import sys; import hknob_cli.results.parted as p; p.PART_CELLS = 20; sys.argv[0] = 'hknob'; "
+    "import sys; import hknob_cli.results.parted as p; p.PART_CELLS = 20; p.Parting.__new__.__defaults__ = (20,); "
+    "sys.argv[0] = 'hknob'; "
     "from hknob_cli.cli.main import main; main()"
 )
 GRID = EXPERIMENTS / "hand_on_knob_half_quantum.yaml"

@@ -30,6 +30,7 @@ from typing import NamedTuple
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.conftest import SPEC
+from tests.faults import small_pieces
 from tests.faults.spread_runs import SLOW, SMALL_PIECES, SWEEP, left
 from tests.hardware.campaigns import SPEC as HW_RUN
 
@@ -43,7 +44,7 @@ stages:
   finer-laws: {spec: predict.yaml, set: {against: {from: finer}}}
 """
 PREDICT = re.sub(r"starts: .*\n", "", SPEC.replace("kind: sweep", "kind: predict"))
-ONE_FILE = f"{SLOW}; slow_worker.SECONDS = 0.15; from hknob_cli.results import parted; parted.PART_CELLS = 99"
+ONE_FILE = f"{SLOW}; slow_worker.SECONDS = 0.15; {small_pieces.ONE_FILE}"
 IN_PARTS = f"{SLOW}; slow_worker.SECONDS = 0.15"
 BUSY = SPEC.replace("phases: 8", "phases: 64").replace("[1000]", "{log: [200, 5000, 12]}")
 HKNOB = [sys.executable, "-m", "hknob_cli"]

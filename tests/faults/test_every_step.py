@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import SPEC
+from tests.faults.small_pieces import ONE_FILE
 from tests.faults.spread_runs import run
 from tests.hardware.campaigns import SPEC as CAMPAIGN
 
@@ -22,7 +23,6 @@ pytestmark = pytest.mark.long
 EVERY_STEP = Path(__file__).with_name("every_step.py")
 PART = 4
 SIX = SPEC.replace("[1000]", "[1000, 1500]").replace("[1024]", "[512, 1024, 2048]").replace("phases: 8", "phases: 3")
-ONE_FILE = "from hknob_cli.results import parted; parted.PART_CELLS = 99"
 INTERRUPTED = "interrupted; finished files are kept, run the same command again\n"
 
 
