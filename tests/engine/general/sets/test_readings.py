@@ -14,6 +14,7 @@ from .cells import KINDS, cell
 walls = st.builds(
     Controller,
     kappa=st.floats(1e-4, 10.0),
+    table=st.none(),
     damping=st.sampled_from([0.0, 0.0, 0.3]),
     sense=st.sampled_from([1.0, -1.0]),
     truncate=st.just(0.0),
