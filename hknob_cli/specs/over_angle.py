@@ -12,12 +12,14 @@ from hknob_cli.specs.quantity import Angle, Bounds, PositiveAngle, SignedTorque,
 
 OVER_ANGLE = ("profile", "detents", "end_stops", "dead_zone")  # the keys of a scene
 
-_Number = Annotated[int, Bounds(strict=True, ge=1, le=10**9)]
+MOST_TIMES = 10**9  # that a pattern goes into a revolution
+_Number = Annotated[int, Bounds(strict=True, ge=1, le=MOST_TIMES)]
 
 
 def ways_round(span: float) -> tuple[int, int] | None:
     """How often a pattern goes into how many revolutions, one of the two being 1; None where it goes into none."""
-    for times, turns in ((round(2.0 * pi / span), 1), (1, round(span / (2.0 * pi)))):
+    often = 2.0 * pi / span
+    for times, turns in ((round(often) if often <= MOST_TIMES else 0, 1), (1, round(span / (2.0 * pi)))):
         if times > 0 and turns > 0 and isclose(span * times, 2.0 * pi * turns, rel_tol=1e-9):
             return times, turns
     return None

@@ -75,6 +75,16 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         "scene.profile: points: where it is periodic, the angles must span a whole part of a revolution, 2 pi / n, "
         "or whole revolutions, got 0.5 rad",
     ),
+    "does not go round in numbers that there are": (
+        {"profile": {"points": [[0, 0.1], [1e-300, 0.1]], "periodic": True}},
+        "scene.profile: points: where it is periodic, the angles must span a whole part of a revolution, 2 pi / n, "
+        "or whole revolutions, got 1e-300 rad",
+    ),
+    "spacing below all numbers": (
+        {"detents": {"spacing": 5e-324, "torque": 0.008}},
+        "scene.detents: spacing must be a whole part of a revolution, 2 pi / n, where there is no range, got "
+        "4.94065645841e-324: write per_revolution, or a range",
+    ),
     "finer than a count": (
         {"detents": {"per_revolution": 129, "torque": 0.008}},
         "scene.detents.per_revolution: must be at most 128, one for every 2 of 256 counts, got 129",

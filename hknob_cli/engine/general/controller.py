@@ -73,7 +73,12 @@ def inside(shown, wall):
 
 
 def goes_on(v, shown, wall):
-    """Whether no change of command lies ahead of a knob that turns at ``v``, however far."""
+    """Whether no change of command lies ahead of a knob that turns at ``v``, however far.
+
+    Virtual damping acts below 0 at every count that is passed, on the way in and on the way out.
+    """
+    if wall.damping > 0.0 and (v < 0.0 or shown < 0.0):
+        return False
     if is_there(wall.table):
         low, high = run_at(shown, wall.table)
         return low == -float("inf") if v < 0.0 else high == float("inf")

@@ -71,7 +71,7 @@ class TorqueRange(NamedTuple):
 def torque_range(wall: Controller) -> TorqueRange:
     """The range of a controller's commands over all angles."""
     if wall.table is None:
-        return TorqueRange(0.0, inf if wall.kappa > 0.0 else 0.0, 0.0, 0.0)
+        return TorqueRange(0.0, inf if wall.kappa > 0.0 or wall.damping > 0.0 else 0.0, 0.0, 0.0)
     table = np.asarray(wall.table)
     size = (len(table) - HEAD) // 3
     first, turn, below, above = (float(value) for value in table[:HEAD])

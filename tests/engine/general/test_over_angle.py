@@ -53,7 +53,9 @@ def knob(
     return sample_general(scene, sample_rate_hz=1000.0, counts_per_rev=counts)
 
 
-def settle(one: GeneralKnob, angle: float = 0.02, velocity: float = 0.0, phases: int = 4) -> tuple[Attractor, ...]:
+def settle(
+    one: GeneralKnob, angle: float = 0.02, velocity: float = 0.0, phases: int = 4, samples: int | None = None
+) -> tuple[Attractor, ...]:
     """What trials settle to, in the interpreter."""
     engine = GeneralEngine(patience=LONG)
     return engine.search(
@@ -63,7 +65,7 @@ def settle(one: GeneralKnob, angle: float = 0.02, velocity: float = 0.0, phases:
         rate=one.rate,
         phases=phases,
         delay_line=one.delay_line,
-        max_samples=None,
+        max_samples=samples,
     ).attractors
 
 
@@ -161,6 +163,18 @@ def test_a_torque_that_drives_leaves(friction: float) -> None:
         one = knob(hand=None, friction=friction, profile=profile)
         found = settle(one, start, 5.0 * way)
         assert [(one.outcome, one.reason) for one in found] == [(Outcome.DIVERGED, Reason.LEAVES)]
+
+
+def test_nothing_leaves_that_virtual_damping_brakes() -> None:
+    """A knob that turns freely away from an end stop, below 0: the damping stops it, from count to count."""
+    one = knob(hand=Hand(3e-7), counts=1024, wall_damping=1e-6, end_stops=EndStops(0.2, high=0.05))
+    assert Reason.LEAVES not in {end.reason for end in settle(one, -0.02, -0.05, samples=2000)}
+
+
+def test_a_push_bounces_on_virtual_damping_alone() -> None:
+    """Damping acts on the way in, and not on the step out of the wall: it throws the knob out again, for ever."""
+    one = knob(hand=Hand(3e-7, 1e-5), counts=1024, wall_damping=5e-3, push=0.001)
+    assert Reason.LEAVES not in {end.reason for end in settle(one, samples=2000)}
 
 
 def test_rests_anywhere_in_a_dead_zone() -> None:

@@ -116,6 +116,15 @@ def test_nothing_ahead_is_told_by_the_way_it_turns() -> None:
     assert not goes_on(1.0, 4.0, one._replace(table=TABLES["pattern"]))
 
 
+def test_virtual_damping_lies_ahead_below_0() -> None:
+    """On the way into the wall, and on the way out of it; not outside."""
+    for table in (None, TABLES["one run"]):
+        one = wall(damping=1.0)._replace(table=table)
+        assert not goes_on(-1.0, 4.0, one)
+        assert not goes_on(1.0, -4.0, one)
+        assert goes_on(1.0, 4.0, one)
+
+
 def test_levels_of_a_wall_are_those_of_its_table() -> None:
     one = wall()
     tabled = one._replace(table=TABLES["wall"])
