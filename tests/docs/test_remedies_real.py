@@ -1,0 +1,89 @@
+"""The numbers of docs/explanation/remedies.md about a knob with friction, delay and lag."""
+
+import math
+import subprocess
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from hknob_cli.specs.load import load
+from hknob_cli.stages.remedies.run import RemediesStage
+from tests.conftest import EXPERIMENTS, HKNOB
+
+from .page import says, table
+
+PAGE = "explanation/remedies.md"
+LAG = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
+CELL = "base.grid={sample_rate_hz: 1000, counts_per_rev: 512, "
+
+
+@cache
+def tried(name: str, *overrides: str) -> pd.DataFrame:
+    """Rows of the grid of a trial of remedies."""
+    with RemediesStage(load(Path(EXPERIMENTS / f"{name}.yaml"), overrides)) as stage:
+        return stage.run()[0].to_pandas()
+
+
+def times(row: Any) -> str:
+    """How many times smaller the largest cycle of a cell is, as the page has it: a star where it is not proven."""
+    if math.isnan(row.p2p_max_rad):
+        return "?"
+    text = "rest" if row.at_rest_fraction == 1.0 else f"{float(f'{row.p2p_ratio:.2g}'):g}"
+    return text if row.certified_fraction == 1.0 else text + "*"
+
+
+@pytest.mark.long
+def test_the_table_of_remedies() -> None:
+    """Every remedy, cell by cell; the plain wall in mrad. The columns are the cells in the order of the grid."""
+    rows = dict(iter(tried("remedies_real").groupby("remedy")))
+    printed = {row[0]: row[1:] for row in table(PAGE, "## On a knob with friction, delay and lag")}
+    assert set(printed) == set(rows)
+    for name, cells in printed.items():
+        if name == "plain wall":
+            assert cells == [f"{1e3 * size:.3g} mrad" for size in rows[name].p2p_max_rad]
+        else:
+            assert cells == [times(row) for row in rows[name].itertuples()], name
+    plain, lag = (rows[name].iloc[2] for name in ("plain wall", "bounded lag"))
+    small, large = (f"{1e3 * one.p2p_max_rad:.2g} mrad at {one.frequency_at_max_hz:.0f} Hz" for one in (lag, plain))
+    says(PAGE, f"at 1 kHz and 512 counts {small} in place of {large}")
+
+
+INERTIAS = "knob.inertia: [2.0e-6, 1.0e-5, 2.0e-5, 5.0e-5]}"
+MARGINS = {  # by the first column of the page's table: the axis, and what varies it
+    "`actuator.delay_samples`": (),
+    "`knob.coulomb_torque`": (CELL + "knob.coulomb_torque: [0, 1.0e-5, 1.0e-4, 3.0e-4, 5.6e-4, 8.0e-4, 1.12e-3]}",),
+    "`knob.inertia`": (CELL + "knob.inertia: [2.0e-6, 5.0e-6, 1.0e-5, 2.0e-5, 5.0e-5]}",),
+    "`knob.inertia`, friction 0.1 mN·m": (CELL + INERTIAS, "base.scene.knob.coulomb_torque=1.0e-4"),
+    "`knob.inertia`, no friction": (CELL + INERTIAS, "base.scene.knob.coulomb_torque=0.0"),
+}
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("label", MARGINS)
+def test_the_margins_of_the_bounded_lag(label: str) -> None:
+    found = tried("remedies_real_margins", *MARGINS[label])
+    found = found[found.remedy == "bounded lag"]
+    assert (found.certified_fraction == 1.0).all()
+    axis = found[label.split("`")[1]]
+    printed = {row[0]: row[1] for row in table(PAGE, "### Margins of the bounded lag")}
+    assert set(printed) == set(MARGINS)
+    shown = [f"{value:.3g}: {times(row)}" for value, row in zip(axis, found.itertuples(), strict=True)]
+    assert printed[label] == ", ".join(shown)
+
+
+@pytest.mark.long
+def test_how_deep_a_push_goes(tmp_path: Path) -> None:
+    """The deepest point of the first half second, under the plain wall and under the bounded lag, and its ratio."""
+    depths = []
+    for i, change in enumerate(((), ("--set", LAG))):
+        spec = EXPERIMENTS / "remedies_real_depth.yaml"
+        done = subprocess.run([HKNOB, "sweep", spec, "-q", "-o", tmp_path / str(i), *change], check=False, timeout=300)
+        assert done.returncode == 0
+        motion = pd.read_parquet(tmp_path / str(i) / "trajectories.parquet")
+        depths.append(-1e3 * motion.groupby("bias.torque").angle_rad.min())
+    plain, lag = depths
+    printed = [cells[1:] for cells in table(PAGE, "### How deep a push goes")]
+    assert printed == [[f"{plain[b]:.1f} mrad", f"{lag[b]:.1f} mrad", f"{lag[b] / plain[b]:.1f}"] for b in plain.index]
