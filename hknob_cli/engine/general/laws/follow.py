@@ -117,7 +117,7 @@ def follow_with_law(
         last = shown
         shown = read(x, wall)
         if law.watch.damping == 0.0:
-            shown = inside(shown)
+            shown = inside(shown, wall)
         if shown == last:
             run += 1
             if run >= next_test:
