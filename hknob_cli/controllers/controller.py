@@ -91,16 +91,20 @@ class Plain:
 
 
 class Differencing(Plain):
-    """What those share that remember, first of all, the place at the last sample; at the first the difference is 0."""
+    """What those share that remember, first of all, places at the last samples; at the first the difference is 0.
+
+    ``places``: how many.
+    """
 
     rows = 1
+    places: int = 1
     reads_outside: bool = True
     counted: tuple[int, ...] = (0,)
 
     def recall(self, lanes: PlantBatch, count: Array) -> Array:
         """The knob was where it is."""
         memory = np.zeros((self.rows, len(lanes.alpha)))
-        memory[0] = count + lanes.offset
+        memory[: self.places] = count + lanes.offset
         return memory
 
 

@@ -20,6 +20,7 @@ from hknob_cli.specs.controller_plan import Controller
 from hknob_cli.specs.plan import Scene
 
 LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
+LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -53,9 +54,8 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     fixed, fading = _numbers(plan, control, lane)
     rows = control.recall(lane, np.zeros(1)).shape[0]
     first = [float(one) for one in control.recall(lane, np.zeros(1))[:, 0]]
-    place = int(isinstance(control, Differencing))
-    if place:
-        first[0] = 0.0
+    places = control.places if isinstance(control, Differencing) else 0
+    first[:places] = [0.0] * places
     if plan.kind == "passivity":
         rows, first = rows + 1, [*first, 0.0]
     split = knob.wall.split
@@ -72,7 +72,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         fixed=[float(one) for one in fixed],
         first=first,
         rows=rows,
-        place=place,
+        places=places,
         looks=looks,
         line=line,
         parts=parts,
@@ -82,7 +82,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         fading=fading.row,
         fade=float(fading.fade),
         weight=float(fading.weight * knob.wall.kappa),
-        coarse=_coarseness(plan, fixed),
+        coarse=_coarseness(plan, fixed, fading),
         guarded=fading.guarded or stepped,
         anchor=3 if plan.kind == "passivity" else -1,
         provable=control.provable and not control.senses_speed,
@@ -139,14 +139,23 @@ def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[l
     if plan.kind == "stiffening":
         return [offset, *own, plan.surface], _Fading()
     if plan.kind == "velocity_damping":
-        return [*own, sensor, float(plan.everywhere)], _Fading()
+        _, gain, goes, most = own
+        numbers = [offset, gain, sensor, float(plan.everywhere), float(plan.window), goes, most]
+        if plan.low_pass == 0.0:
+            return numbers, _Fading()
+        stays = min(float(np.exp(-lane.period_s[0] / plan.low_pass)), LONGEST)
+        if plan.cut_off is None:
+            return numbers, _Fading(plan.window, stays, abs(gain))
+        return numbers, _Fading(plan.window, stays, max(abs(gain), LEAST), guarded=True)
     return [*own, sensor], _Fading()  # half_sample, matched_wall
 
 
-def _coarseness(plan: Controller, fixed: list[float]) -> float:
+def _coarseness(plan: Controller, fixed: list[float], fading: _Fading) -> float:
     """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
     if plan.kind == "impulse_damping":
         return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
+    if plan.kind == "velocity_damping":  # a filter adds up what its updates round
+        return 1.0 + abs(fixed[1]) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)
     return 1.0 + abs(fixed[1]) + abs(fixed[2]) if plan.kind == "matched_wall" else 1.0
 
 

@@ -3,7 +3,7 @@
 from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Bounds, PositiveAngle, PositiveSeconds, SignedDamping
+from hknob_cli.specs.quantity import Bounds, PositiveAngle, PositiveSeconds, Seconds, SignedDamping, SpeedLimit
 
 
 class Kind(NamedTuple):
@@ -24,7 +24,9 @@ KINDS = {
     "phase_damping": Kind("phase_damping:PhaseDamping", ("height", "degrees", "crossings", "estimate")),
     "stiffening": Kind("stiffening_wall:StiffeningWall", ("surface", "depth")),
     "velocity_damping": Kind(
-        "velocity_damping:VelocityDamping", ("damping", "velocity", "everywhere"), needs=("damping",)
+        "velocity_damping:VelocityDamping",
+        ("damping", "velocity", "everywhere", "window", "low_pass", "cut_off"),
+        needs=("damping",),
     ),
 }
 
@@ -48,6 +50,7 @@ _Share = Annotated[float, Bounds(strict=True, gt=0, le=1, allow_inf_nan=False)]
 _UpTo100 = Annotated[float, Bounds(strict=True, gt=0, le=100, allow_inf_nan=False)]
 _Degrees = Annotated[float, Bounds(strict=True, gt=0, le=360, allow_inf_nan=False)]
 _Readings = Annotated[int, Bounds(strict=True, ge=1, le=1000)]
+_Samples = Annotated[int, Bounds(strict=True, ge=1, le=64)]
 _Flag = Annotated[bool, Bounds(strict=True)]
 
 
@@ -61,6 +64,9 @@ class Controller(NamedTuple):
     )
     damping: Annotated[SignedDamping, "velocity_damping: virtual damping; passivity: the most that it adds"] = 0.0
     everywhere: Annotated[_Flag, "virtual damping outside the wall, too"] = False
+    window: Annotated[_Samples, "samples over which the velocity is differenced"] = 1
+    low_pass: Annotated[Seconds, "time constant of a low-pass on the differenced velocity; 0: none"] = 0.0
+    cut_off: Annotated[SpeedLimit | None, "estimated speed above which the controller commands no torque"] = None
     correct: Annotated[_Flag, "add what the last prediction missed"] = True
     pulse: Annotated[_Share, "length of the pulse, in sample intervals"] = 0.025
     gain: Annotated[_UpTo100, "pulse over what the hold got wrong"] = 1.0

@@ -42,6 +42,18 @@ CONTROLLERS = {
     "no damping": ("{kind: velocity_damping}", "8:15: scene.controller: must have damping where kind is velocity_dam"),
     "no damper": ("{kind: passivity}", "8:15: scene.controller: must have a damping > 0 where kind is passivity"),
     "negative damper": ("{kind: passivity, damping: -1}", "must have a damping > 0 where kind is passivity"),
+    "no window": ("{kind: velocity_damping, damping: 1, window: 0}", "scene.controller.window: must be >= 1, got 0"),
+    "window too long": (
+        "{kind: velocity_damping, damping: 1, window: 65}",
+        "scene.controller.window: must be <= 64, got 65",
+    ),
+    "half a sample": ("{kind: velocity_damping, damping: 1, window: 1.5}", "scene.controller.window: must be"),
+    "filter of a sensor": (
+        "{kind: velocity_damping, damping: 1, velocity: sensor, low_pass: 4 ms}",
+        "scene.controller.low_pass: must be absent where velocity is sensor: it is of the differenced velocity",
+    ),
+    "cut off at rest": ("{kind: velocity_damping, damping: 1, cut_off: 0}", "scene.controller.cut_off: must be > 0"),
+    "filter of no damper": ("{kind: stiffening, low_pass: 4 ms}", "must be absent where kind is stiffening, which has"),
     "wrong unit": ("{kind: stiffening, depth: 3 s}", "which is not a kind of rad"),
     "unknown key": ("{kind: stiffening, dept: 0.1}", "scene.controller.dept: unknown key; did you mean 'depth'?"),
 }

@@ -121,10 +121,11 @@ def periodic_wave(
     """
     firmware = Firmware(scene, rate_hz, counts, control)
     n = len(shown)
+    least = LEAST[scene["controller"]["kind"] == "phase_damping"] + n + scene["controller"].get("window", 1)
     last: list[Pieces] = []
     for lap in range(100_000):
         wave = [firmware.command(shown[i], mp.zero, looks[i]) for i in range(n)]
-        if lap * n >= LEAST[scene["controller"]["kind"] == "phase_damping"] and all(
+        if lap * n >= least and all(
             abs(one[0] - other[0]) <= mp.mpf(10) ** -34
             for a, b in zip(wave, last, strict=True)
             for one, other in zip(a, b, strict=True)

@@ -18,7 +18,7 @@ from hknob_cli.engine.general.laws.search import LawEngine, with_function
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.rest import AT_REST
+from hknob_cli.engine.rest import AT_REST, MOVING
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
 
@@ -189,6 +189,20 @@ def test_friction_holds_a_knob_while_the_mean_still_moves() -> None:
         fate = settles_with_law(z, -1.0, late, body, wall, law, orbit, away)
         assert late[newest] == past[newest]
         assert (fate == AT_REST) == held
+
+
+def test_a_knob_does_not_rest_while_its_torque_is_cut_off() -> None:
+    """Although the filtered speed damps nothing: below the cut-off the wall's torque comes back."""
+    controller = {"kind": "velocity_damping", "damping": 0.0, "low_pass": 0.05, "cut_off": 2.0}
+    _, cell = made(controller, knob={"coulomb_torque": 5e-4}, bias={"torque": 1.6e-3})
+    law, knob = with_function(cell.law), cell.knob
+    for share, fate in ((0.0, AT_REST), (0.99, AT_REST), (1.01, MOVING)):
+        past = [0.0] * len(law.beside)
+        begin_past(past, -1.0, law)
+        for _ in range(law.ages):
+            decide(-1.0, 0.0, past, knob.wall, law)
+        past[law.fading] = share * law.fixed[6]
+        assert settles_with_law([-0.5, 0.0], -1.0, past, knob.body, knob.wall, law, [0.0] * 2, [0.0] * 2) == fate
 
 
 def test_a_mean_that_hardly_moves_divides_by_nothing() -> None:

@@ -155,11 +155,25 @@ def stiffening(shown, speed, past, fixed, out):
 
 
 def velocity_damping(shown, speed, past, fixed, out):
-    """Memory: the place. Fixed: offset, steps of the wall per count a sample, a sensor, outside the wall too."""
+    """Memory: the last places, the newest first, and the filtered pace if there is a filter.
+
+    Fixed: offset, steps of the wall per count a sample, a sensor, outside the wall too, samples of the window, the
+    filter's part of the way or 0, the pace above which there is no torque.
+    """
     at = shown + fixed[0]
-    pace = speed if fixed[2] > 0.0 else at - past[0]
+    window = int(fixed[4])
+    pace = speed if fixed[2] > 0.0 else (at - past[window - 1]) / window
+    for j in range(window - 1, 0, -1):
+        past[j] = past[j - 1]
     past[0] = at
+    room = inf
+    if fixed[5] > 0.0:
+        pace = past[window] + fixed[5] * (pace - past[window])
+        past[window] = pace
+        room = abs(fixed[6] - abs(pace))
     out[0] = depth_of(shown, fixed[0])
     if fixed[3] > 0.0 or shown < 0.0:
         out[0] = out[0] + fixed[1] * pace
-    return inf
+    if abs(pace) > fixed[6]:
+        out[0] = 0.0
+    return room

@@ -25,7 +25,7 @@ class Law(NamedTuple):
     fixed: Any
     first: Any  # (rows), memory before the first sample
     rows: int
-    place: int  # 1: the first row begins at the place that the encoder shows
+    places: int  # the first rows, so many, begin at the place that the encoder shows
     looks: int
     line: int
     parts: int

@@ -66,8 +66,8 @@ def begin_past(past, shown, law):
         past[j] = 0.0
     for j in range(law.rows):
         past[j] = law.first[j]
-    if law.place > 0:
-        past[0] = shown + law.fixed[0]
+    for j in range(law.places):
+        past[j] = shown + law.fixed[0]
     for j in range(law.rows, law.line):
         past[j] = shown
 
