@@ -137,7 +137,8 @@ def test_the_hapkit_filter() -> None:
     rubbed, unfiltered = at(0.043, 1e-3), at(0.043, 1e-3, 0.0)
     says(
         PAGE,
-        f"with that filter {quarter:.1f} mrad at a quarter of the firmware's damping, {own:.1f} mrad at the firmware's. "
+        f"with that filter {quarter:.1f} mrad at a quarter of the firmware's damping, {own:.1f} mrad at the "
+        "firmware's. "
         f"With 1 mN·m of friction at the sector {rubbed:.1f} mrad at the firmware's, {unfiltered:.1f} mrad without the",
     )
     assert quarter > at(0.011, 0.0, 0.0)
