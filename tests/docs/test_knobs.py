@@ -124,6 +124,31 @@ def test_the_hapkit_report() -> None:
     )
 
 
+def test_the_hapkit_filter() -> None:
+    found = cells("hapkit_filtered")
+
+    def at(damping: float, friction: float, low_pass: float = 3.979e-3) -> float:
+        return size(
+            found,
+            **{"controller.damping": damping, "knob.coulomb_torque": friction, "controller.low_pass": low_pass},
+        )[0]
+
+    quarter, own = at(0.011, 0.0), at(0.043, 0.0)
+    rubbed, unfiltered = at(0.043, 1e-3), at(0.043, 1e-3, 0.0)
+    says(
+        PAGE,
+        f"with that filter {quarter:.1f} mrad at a quarter of the firmware's damping, {own:.1f} mrad at the "
+        "firmware's. "
+        f"With 1 mN·m of friction at the sector {rubbed:.1f} mrad at the firmware's, {unfiltered:.1f} mrad without the",
+    )
+    assert quarter > at(0.011, 0.0, 0.0)
+    assert own < at(0.043, 0.0, 0.0)
+    assert (found[found["knob.coulomb_torque"] == 2e-3].at_rest_fraction == 1.0).all()
+    plain = cells("hapkit_damping")  # the same without a filter, by the wall's own damping
+    for damping in (0.011, 0.043):
+        assert size(plain, **{"wall.damping": damping})[0] == pytest.approx(at(damping, 0.0, 0.0), rel=1e-9)
+
+
 def test_the_moteus_reports() -> None:
     found = cells("moteus_derivative")
     whole, pitch = size(found, **{"wall.damping": 0.00796})
