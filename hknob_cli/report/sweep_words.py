@@ -95,10 +95,15 @@ def perceived_text(rows: list[dict[str, Any]]) -> list[str]:
             continue
         known = [row for row in rows if row[level] is not None]
         some = [row[level] for row in known if row[fraction] > 0.0]
+        missing = sum(map(_cycles, rows)) - len(known)
+        if not known and not missing:
+            continue  # nothing moves
         text = f"{verb} in {len(some)} of {len(known)} cells with a level"
         if some:
             text += f", by {_span(some)} dB above an average person's threshold"
-        missing = sum(map(_cycles, rows)) - len(known)
+        elif known:
+            below = -max(row[level] for row in known)
+            text += f": the strongest is {below:.3g} dB below an average person's threshold"
         found.append(text + (f"; {missing} with cycles have none, outside what is published" if missing > 0 else ""))
         if level == "touch_db" and known:
             found.append(touch_uncertainty())

@@ -16,6 +16,7 @@ from hknob_cli.specs.capabilities import (
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
 
+OF_CONTROLLERS = {"controller", "speed_sensor", "kalman"}
 SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "controller_sets")  # engines of sets of starts
 
 
@@ -41,4 +42,6 @@ def _hindrance(parts: frozenset[str], kind: str) -> str:
     """The parts for which no sets of starts are followed: those that the engine refuses which refuses the fewest."""
     engines = [one for one in STARTS[kind] if one in SETS and ("controller" in parts) == (one == "controller_sets")]
     refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
-    return " and ".join(PARTS[part].title for part in min(refused, key=len))
+    fewest = min(refused, key=len)
+    beside = "a controller beside " if "controller" in parts and not set(fewest) & OF_CONTROLLERS else ""
+    return beside + " and ".join(PARTS[part].title for part in fewest)

@@ -36,7 +36,7 @@ def test_an_inertia_of_120_is_warned_of_with_the_usual_range(hknob, spec_file) -
     odd = ("--set", "scene.knob.inertia=120", "--set", "scene.wall.stiffness=1e5", *SHORT)
     done = hknob("sweep", spec_file(), *odd)
     assert done.returncode == 0
-    inertia, stiffness = done.stderr.splitlines()
+    inertia, stiffness = (line for line in done.stderr.splitlines() if not line.startswith("compil"))
     assert inertia.startswith("small: warning: knob.inertia: 120 kg*m^2 is unusually large; usual are 1e-08 to 0.001 (")
     assert inertia.endswith("; if 120 g*cm^2 is meant, write the unit")
     assert stiffness.startswith("small: warning: wall.stiffness: 100000 N*m/rad is unusually large; usual are ")

@@ -235,7 +235,7 @@ def test_every_preset_validates_and_every_number_says_where_it_is_from() -> None
 
 
 def test_the_page_of_presets_is_current() -> None:
-    assert (ROOT / "docs" / "presets.md").read_text() == page(), "make schemas"
+    assert (ROOT / "docs" / "reference" / "presets.md").read_text() == page(), "make schemas"
 
 
 def test_presets_ship() -> None:

@@ -74,7 +74,11 @@ def _ends(orbits: list[Row]) -> str:
         word: sum(row["basin_fraction"] for row in orbits if row["outcome"] == outcome)
         for outcome, word in words.items()
     }
-    return ", ".join(f"{short(100.0 * share)} % of the starts {word}" for word, share in shares.items() if share > 0.0)
+    why = _reasons([row for row in orbits if row["outcome"] == "diverged"])
+    words_of = {**{word: word for word in shares}, "diverge": f"diverge ({why})" if why else "diverge"}
+    return ", ".join(
+        f"{short(100.0 * share)} % of the starts {words_of[word]}" for word, share in shares.items() if share > 0.0
+    )
 
 
 def _share(share: float) -> str:
@@ -84,7 +88,14 @@ def _share(share: float) -> str:
 def _proof(orbits: list[Row]) -> str:
     if all(row["certified"] for row in orbits):
         return "proven"
-    return "some of it not proven" if any(row["certified"] for row in orbits) else "not proven"
+    why = _reasons([row for row in orbits if not row["certified"]])
+    what = "some of it not proven" if any(row["certified"] for row in orbits) else "not proven"
+    return f"{what}: {why}" if why else what
+
+
+def _reasons(orbits: list[Row]) -> str:
+    """Why these ends are what they are, each reason once."""
+    return "; ".join(dict.fromkeys(row["reason"] for row in orbits if row["reason"]))
 
 
 def describe_sweep(cells: pa.Table, orbits: pa.Table, *, axes: list[str], trials: int = 1) -> dict[str, Any]:
