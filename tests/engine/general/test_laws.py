@@ -97,6 +97,22 @@ def test_the_pieces_of_an_interval_fill_it(name: str, delay: float) -> None:
     assert sum(spans) == pytest.approx(1.0, abs=1e-15)
 
 
+def test_a_law_that_does_not_tell_counts_outside_apart_is_followed() -> None:
+    """Its levels are those of the wall, as they are compared from sample to sample."""
+    _, cell = made({"kind": "bounded_lag", "time_constant": 0.01}, knob={"coulomb_torque": 1e-4})
+    assert cell.law.watch.damping == 0.0
+    found = LawEngine(cell.law).search(
+        cell.knob.body,
+        cell.knob.wall,
+        cell.knob.start(0.02, 0.0),
+        rate=cell.rate,
+        phases=1,
+        delay_line=len(cell.law.beside),
+        max_samples=20_000,
+    )
+    assert found.attractors[0].certified
+
+
 def test_interpreted_and_compiled_find_the_same_bits() -> None:
     from hknob_cli.engine.jit import compiled
 
