@@ -5,7 +5,7 @@ from math import pi
 from typing import Any
 
 from hknob_cli.report.table import short
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Encoder, Hand, Scene
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene
 
 _UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
 _ROUNDING = {"floor": "down", "nearest": "to the nearest count", "ceil": "up", "truncate": "towards 0"}
@@ -99,7 +99,7 @@ class _Words:
     def _sensor(self) -> str:
         if self.scene.encoder is None:
             return "Sensor: continuous, without counts."
-        encoder = self.scene.encoder or Encoder()
+        encoder = self.scene.encoder
         counts = self.axes.get(COUNTS, [])
         said = f"Encoder: {range_of(counts)} counts per revolution" if counts else "Encoder"
         offset = self._value("encoder.offset_counts", "counts")

@@ -23,7 +23,7 @@ def explain(kind: str, plan: Any, command: str) -> Explained:
     """What a valid spec describes; ``command``: how to run it."""
     answer, sections, scene, axes = EXPLANATIONS[kind](plan)
     preset = getattr(plan, "preset", None)
-    sections["preset"] = [line.strip() for line in preset.lines] if preset else []
+    sections["preset"] = [line.strip() for line in preset.lines if "left out:" not in line] if preset else []
     if preset:
         sections.setdefault("ignored", []).extend(f"left out by the preset: {one}" for one in preset.left_out)
     sections["warnings"] = unusual(plan)
@@ -44,7 +44,7 @@ def _sweep(plan: SweepPlan) -> Found:
         "asked as well": _asked(plan),
         "work": _work(plan),
     }
-    answer = f"{size(plan)} asks whether {who(plan.scene)} buzzes against the wall, how much and at what pitch."
+    answer = f"{size(plan)} asks whether {who(plan.scene)} buzzes, how much and at what pitch."
     return answer, about, plan.scene, plan.axes
 
 

@@ -5,18 +5,22 @@ from typing import Any
 from hknob_cli.report.scene_words import range_of
 from hknob_cli.report.table import labels, short
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import COUNTS, PERSON, Scene, Starts
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Scene, Starts
 from hknob_cli.stages.work import counted
+
+_AXES = {RATE: "sample rates", COUNTS: "encoder resolutions", PERSON: "hands", GRIP: "grips"}
 
 
 def size(plan: Any) -> str:
     """What the grid is, as the beginning of a sentence."""
-    many = [len(values) for values in plan.axes.values() if len(values) > 1]
+    many = {name: len(values) for name, values in plan.axes.items() if len(values) > 1}
     if plan.points:
         return f"A design of {counted(plan.points.number, 'point')} ({plan.points.method})"
     if not many:
         return "One cell"
-    return f"A {' x '.join(map(str, many))} grid" if len(many) > 1 else f"A grid of {many[0]} cells"
+    *first, last = (_AXES.get(name, f"values of {name}") for name in many)
+    of = f"{', '.join(first)} and {last}" if first else last
+    return f"A {' x '.join(map(str, many.values()))} grid of {of}" if first else f"A grid of {many.popitem()[1]} {of}"
 
 
 def who(scene: Scene) -> str:
