@@ -11,6 +11,7 @@ from math import inf, isfinite, pi, prod, sqrt
 from typing import NamedTuple
 
 from hknob_cli.report.table import short
+from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Actuator, Axes, Bias, Cell, Hand, Scene, scene_at
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
@@ -203,10 +204,14 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
         return []
     most = " to ".join(dict.fromkeys(short(one) for one in margin))
     none = not any(one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping",)))
-    lines = [f"Is the knob's own damping above K T / 2? {'No: it has none' if none else _how_many(own)}."]
+    lines = [f"Is the knob's own damping more than passivity needs? {'No: it has none' if none else _how_many(own)}."]
     if scene.hand:
         lines.append(f"Is that of knob and hand? {_how_many(held)}: b is {most} times what is needed.")
-    return [*lines, "This condition leaves out the encoder's counts; hknob predict evaluates all published limits."]
+    if scene.encoder:
+        lines.append("This condition leaves out the encoder's counts; hknob predict evaluates all published limits.")
+    if beside := [name for name in ("controller", *OVER_ANGLE) if getattr(scene, name)]:
+        lines.append(f"It is of the plain wall: {' and '.join(beside).replace('_', ' ')} left out.")
+    return lines
 
 
 def _how_many(found: list[bool]) -> str:

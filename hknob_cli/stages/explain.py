@@ -143,8 +143,8 @@ def _hw_run(plan: Any) -> Found:
     scene = Scene(knob=knob, wall=wall, bias=bias)
     if simulated:
         parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
-        wanders = [name for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
-        parts.append(f"Person: simulated{f', with {chr(32).join(wanders)}' if wanders else ', who pushes steadily'}.")
+        wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
+        parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
     else:
         parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(("Wall:", "Encoder:", "Clock:"))]
     course, limits = plan.course, plan.limits
@@ -250,7 +250,8 @@ def _ends(plan: Any) -> list[tuple[Scene, Cell]]:
 def _unpushed(scene: Scene, axes: Axes) -> list[str]:
     pushed = scene.bias is not None and (scene.bias.half_quantum or scene.bias.torque)
     pushed = pushed or any(axes.get("bias.torque", []))
-    return [] if pushed else [f"{_UNPUSHED[0].upper()}{_UNPUSHED[1:]}."]
+    walled = scene.wall.stiffness or any(axes.get("wall.stiffness", []))
+    return [f"{_UNPUSHED[0].upper()}{_UNPUSHED[1:]}."] if walled and not pushed else []
 
 
 def _ignored(plan: SweepPlan) -> list[str]:
