@@ -76,7 +76,6 @@ def test_files_hold_one_idea_each() -> None:
 SMALL = {
     "__main__.py": "python -m hknob_cli looks for this name",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
-    "cli/app.py": "the commands, loaded after the entry point has made start-up light",
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",

@@ -6,6 +6,8 @@ import typer
 
 from hknob_cli import __version__
 from hknob_cli.cli.check import check, schema
+from hknob_cli.cli.explain import explain
+from hknob_cli.cli.new import new
 from hknob_cli.cli.run import run
 from hknob_cli.cli.stages import stage_command
 from hknob_cli.stage_table import STAGES
@@ -19,6 +21,8 @@ app = typer.Typer(
 )
 for kind, stage in STAGES.items():
     app.command(kind, help=stage.summary)(stage_command(kind))
+app.command()(new)
+app.command()(explain)
 app.command()(run)
 app.command()(check)
 app.command()(schema)

@@ -12,7 +12,7 @@ from hknob_cli.specs.preset_plan import Preset
 from hknob_cli.specs.source import Path_, Source
 
 # Where a spec of a kind has its scene, and whether a grid stands beside it.
-_SCENES: dict[str, tuple[Path_, bool]] = {
+SCENES: dict[str, tuple[Path_, bool]] = {
     "sweep": ((), True),
     "dfa": ((), True),
     "predict": ((), True),
@@ -28,7 +28,7 @@ def take_preset(source: Source) -> Preset | None:
     the grid does not have are the preset's. What comes from the preset is noted in ``source``. None where the scene is
     from no preset. Raises `SpecError`.
     """
-    found = _SCENES.get(str(source.value.get("kind")))
+    found = SCENES.get(str(source.value.get("kind")))
     if found is None:
         return None
     above, has_grid = found

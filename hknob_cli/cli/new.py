@@ -1,0 +1,88 @@
+"""``hknob new``: write a commented spec to begin from."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from hknob_cli.errors import RefusedError, UsageError, unwritable
+from hknob_cli.stage_table import SPECS
+from hknob_cli.terminal import reporting, say, tell
+
+Kind = Annotated[
+    str | None,
+    typer.Argument(
+        help=f"{', '.join(SPECS)}. Without one, they are listed.",
+        show_default=False,
+        metavar="[KIND]",
+        autocompletion=lambda incomplete: [kind for kind in SPECS if kind.startswith(incomplete)],
+    ),
+]
+
+
+def _presets(incomplete: str) -> list[str]:
+    from hknob_cli.specs.preset import names
+
+    return [name for name in names() if name.startswith(incomplete)]
+
+
+def new(
+    kind: Kind = None,
+    preset: Annotated[
+        str,
+        typer.Option(
+            "--from",
+            metavar="PRESET",
+            help="A knob to begin from: a preset's name, or the path of its file from the spec's folder.",
+            show_default=False,
+            autocompletion=_presets,
+        ),
+    ] = "",
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            metavar="FILE",
+            help="File to write, which must not exist.  \\[default: standard output]",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Write a short commented spec to begin from."""
+    with reporting():
+        from hknob_cli.specs.messages import unknown
+        from hknob_cli.specs.starter import about, starter
+
+        if kind is None:
+            wide = max(map(len, SPECS)) + 2
+            said = "\n".join(f"{one:{wide}}{about(one)}" for one in SPECS)
+            if preset or out or not sys.stdout.isatty():
+                raise UsageError(f"KIND is missing: hknob new KIND. Kinds are\n{said}")
+            tell(f"{said}\n\nnext: hknob new sweep --out my-knob.yaml")
+            return
+        if kind not in SPECS:
+            raise UsageError(unknown("kind", kind, list(SPECS)))
+        text = starter(kind, preset, out.parent if out else Path())
+        if out is None:
+            sys.stdout.write(text)
+            return
+        _write(out, text)
+        say(f"wrote {out}")
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file that is not there yet. Raises `RefusedError` if it is, `ComputationError` if it cannot be."""
+    try:
+        with path.open("x", encoding="utf-8") as file:
+            try:
+                file.write(text)
+                file.flush()
+            except OSError:
+                path.unlink(missing_ok=True)
+                raise
+    except FileExistsError:
+        raise RefusedError(f"{path}: is there already, and stays as it is; name another file") from None
+    except OSError as error:
+        raise unwritable(path, error) from None

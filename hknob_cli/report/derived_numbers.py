@@ -1,0 +1,218 @@
+"""Numbers that follow from a scene and its grid without simulating, each with its range over the cells.
+
+One count dq = 2 pi / N, the torque step K dq, time constants of knob and hand, the pitch on the wall, the delay, and
+the passivity of the wall: K T / 2 against the damping (Hasser, sec. 6.2; `theory.passivity` with virtual damping and a
+delay). Knob and hand move as one body here; a finger counts as held to the knob.
+"""
+
+from collections.abc import Callable, Iterator
+from itertools import product
+from math import inf, isfinite, pi, prod, sqrt
+from typing import NamedTuple
+
+from hknob_cli.report.table import short
+from hknob_cli.specs.over_angle import OVER_ANGLE
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Actuator, Axes, Bias, Cell, Hand, Scene, scene_at
+from hknob_cli.theory.laws import working_edge
+from hknob_cli.theory.passivity import needed_damping
+
+MOST_COMBINATIONS = 4096  # of values that one number depends on; of more, only the ends of each axis are taken
+_WHOLE = (GRIP, PERSON, "actuator.delay_samples")  # axes over which a number need not go up or down throughout
+
+
+class Number(NamedTuple):
+    """A derived number: its ``name``, the smallest and the largest value in an SI ``unit``, and what it ``means``.
+
+    ``scale`` and ``shown`` are how people write it: so many of the shown unit in one SI unit.
+    """
+
+    name: str
+    unit: str
+    least: float
+    largest: float
+    means: str
+    scale: float = 1.0
+    shown: str = ""
+
+    @property
+    def text(self) -> str:
+        """The value or the range, with its unit."""
+        ends = dict.fromkeys(short(self.scale * value) for value in (self.least, self.largest))
+        unit = self.shown or self.unit
+        return f"{' to '.join(ends)}{'' if unit == '1' else f' {unit}'}"
+
+
+class _Rule(NamedTuple):
+    """How a number follows from a scene at a cell, and the paths of what it depends on; None: it does not exist."""
+
+    name: str
+    unit: str
+    of: tuple[str, ...]
+    value: Callable[[Scene, Cell], float | None]
+    means: str
+    scale: float = 1.0
+    shown: str = ""
+
+
+def body(scene: Scene) -> tuple[float, float, float]:
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of knob and hand as one body."""
+    hand = scene.hand or Hand()
+    held = hand.finger or hand
+    return scene.knob.inertia + held.inertia, scene.knob.damping + held.damping, held.stiffness
+
+
+def push_of(scene: Scene, cell: Cell) -> float:
+    """The push into the wall, N·m."""
+    bias = scene.bias or Bias(torque=0.0)
+    return 0.5 * _step(scene, cell) if bias.half_quantum else bias.torque or 0.0
+
+
+def _step(scene: Scene, cell: Cell) -> float:
+    return scene.wall.stiffness * 2.0 * pi / cell[COUNTS]
+
+
+def _over(one: float, other: float) -> float | None:
+    return one / other if other > 0.0 else None
+
+
+def _pitch(stiffness: float, inertia: float) -> float | None:
+    return sqrt(stiffness / inertia) / (2.0 * pi) if stiffness > 0.0 and inertia > 0.0 else None
+
+
+def _on_the_wall(scene: Scene, _cell: Cell) -> float | None:
+    inertia, _, stiffness = body(scene)
+    return _pitch(scene.wall.stiffness + stiffness, inertia) if scene.wall.stiffness > 0.0 else None
+
+
+def _free(scene: Scene, _cell: Cell) -> float | None:
+    inertia, _, stiffness = body(scene)
+    return _pitch(stiffness, inertia)
+
+
+def _settling(scene: Scene, _cell: Cell) -> float | None:
+    inertia, damping, _ = body(scene)
+    return _over(inertia, damping)
+
+
+def _damping_ratio(scene: Scene, _cell: Cell) -> float | None:
+    inertia, damping, stiffness = body(scene)
+    there = scene.wall.stiffness + stiffness
+    return damping / (2.0 * sqrt(there * inertia)) if there > 0.0 and inertia > 0.0 else None
+
+
+def _needed(scene: Scene, cell: Cell) -> float | None:
+    edge = working_edge(scene, {COUNTS: 1, **cell})
+    return needed_damping(edge, virtual=abs(scene.wall.damping)) if scene.wall.stiffness > 0.0 else None
+
+
+def _delay(scene: Scene, cell: Cell) -> float:
+    actuator = scene.actuator or Actuator()
+    return (0.5 + actuator.delay_samples) / cell[RATE] + actuator.time_constant
+
+
+def _push_in_steps(scene: Scene, cell: Cell) -> float | None:
+    push = push_of(scene, cell)
+    return _over(push, _step(scene, cell)) if push > 0.0 else None
+
+
+def _friction_in_steps(scene: Scene, cell: Cell) -> float | None:
+    return _over(scene.knob.coulomb_torque, _step(scene, cell)) if scene.knob.coulomb_torque > 0.0 else None
+
+
+_BODY = ("knob.inertia", "knob.damping", "hand.")
+_WALL = ("wall.stiffness", "knob.inertia", "knob.damping", "hand.")
+_STEP = (COUNTS, "wall.stiffness")
+_RULES = (
+    _Rule("one count", "rad", (COUNTS,), lambda _s, c: 2.0 * pi / c[COUNTS], "least angle that is read", 1e3, "mrad"),
+    _Rule("sample period T", "s", (RATE,), lambda _s, c: 1.0 / c[RATE], "time between samples", 1e3, "ms"),
+    _Rule("torque step", "N*m", _STEP, _step, "K dq, what one count changes", 1e3, "mN*m"),
+    _Rule("half quantum", "N*m", _STEP, lambda s, c: 0.5 * _step(s, c), "K dq / 2: a push that balances between two "
+          "torques", 1e3, "mN*m"),
+    _Rule("push", "torque steps", ("bias.torque", *_STEP), _push_in_steps, "how many counts deep the wall would "
+          "carry it if there were no other spring"),
+    _Rule("friction", "torque steps", ("knob.coulomb_torque", *_STEP), _friction_in_steps, "from 1 on it withstands "
+          "the step of one count (Niemeyer's limit)"),
+    _Rule("inertia of knob and hand", "kg*m^2", _BODY, lambda s, _c: body(s)[0], "J"),
+    _Rule("damping of knob and hand", "N*m*s/rad", _BODY, lambda s, _c: body(s)[1], "b"),
+    _Rule("time constant", "s", _BODY, _settling, "J/b, in which knob and hand lose most of their speed", 1e3, "ms"),
+    _Rule("pitch off the wall", "Hz", _BODY, _free, "natural frequency on the spring of the hand"),
+    _Rule("pitch on the wall", "Hz", _WALL, _on_the_wall, "natural frequency on the springs of wall and hand, without "
+          "sampling; a buzz may be slower or faster"),
+    _Rule("damping ratio on the wall", "1", _WALL, _damping_ratio, "b / (2 sqrt((K + k) J)); above 1 nothing swings"),
+    _Rule("delay", "s", (RATE, "actuator."), _delay, "half a sample of the hold, transport delay and lag", 1e3, "ms"),
+    _Rule("damping for passivity", "N*m*s/rad", (RATE, "wall.", "actuator.delay_samples"), _needed, "K T / 2, "
+          "more with virtual damping or a delay (Colgate & Schenkel)"),
+)  # fmt: skip
+
+
+def derived_numbers(scene: Scene, axes: Axes) -> list[Number]:
+    """The numbers of a scene over a grid or within the ends of a design; those that do not exist are left out."""
+    return [number for rule in _RULES if (number := _number(rule, scene, axes))]
+
+
+def _number(rule: _Rule, scene: Scene, axes: Axes) -> Number | None:
+    if (RATE in rule.of and not (scene.sampled and RATE in axes)) or (COUNTS in rule.of and COUNTS not in axes):
+        return None
+    values = [value for one, cell in cells_for(scene, axes, rule.of) if (value := rule.value(one, cell)) is not None]
+    finite = [value for value in values if isfinite(value)]
+    if not finite or max(finite) == 0.0 or (rule.unit == "N*m" and scene.encoder is None):
+        return None
+    return Number(rule.name, rule.unit, min(finite), max(finite), rule.means, rule.scale, rule.shown)
+
+
+def cells_for(scene: Scene, axes: Axes, paths: tuple[str, ...]) -> Iterator[tuple[Scene, Cell]]:
+    """Scenes and cells that differ in what a number depends on, by paths or their beginnings (``hand.``).
+
+    Of many values only the two ends: each number here goes up or down with each of them, so that its smallest and its
+    largest value are there.
+    """
+    some = {name: _taken(name, values, paths) for name, values in axes.items()}
+    if prod(map(len, some.values())) > MOST_COMBINATIONS:
+        some = {name: values if name in _WHOLE else _ends(values) for name, values in some.items()}
+    for combination in product(*some.values()):
+        cell = dict(zip(some, combination, strict=True))
+        yield scene_at(scene, cell), cell
+
+
+def _taken(name: str, values: list[float | int], paths: tuple[str, ...]) -> list[float | int]:
+    here = "hand." if name == PERSON else name
+    return values if any(here == path or (path[-1] == "." and here.startswith(path)) for path in paths) else values[:1]
+
+
+def _ends(values: list[float | int]) -> list[float | int]:
+    return list(dict.fromkeys((min(values), max(values))))
+
+
+def passivity(scene: Scene, axes: Axes) -> list[str]:
+    """Whether damping is above what passivity needs: the knob's own, and with this hand. None without samples or wall.
+
+    The knob's own damping counts for passivity, that of knob and hand only for this hand (`theory.passivity`).
+    """
+    if not scene.sampled or RATE not in axes:
+        return []
+    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples")
+    own, held, margin = [], [], [inf, 0.0]
+    for one, cell in cells_for(scene, axes, paths):
+        needed = _needed(one, cell)
+        if not needed:
+            continue
+        own.append(one.knob.damping > needed)
+        held.append(body(one)[1] > needed)
+        ratio = body(one)[1] / needed
+        margin = [min(margin[0], ratio), max(margin[1], ratio)]
+    if not own:
+        return []
+    most = " to ".join(dict.fromkeys(short(one) for one in margin))
+    none = not any(one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping",)))
+    lines = [f"Is the knob's own damping more than passivity needs? {'No: it has none' if none else _how_many(own)}."]
+    if scene.hand:
+        lines.append(f"Is that of knob and hand? {_how_many(held)}: b is {most} times what is needed.")
+    if scene.encoder:
+        lines.append("This condition leaves out the encoder's counts; hknob predict evaluates all published limits.")
+    if beside := [name for name in ("controller", *OVER_ANGLE) if getattr(scene, name)]:
+        lines.append(f"It is of the plain wall: {' and '.join(beside).replace('_', ' ')} left out.")
+    return lines
+
+
+def _how_many(found: list[bool]) -> str:
+    return "Yes" if all(found) else "In a part of the grid only" if any(found) else "No"

@@ -1,0 +1,159 @@
+"""The parts of a scene in plain words: a sentence each, with SI values and units, and what varies over the grid."""
+
+from collections.abc import Iterator
+from math import pi
+from typing import Any
+
+from hknob_cli.report.table import short
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene
+
+_UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
+_ROUNDING = {"floor": "down", "nearest": "to the nearest count", "ceil": "up", "truncate": "towards 0"}
+
+
+def range_of(values: list[float | int]) -> str:
+    """One value, or the smallest and the largest."""
+    return " to ".join(dict.fromkeys(short(value) for value in (min(values), max(values))))
+
+
+def scene_sentences(scene: Scene, axes: Axes) -> list[str]:
+    """The parts that a scene has; varied numbers with their range over the grid."""
+    return [*_Words(scene, axes).sentences()]
+
+
+class _Words:
+    """The sentences of one scene over one grid."""
+
+    def __init__(self, scene: Scene, axes: Axes) -> None:
+        self.scene, self.axes = scene, axes
+
+    def sentences(self) -> Iterator[str]:
+        scene = self.scene
+        friction = self._value("knob.coulomb_torque", "N*m")
+        knob = [
+            f"inertia {self._value('knob.inertia', 'kg*m^2')}",
+            f"damping {self._value('knob.damping', 'N*m*s/rad')}",
+        ]
+        knob.append(f"Coulomb friction {friction}" if friction else "no friction")
+        yield f"Knob: {', '.join(part for part in knob if not part.endswith(' '))}."
+        yield self._hand()
+        if wall := self._value("wall.stiffness", "N*m/rad"):
+            damping = self._value("wall.damping", "N*m*s/rad")
+            yield f"Wall: a spring below the angle 0, {wall}{f'; virtual damping {damping}' if damping else ''}."
+        yield from self._over_angle()
+        yield self._push()
+        yield self._sensor()
+        yield from self._clock()
+        if scene.controller:
+            numbers = [f"{key} {self._plain(f'controller.{key}', value)}" for key, value in _keys(scene.controller)]
+            yield f"Controller: {', '.join([scene.controller.kind, *numbers])}."
+
+    def _value(self, path: str, unit: str) -> str:
+        """A number of the scene with its unit, or its range; empty where it is 0 or absent everywhere."""
+        value: Any = self.scene
+        for step in path.split("."):
+            value = getattr(value, step, None)
+        values = self.axes.get(path, [] if value is None else [value])
+        if not values or not any(values):
+            return ""
+        varied = f" ({len(values)} values)" if len(values) > 1 else ""
+        return f"{range_of(values)} {unit}{varied}"
+
+    def _plain(self, path: str, value: Any) -> str:
+        if path in self.axes:
+            return range_of(self.axes[path])
+        return short(value) if isinstance(value, float) else str(value)
+
+    def _hand(self) -> str:
+        hand = self.scene.hand
+        if hand is None:
+            return "Hand: none; nothing holds the knob."
+        if hand.by_person:
+            people = len(self.axes.get(PERSON, hand.by_person))
+            return f"Hands: {people} of them: {_of_all(hand.by_person)}."
+        if hand.by_grip and GRIP in self.axes:
+            grips = self.axes[GRIP]
+            return f"Hand: measured, at a grip of {range_of(grips)} N ({len(grips)} values)."
+        if hand.finger:
+            finger = self._parts("hand.finger", tuple(_UNITS))
+            pad = self._parts("hand.fingerpad", ("damping", "stiffness"))
+            said = f"Hand: a finger of {finger}; between it and the knob a fingerpad of {pad}"
+            return f"{said}. What follows takes finger and knob as one body."
+        numbers = self._parts("hand", tuple(_UNITS))
+        return f"Hand: {numbers}, turning with the knob." if numbers else "Hand: without inertia, damping or stiffness."
+
+    def _parts(self, path: str, keys: tuple[str, ...]) -> str:
+        found = {key: self._value(f"{path}.{key}", _UNITS[key]) for key in keys}
+        return ", ".join(f"{key} {text}" for key, text in found.items() if text)
+
+    def _push(self) -> str:
+        bias = self.scene.bias
+        if bias and bias.half_quantum:
+            return "Push: half of the torque step of one count, into the wall."
+        push = self._value("bias.torque", "N*m")
+        return (
+            f"Push: {push} into the wall."
+            if push
+            else "Push: none; only the spring of the hand, if any, turns it back."
+        )
+
+    def _sensor(self) -> str:
+        if self.scene.encoder is None:
+            return "Sensor: continuous, without counts."
+        encoder = self.scene.encoder
+        counts = self.axes.get(COUNTS, [])
+        said = f"Encoder: {range_of(counts)} counts per revolution" if counts else "Encoder"
+        offset = self._value("encoder.offset_counts", "counts")
+        return f"{said}, read {_ROUNDING[encoder.rounding]}{f', edges {offset} off' if offset else ''}."
+
+    def _clock(self) -> Iterator[str]:
+        rates = self.axes.get(RATE, [])
+        if not self.scene.sampled:
+            yield "Clock: none; the torque follows at once."
+        elif rates:
+            yield f"Clock: {range_of(rates)} Hz; the torque is held from sample to sample."
+        named = {
+            "delay of {}": ("actuator.delay_samples", "samples"),
+            "lag of {}": ("actuator.time_constant", "s"),
+            "torque up to {}": ("actuator.torque_limit", "N*m"),
+            "torque in steps of {}": ("actuator.torque_step", "N*m"),
+        }
+        found = [form.format(text) for form, (path, unit) in named.items() if (text := self._value(path, unit))]
+        if found:
+            yield f"Actuator: {', '.join(found)}."
+
+    def _over_angle(self) -> Iterator[str]:
+        scene = self.scene
+        if scene.profile:
+            ends = [1e3 * angle for angle, _ in scene.profile.points]
+            torques = [torque for _, torque in scene.profile.points]
+            again = ", again and again" if scene.profile.periodic else ""
+            yield (
+                f"Profile: {len(torques)} points from {short(ends[0])} to {short(ends[-1])} mrad{again}, torques of "
+                f"{range_of(torques)} N*m, {scene.profile.interpolation}."
+            )
+        if detents := scene.detents:
+            spacing = detents.spacing or 2.0 * pi / (detents.per_revolution or 1)
+            torque = self._value("detents.torque", "N*m") or "0 N*m"
+            yield f"Detents: every {short(1e3 * spacing)} mrad, {torque} at most, of shape {detents.shape}."
+        if stops := scene.end_stops:
+            ends_of = {"below": stops.low, "above": stops.high}
+            where = " and ".join(f"{side} {short(1e3 * at)} mrad" for side, at in ends_of.items() if at is not None)
+            yield f"End stops: a spring of {self._value('end_stops.stiffness', 'N*m/rad')} {where}."
+        if zone := scene.dead_zone:
+            yield (
+                f"Dead zone: {short(1e3 * zone.width)} mrad wide about {short(1e3 * zone.centre)} mrad; a spring of "
+                f"{self._value('dead_zone.stiffness', 'N*m/rad')} outside of it."
+            )
+
+
+def _of_all(hands: tuple[Hand, ...]) -> str:
+    """Ranges of the numbers of many hands."""
+    found = {key: [getattr(one, key) for one in hands] for key in _UNITS}
+    return ", ".join(f"{key} {range_of(values)} {_UNITS[key]}" for key, values in found.items() if any(values))
+
+
+def _keys(controller: Any) -> Iterator[tuple[str, Any]]:
+    from hknob_cli.specs.controller_plan import KINDS
+
+    yield from ((key, getattr(controller, key)) for key in KINDS[controller.kind].keys)

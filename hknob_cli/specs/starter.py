@@ -1,0 +1,124 @@
+"""Starters: for each kind of spec a short commented file to begin from, with a user's own knob or a preset's."""
+
+import re
+from pathlib import Path
+
+from hknob_cli.errors import SpecError, UsageError
+from hknob_cli.specs.from_preset import SCENES
+from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.preset import Read, read_preset
+from hknob_cli.stage_table import PIPELINE, STAGES
+
+_PACKAGE = Path(__file__).parent
+# In an installed package, then in the repository.
+FOLDERS = (_PACKAGE / "starters", _PACKAGE.parents[1] / "data" / "starters")
+WITH_SCENE = tuple(SCENES)  # kinds whose knob can be a preset
+# What a preset replaces stands between these lines: the knob and its wall, and the sample rate and counts.
+_BLOCK = re.compile(r"^#\{(\w+)\n(.*?)^#\}\n", re.MULTILINE | re.DOTALL)
+_WIDTH = 120
+_RATE, _COUNTS, _STIFFNESS = ("grid", RATE), ("grid", COUNTS), ("scene", "wall", "stiffness")
+# Numbers in blocks of that name: how many times what of the starter's own knob.
+_NUMBERS = (
+    ("1000", _RATE, 1),
+    ("4000", _RATE, 4),
+    ("1024", _COUNTS, 1),
+    ("8192", _COUNTS, 8),
+    ("0.2", _STIFFNESS, 0.75),
+    ("0.135", _STIFFNESS, 0.5),
+)
+
+
+def starter(kind: str, preset: str = "", beside: Path = Path()) -> str:
+    """The text of a starter of a kind of spec; with a ``preset`` its knob is that one.
+
+    The path of a preset's own file is relative to ``beside``, the folder of the spec. Raises `UsageError` for a kind
+    without a scene, a preset that there is not, and one whose parts the kind refuses.
+    """
+    text = _read(kind)
+    if not preset:
+        return _BLOCK.sub(r"\2", text)
+    if kind not in WITH_SCENE:
+        raise UsageError(f"--from: a spec of kind {kind} cannot begin from a preset; {', '.join(WITH_SCENE)} can")
+    read = read_preset(preset, beside)
+    made = _BLOCK.sub(lambda found: _of_preset(found[1], found[2], preset, read), text)
+    made = re.sub(r"^name: \S+( *)", lambda found: _named(found, preset), made, count=1, flags=re.MULTILINE)
+    _validate(made, kind, preset, beside)
+    return made
+
+
+def _read(kind: str) -> str:
+    for folder in FOLDERS:
+        if folder.is_dir():
+            return (folder / f"{kind}.yaml").read_text(encoding="utf-8")
+    raise UsageError(f"no starters in {' or '.join(map(str, FOLDERS))}")
+
+
+def _of_preset(block: str, own: str, preset: str, read: Read) -> str:
+    """What stands in the place of a block: the preset, with its values as comments that can be overridden."""
+    if block == "numbers":
+        return _in_proportion(own, read)
+    if block == "grid":
+        return own if len(read.grid) < 2 else _grid_of_preset(own, read)
+    indent = own[: len(own) - len(own.lstrip())]
+    lines = [f"from: {preset}", *_comment(read.preset.title)]
+    lines += [line for path, value in _leaves(read.scene) for line in _comment(f"{path} = {value}")]
+    lines += [line for text in read.preset.left_out for line in _comment(f"left out: {text}")]
+    lines += _comment("What is listed below overrides the preset, as wall: {stiffness: 0.3}. Sources: hknob check")
+    return "".join(f"{indent}{line}\n" for line in lines)
+
+
+def _grid_of_preset(own: str, read: Read) -> str:
+    """The sample rate and counts of a preset, as the comment that they are."""
+    indent = own[: len(own) - len(own.lstrip())]
+    given = ", ".join(f"{name}: {value}" for name, value in read.grid.items())
+    return f"{indent}# grid: {{{given}}}   # the preset's; lists vary it\n"
+
+
+def _in_proportion(own: str, read: Read) -> str:
+    """Numbers of a starter's own knob, to the knob of a preset; what the preset does not have as a number stays."""
+    found = {}
+    for text, path, times in _NUMBERS:
+        value: object = {"scene": read.scene, "grid": read.grid}
+        for step in path:
+            value = value.get(step) if isinstance(value, dict) else None
+        if isinstance(value, int | float):
+            found[text] = f"{value * times:.12g}" if isinstance(times, float) else str(value * times)
+    return re.sub(r"(?<![\w.])[\d.]+(?![\w.])", lambda number: found.get(number[0], number[0]), own)
+
+
+def _leaves(part: dict[str, object], above: str = "") -> list[tuple[str, object]]:
+    """Values of mappings in mappings, by their dotted paths."""
+    found: list[tuple[str, object]] = []
+    for key, value in part.items():
+        found += _leaves(value, f"{above}{key}.") if isinstance(value, dict) else [(f"{above}{key}", value)]
+    return found
+
+
+def _comment(text: str) -> list[str]:
+    """A text as lines of a comment."""
+    from textwrap import wrap
+
+    return wrap(text, _WIDTH - 8, initial_indent="# ", subsequent_indent="#   ", break_long_words=False)
+
+
+def _named(found: re.Match[str], preset: str) -> str:
+    """The line of the name, after the preset, with its comment where it was."""
+    name = re.sub(r"[^A-Za-z0-9._-]", "-", Path(preset).stem)
+    return f"name: my-{name}".ljust(len(found[0]) - 1) + " "
+
+
+def _validate(text: str, kind: str, preset: str, beside: Path) -> None:
+    """Raise `UsageError` where a kind refuses what a preset has."""
+    from hknob_cli.specs.load import validate
+    from hknob_cli.specs.source import parse
+
+    try:
+        validate(parse(text, str(beside / "starter.yaml")), kind=kind)
+    except SpecError as error:
+        said = "; ".join(f"{fault.key}: {fault.message}" for fault in error.faults)
+        raise UsageError(f"--from: a spec of kind {kind} cannot begin from {preset}: {said}") from None
+
+
+def about(kind: str) -> str:
+    """What a kind of spec is about, in a sentence: that of its stage, or of a pipeline."""
+    return "Run several stages, each after those that it needs." if kind == PIPELINE else STAGES[kind].summary
