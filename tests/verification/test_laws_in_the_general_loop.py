@@ -162,7 +162,7 @@ def test_proven_cycles(controller: str) -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("controller", sorted(CONTROLLERS))
 def test_many_scenes(controller: str) -> None:
-    for one in scenes(controller, 40, seed=1):
+    for one in scenes(controller, 12, seed=1):
         check_trial(one)
     if controller in PROVABLE:
-        proven(controller, 40, seed=1)
+        proven(controller, 12, seed=1)
