@@ -6,6 +6,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.specs.load import load
 from tests.cli.test_remedies import SMALL
 
 OVER = SMALL[: SMALL.index("cases:")].replace("sample_rate_hz: [1000, 2000]", "sample_rate_hz: 1000").replace(
@@ -55,28 +56,25 @@ def test_cases_have_the_scene_of_the_base_beside_an_axis(hknob, spec_file, tmp_p
             "{scene: {knob: {inertia: 8.0e-6}}}",
             "must not set scene.knob.inertia, which the grid of the base varies",
         ),
-        (
-            "knob.coulomb_torque: [0, 1.0e-4]",
-            "{scene: {controller: {kind: stiffening}}}",
-            'grid["knob.coulomb_torque"]: must be absent',
-        ),
-        (
-            "actuator.delay_samples: [0, 1]",
-            "{scene: {controller: {kind: stiffening}}}",
-            'grid["actuator.delay_samples"]: must be absent',
-        ),
         ("knob.inertias: [1]", "{}", "did you mean 'knob.inertia'?"),
     ],
 )
 def test_an_axis_that_a_remedy_overrules_or_has_not_is_refused(hknob, spec_file, axis, change, message) -> None:
     text = OVER.replace("knob.inertia: [20 g*cm^2, 200 g*cm^2]", axis)
-    if axis.startswith("actuator"):
-        text = text.replace("    bias:", "    actuator: {delay_samples: 0}\n    bias:")
     start = text.index("    change:")
     text = text[:start] + f"    change: {change}\n" + text[text.index("    needs:") :]
     done = hknob("remedies", spec_file(text), "-o", "out")
     assert done.returncode == 2
     assert message in done.stderr
+
+
+@pytest.mark.parametrize("axis", ["knob.coulomb_torque: [0, 1.0e-4]", "actuator.delay_samples: [0, 1]"])
+def test_a_controller_goes_with_friction_and_delay_as_axes(spec_file, axis) -> None:
+    text = OVER.replace("knob.inertia: [20 g*cm^2, 200 g*cm^2]", axis)
+    text = text.replace("    bias:", "    actuator: {delay_samples: 0}\n    bias:")
+    start = text.index("    change:")
+    changed = "    change: {scene: {controller: {kind: stiffening}}}\n"
+    load(spec_file(text[:start] + changed + text[text.index("    needs:") :]))
 
 
 @pytest.mark.parametrize("axis", ["bias.torque: [5.0e-4, 2.0e-3]", "wall.stiffness: [0.1, 0.5]"])
