@@ -146,11 +146,11 @@ def test_two_runs_on_one_folder(undisturbed, tmp_path: Path) -> None:
 
 
 MEMORY = (
-    "from hknob_cli.stages.sweep import piece; plain = piece.find_piece\n"
+    "from hknob_cli.stages.sweep import assembly; plain = assembly.find_piece\n"
     "def find_piece(stage, start, stop):\n"
     "    if stop - start > 1: {too_much}\n"
     "    return plain(stage, start, stop)\n"
-    "piece.find_piece = find_piece"
+    "assembly.find_piece = find_piece"
 )
 TOO_MUCH = {
     "said so": "raise MemoryError",
