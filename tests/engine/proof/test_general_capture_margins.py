@@ -209,7 +209,7 @@ def deeper_samples(kind: str) -> tuple[GeneralKnob, Known, list[list[float]]]:
     head, last, expected, delay, period = 0, None, [], one.delay_line, int(ends.table[1])
     for i in range(2 * period):
         shown = read(z[0], one.wall)
-        if i >= period and inside(shown) < inside(last):
+        if i >= period and inside(shown, one.wall) < inside(last, one.wall):
             expected.append([0.0, before, *z, *(ring[(head + j) % delay] for j in range(delay))])
         last = shown
         before, head = advance(z, before, ring, head, one.body, one.wall, zeros(2 * one.body.order))
