@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from hknob_cli.specs.plan import Plan
 
 Spec = str | Path | Mapping[str, Any]
-HERE = "<spec>"  # stands for the file in faults of a spec that is none
+HERE = "<spec>"  # in faults, in place of a file name, where a spec is a mapping
 
 
 class Results:
