@@ -140,7 +140,10 @@ def _load_target() -> None:
 def is_kept(group: str = "plain") -> bool:
     """Whether a group's compiled code is on disk, and only to be loaded."""
     folder = cache_directory()
-    return not _not_kept() and folder is not None and any(folder.glob(f"**/{GROUPS[group][1]}-*.nbi"))
+    if _not_kept() or folder is None:
+        return False
+    begin = f"{GROUPS[group][1]}-"  # folders may go while one looks: make_own_folder tries one, in every process
+    return any(name.startswith(begin) and name.endswith(".nbi") for _, _, names in os.walk(folder) for name in names)
 
 
 def waiting(group: str = "plain") -> str:

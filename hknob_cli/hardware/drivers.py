@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import Trial, settings_of, trials_of
 from hknob_cli.hardware.port import Device, Simulated
@@ -73,7 +73,7 @@ def who_of(plan: HwRunPlan) -> Who:
 
 
 def check_persons(plan: HwRunPlan) -> None:
-    """Raise `UsageError` if nobody can hold a simulated knob as a plan says in one of its trials."""
+    """Raise `SpecError` at the grip force if nobody can hold a simulated knob as a plan says in one of its trials."""
     if plan.device.driver != VIRTUAL and plan.device.target is None:
         return
     who = who_of(plan)
@@ -81,4 +81,4 @@ def check_persons(plan: HwRunPlan) -> None:
         try:
             who(trial)
         except UsageError as error:
-            raise UsageError(f"{trial}: {error}") from None
+            raise SpecError([plan.grip_place._replace(message=f"{trial}: {error}")]) from None

@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
+from hknob_cli.errors import Fault
+
 SERIAL, VIRTUAL, REPLAY = "serial", "virtual", "replay"
 SCHEMES = ("socket", "rfc2217", "loop")
 
@@ -78,7 +80,10 @@ class NuisancePlan(NamedTuple):
 
 
 class HwRunPlan(NamedTuple):
-    """A campaign of trials over a grid of sample rates and counts. ``axes`` as in a sweep; ``subject`` who holds."""
+    """A campaign of trials over a grid of sample rates and counts. ``axes`` as in a sweep; ``subject`` who holds.
+
+    ``grip_place``: a fault without a message, where the spec has the grip force.
+    """
 
     name: str
     device: DevicePlan
@@ -96,6 +101,7 @@ class HwRunPlan(NamedTuple):
     person: PersonPlan
     nuisances: NuisancePlan
     values: dict[str, Any]
+    grip_place: Fault
 
     @property
     def is_source(self) -> bool:

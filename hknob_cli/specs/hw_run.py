@@ -232,6 +232,7 @@ def validate_hw_run(source: Source) -> HwRunPlan:
             nuisances.angle_noise, nuisances.grip_noise, nuisances.amplifier, nuisances.jitter, nuisances.overruns
         ),
         values=source.value,
+        grip_place=source.fault(("grip", "target"), ""),
     )
 
 

@@ -65,16 +65,14 @@ SCENES = {
 def test_random_starts_end_in_the_list(name: str) -> None:
     """Of 4000 random starts each lies, when it has settled, on a listed orbit, or rests in a listed reading."""
     parts, rate, counts = SCENES[name]
-    plain = SceneSpec.model_validate(parts)
-    knob = sample_general(plain.plain(), sample_rate_hz=rate, counts_per_rev=counts)
+    knob = sample_general(SceneSpec.model_validate(parts).plain(), sample_rate_hz=rate, counts_per_rev=counts)
     box = Box(knob.position(-ANGLE), knob.position(ANGLE), knob.speed(-VELOCITY), knob.speed(VELOCITY))
     engine = FrictionSetEngine(compiled("friction sets"))
     found = engine.search_box(knob.body, knob.wall, box, rate=knob.rate, delay_line=knob.delay_line, max_samples=None)
     assert found.complete
     chance = np.random.default_rng(2)
     theta, omega = chance.uniform(-ANGLE, ANGLE, 4000), chance.uniform(-VELOCITY, VELOCITY, 4000)
-    given = plain.model_dump(exclude_none=True)
-    theta, omega, _ = FrictionStarts(given, rate, counts).run(theta, omega, int(40.0 / knob.rate) + 200)
+    theta, omega, _ = FrictionStarts(parts, rate, counts).run(theta, omega, int(40.0 / knob.rate) + 200)
     x, v = theta / knob.quantum_rad, omega * knob.period_s / knob.quantum_rad
     near = listed(knob, found.attractors, x, v)
     assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"
