@@ -14,7 +14,7 @@ class Stage(NamedTuple):
     ``name`` is its command and the `kind` of its spec, ``summary`` says what it does and ``picture`` what ``--plot``
     draws. ``model`` validates its spec, and ``validate`` makes a plan of one; without it the spec is of a scene over a
     grid. ``work`` is its `stages.work.Work`. ``spread``: whether a cluster can share the work. ``command``: its own
-    command, where that takes more options than others.
+    command, where that takes more options than others. ``panel``: where the help lists it.
     """
 
     name: str
@@ -25,6 +25,7 @@ class Stage(NamedTuple):
     validate: str = ""
     spread: bool = False
     command: str = ""
+    panel: str = "Find out"
 
 
 _ROWS = (
@@ -35,6 +36,7 @@ _ROWS = (
         model="hknob_cli.specs.sysid:SysidSpec",
         validate="hknob_cli.specs.sysid:validate_sysid",
         work="hknob_cli.stages.sysid.work:WORK",
+        panel="Measure",
     ),
     Stage(
         "sweep",
@@ -65,6 +67,7 @@ _ROWS = (
         model="hknob_cli.specs.remedies:RemediesSpec",
         validate="hknob_cli.specs.remedies:validate_remedies",
         work="hknob_cli.stages.remedies.work:WORK",
+        panel="Fix",
     ),
     Stage(
         "design",
@@ -73,6 +76,7 @@ _ROWS = (
         model="hknob_cli.specs.design:DesignSpec",
         validate="hknob_cli.specs.design_check:validate_design",
         work="hknob_cli.stages.design.work:WORK",
+        panel="Fix",
     ),
     Stage(
         "hw-run",
@@ -82,6 +86,7 @@ _ROWS = (
         validate="hknob_cli.specs.hw_run:validate_hw_run",
         work="hknob_cli.stages.hw_run.work:WORK",
         command="hknob_cli.cli.stages:hw_run",
+        panel="Measure",
     ),
     Stage(
         "bench",
@@ -90,6 +95,7 @@ _ROWS = (
         model="hknob_cli.specs.bench:BenchSpec",
         validate="hknob_cli.specs.bench:validate_bench",
         work="hknob_cli.stages.bench.work:WORK",
+        panel="Check",
     ),
     Stage(
         "report",
@@ -98,6 +104,7 @@ _ROWS = (
         model="hknob_cli.specs.report:ReportSpec",
         validate="hknob_cli.specs.report:validate_report",
         work="hknob_cli.page.work:WORK",
+        panel="Automate",
     ),
 )
 

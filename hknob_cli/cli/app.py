@@ -19,13 +19,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-for kind, stage in STAGES.items():
-    app.command(kind, help=stage.summary)(stage_command(kind))
-app.command()(new)
-app.command()(explain)
-app.command()(run)
-app.command()(check)
-app.command()(schema)
+OTHERS = {"Find out": (explain,), "Automate": (new, run), "Check": (check, schema)}
+for panel in ("Find out", "Fix", "Measure", "Automate", "Check"):
+    for kind, stage in STAGES.items():
+        if stage.panel == panel:
+            app.command(kind, help=stage.summary, rich_help_panel=panel)(stage_command(kind))
+    for command in OTHERS.get(panel, ()):
+        app.command(rich_help_panel=panel)(command)
 
 
 def _version(wanted: bool) -> None:

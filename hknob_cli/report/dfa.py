@@ -11,7 +11,9 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
+from hknob_cli.report.verdicts import expected
 
+SWEEP_PROVES = "These are estimates: a sweep of the same scene computes the cycles, and proves them."
 _NUMBER = re.compile(r"\b\d+(\.\d+)?(e[-+]?\d+)?\b")  # of a cell, in the reason; cells are counted together
 
 
@@ -44,12 +46,14 @@ def dfa_text(summary: dict[str, Any]) -> str:
         f"{summary['name']}: {cells} cell{'s' if cells != 1 else ''} by {', '.join(summary['methods'])}"
         + "".join(f"; {f}" for f in fixed)
     ]
+    axes = list(summary["axes"])
+    of = {method: [row for row in rows if row["method"] == method] for method in summary["methods"]}
+    lines += ["", *(expected(method, largest_cycles(found, axes)) for method, found in of.items()), SWEEP_PROVES]
     if not wide:
         lines += ["", *_one_cell(rows)]
     for method in summary["methods"] if wide else ():
-        of = [row for row in rows if row["method"] == method]
-        lines += ["", *_method(method, of, wide)]
-    notes = [*_notes(rows, list(summary["axes"])), *overlap_text(summary), *_listed(rows, list(summary["axes"]))]
+        lines += ["", *_method(method, of[method], wide)]
+    notes = [*_notes(rows, axes), *overlap_text(summary), *_listed(rows, axes)]
     lines += ["", *notes] if notes else []
     for method, groups in summary.get("statistics", {}).items():
         lines += ["", *statistics_lines(method, groups)]

@@ -7,8 +7,9 @@ from collections import Counter
 from math import ceil, floor, log10
 from typing import Any
 
-from hknob_cli.report.dfa import overlap_text
+from hknob_cli.report.dfa import SWEEP_PROVES, overlap_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
+from hknob_cli.report.verdicts import expected
 
 LIMITS = {
     "colgate_schenkel": "Colgate & Schenkel",
@@ -142,10 +143,11 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
     cells = len(summary["passivity"])
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
     fixed = [f"; {axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in wide]
-    inside = ", ".join(f"{law} {found['in_domain']}" for law, found in summary["laws"].items())
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     count = "1 cell" if cells == 1 else f"{cells} cells"
-    lines = [f"{summary['name']}: {count}, in domain: {inside}{stale}{''.join(fixed)}"]
+    lines = [f"{summary['name']}: {count} by {', '.join(summary['laws'])}{stale}{''.join(fixed)}"]
+    lines += ["", *(expected(law, [row for row in summary["cells"] if row["law"] == law]) for law in summary["laws"])]
+    lines += [SWEEP_PROVES]
     if len(wide) == 2 and fits(summary["passivity"], wide):
         lines += _matrices(summary, wide)
     else:

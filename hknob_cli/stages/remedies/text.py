@@ -11,6 +11,7 @@ import pyarrow as pa
 
 from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
 from hknob_cli.report.table import short, table
+from hknob_cli.report.verdicts import best_remedy
 from hknob_cli.results.means import from_where, together
 
 Row = dict[str, Any]
@@ -139,6 +140,7 @@ def trial_text(summary: dict[str, Any]) -> str:
     remedies, hands = len(summary["grid"]), len(summary["hands"])
     cells = next(iter(summary["grid"].values()))["cells"] // hands
     lines = [f"{summary['name']}: {remedies} remedies, {hands} hands, a grid of {cells} cells{stale}"]
+    lines += ["", best_remedy(summary["grid"])]
     felt = any(LEVELS[0] in row for rows in summary["cases"].values() for row in rows)
     ranged = any("complete" in row for rows in summary["cases"].values() for row in rows)
     heads = (*_HEAD[:1], *(_RANGED if ranged else ()), *_HEAD[1:], *(_FELT if felt else ()))

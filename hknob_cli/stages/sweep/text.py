@@ -10,6 +10,7 @@ import pyarrow as pa
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
+from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import PERSON
@@ -123,6 +124,8 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
     wide = [axis for axis in axes if len(summary["axes"][axis]) > 1]
     fixed = [f"{axis} = {short(summary['axes'][axis][0])}" for axis in axes if axis not in (*wide, PERSON)]
     lines = [_headline(summary) + (f"; {', '.join(fixed)}" if fixed else "")]
+    if len(rows) > 1 and "population" not in summary and "growth_j_per_s2" not in rows[0]:
+        lines += ["", grid_verdict(rows, wide)]
     if "what_matters" in summary:
         lines += ["", *matters_text(summary["what_matters"], f"{len(rows):,}")]
         if len(rows) > MAX_ROWS:
