@@ -24,7 +24,7 @@ COMPILING_S = {
 EVERY_S = 10.0  # between two lines on how far it is
 
 _told: list[Callable[[str], None]] = []
-_listening = False
+_heard: list["_Compiling"] = []  # one, where anybody listens
 
 
 def tell_compiling(notify: Callable[[str], None]) -> None:
@@ -34,8 +34,7 @@ def tell_compiling(notify: Callable[[str], None]) -> None:
 
 def listen() -> None:
     """Hear what numba compiles from now on."""
-    global _listening
-    if _listening:
+    if _heard:
         return
     from numba.core import event
 
@@ -51,7 +50,12 @@ def listen() -> None:
                 heard.end(event.data["dispatcher"])
 
     event.register("numba:compile", Listener())  # type: ignore[no-untyped-call]
-    _listening = True
+    _heard.append(heard)
+
+
+def compiling_s() -> float:
+    """Seconds that this process has spent compiling so far, what is being compiled included."""
+    return _heard[0].seconds if _heard else 0.0
 
 
 def _is_ours(dispatcher: Any) -> bool:
@@ -78,7 +82,12 @@ class _Compiling:
     def __init__(self) -> None:
         self.depth, self.all = 0, 0
         self.done: set[int] = set()  # a function may be compiled more than once, for other types
-        self.begun = self.spoken = 0.0
+        self.begun = self.spoken = self.before = 0.0
+
+    @property
+    def seconds(self) -> float:
+        """Of all that was compiled."""
+        return self.before + (monotonic() - self.begun if self.depth else 0.0)
 
     def start(self, dispatcher: Any) -> None:
         """A function begins to be compiled."""
@@ -94,9 +103,13 @@ class _Compiling:
         self.done.add(id(dispatcher))
         now = monotonic()
         if self.depth == 0:
+            self.before += now - self.begun
             self._say(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
         elif now - self.spoken > EVERY_S:
-            self.spoken = now
+            self.spoken, self.all = (
+                now,
+                max(self.all, len(self.done) + 1),
+            )  # some are called by address, and not foreseen
             self._say(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
 
     @staticmethod

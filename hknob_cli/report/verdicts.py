@@ -65,9 +65,7 @@ def best_remedy(grid: Mapping[str, Row]) -> str:
     row = helped[name]
     proven = "all proven" if row["certified_fraction"] == 1.0 else f"{100.0 * row['certified_fraction']:.3g} % proven"
     least = f"at least {row['ratio_least']:.3g} times" if row["ratio_least"] else "in some cell it buzzes anew"
-    return (
-        f"Smallest buzz: {name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
-    )
+    return f"Smallest buzz: {name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
 
 
 def _size(row: Row) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.engine import alarm
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Attractor, Engine, NeedsCompilerError, Patience
 from hknob_cli.engine.general.search import GeneralEngine
@@ -144,6 +145,21 @@ def test_bounces_end_with_their_time() -> None:
     found = reasons(text + "limits: {seconds_per_cell: 1.0e-9}\n")
     assert found == {("undecided", WORDS[Reason.TIME_LIMIT])}
     assert WORDS[Reason.NO_DAMPING] in {reason for _, reason in reasons(text)}
+
+
+@pytest.mark.parametrize("flag", [True, False])
+def test_time_for_compiling_does_not_count(monkeypatch: pytest.MonkeyPatch, flag: bool) -> None:
+    began, ended = time.monotonic(), False
+    monkeypatch.setattr(alarm, "compiling_s", lambda: 0.3 if ended else time.monotonic() - began)
+    halt = np.zeros(1)
+    with Alarm(0.2, halt if flag else None) as waits:
+        time.sleep(0.5)  # all of it spent compiling
+        assert not waits.over
+        ended = True  # 0.3 s of these were
+        deadline = time.monotonic() + 30.0
+        while not waits.over and time.monotonic() < deadline:
+            time.sleep(0.01)
+        assert waits.over
 
 
 def test_an_alarm_without_a_limit_never_rings() -> None:
