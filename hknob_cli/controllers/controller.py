@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
-from hknob_cli.specs.controller_plan import KINDS, Controller
+from hknob_cli.specs.controller import KINDS, Controller
 
 
 class Reading(NamedTuple):

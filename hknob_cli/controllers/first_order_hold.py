@@ -6,7 +6,7 @@ sample is extrapolated from the last two, and the mean of now and then is held; 
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 
 
 class FirstOrderHold(Plain):

@@ -8,7 +8,7 @@ integral that was wrong is known to 1/detections of it.
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, wall_depth
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 
 
 class ImpulseDamping(Plain):

@@ -9,7 +9,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch, flow_over
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 
 
 def matched_gains(lanes: PlantBatch) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Plain, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 
 MEAN_SAMPLES = 64.0  # of the running mean
 LONGEST = 4096.0  # samples of a cycle

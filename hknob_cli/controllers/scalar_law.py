@@ -16,7 +16,7 @@ from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.laws.law import CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Scene
 
 LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes

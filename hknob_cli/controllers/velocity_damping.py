@@ -10,7 +10,7 @@ import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 
 
 class VelocityDamping(Differencing):

@@ -62,9 +62,11 @@ class Held:
 
 def held_trials(evidence: ResultSet, of: str) -> list[Held]:
     """The first trial of every cell, by resolution and rate. Raises `MissingError` where no samples were kept."""
-    from hknob_cli.specs.hw_run import WallSpec
+    from pydantic import TypeAdapter
 
-    stiffness = WallSpec.model_validate(evidence[of].provenance["spec"].get("wall") or {}).stiffness
+    from hknob_cli.specs.campaign import Wall
+
+    stiffness = TypeAdapter(Wall).validate_python(evidence[of].provenance["spec"].get("wall") or {}).stiffness
     first: dict[tuple[int, float], Row] = {}
     for row in evidence[of].rows("trials"):
         key = (row[COUNTS], row[RATE])

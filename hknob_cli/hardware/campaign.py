@@ -99,7 +99,7 @@ class Campaign:
 
     def _check_ranges(self, device: Device) -> None:
         """Raise `UsageError` if the device cannot do one of the trials: better before the first than hours later."""
-        if device.identity.no_grip_cell and self._plan.course.has_grip:
+        if device.identity.no_grip_cell and self._plan.course.grip:
             raise UsageError(f"the device '{device.identity.name}' has no grip cell; write 'grip: none' into the spec")
         for trial in self.trials:
             faults = faults_of_settings(settings_of(self._plan, trial), device.identity)

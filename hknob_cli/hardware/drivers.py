@@ -28,15 +28,15 @@ def opened(plan: HwRunPlan, stack: ExitStack, *, alarm: Callable[[str], None] = 
     if device.driver == REPLAY:
         from hknob_cli.hardware.replay import ReplayDevice
 
-        return stack.enter_context(ReplayDevice(device.recordings))
-    from hknob_cli.hardware.serial_device import SerialDevice
+        return stack.enter_context(ReplayDevice(plan.recordings))
+    from hknob_cli.hardware.serial_device import BAUD, SerialDevice
 
     url = device.url
     if url is None:
         from hknob_cli.hardware.reference_target import run_target
 
         url = stack.enter_context(run_target(device.target or "host", _build_folder(stack)))
-    return stack.enter_context(SerialDevice(url, baud=device.baud, zero_angle=device.zero_angle, alarm=alarm))
+    return stack.enter_context(SerialDevice(url, baud=device.baud or BAUD, zero_angle=device.zero_angle, alarm=alarm))
 
 
 def _build_folder(stack: ExitStack) -> Path:
@@ -54,11 +54,10 @@ def _build_folder(stack: ExitStack) -> Path:
 
 def who_of(plan: HwRunPlan) -> Who:
     """Who holds the knob in a trial, and what knob it is, where the device is simulated."""
-    from hknob_cli.hardware.person import Knob, Person, hold
+    from hknob_cli.hardware.person import Person, hold
 
-    knob = Knob(*plan.knob)
     person = Person(
-        push_nm=plan.person.push_nm,
+        push_nm=plan.person.push,
         # Somebody holds a simulated knob, whether or not there is a cell that shows how firmly.
         grip_target_n=plan.course.grip_target_n or USUAL_GRIP_N,
         wandering_push=plan.person.wandering_push,
@@ -67,7 +66,7 @@ def who_of(plan: HwRunPlan) -> Who:
 
     def who(trial: Trial) -> Simulated:
         place = settings_of(plan, trial).period_ns, trial.counts_per_rev, trial.block
-        return hold(person, knob, seed=plan.seed, place=place)
+        return hold(person, plan.knob, seed=plan.seed, place=place)
 
     return who
 

@@ -53,10 +53,10 @@ def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
     return Settings(
         period_ns=period_ns(trial.sample_rate_hz),
         counts_per_rev=trial.counts_per_rev,
-        wall_stiffness=plan.wall_stiffness,
-        wall_damping=plan.wall_damping,
-        torque_limit_nm=plan.limits.torque_nm,
-        speed_limit_rad_s=plan.limits.speed_rad_s,
-        watchdog_us=round(plan.limits.watchdog_s * 1e6),
+        wall_stiffness=plan.wall.stiffness,
+        wall_damping=plan.wall.damping,
+        torque_limit_nm=plan.limits.torque,
+        speed_limit_rad_s=plan.limits.speed,
+        watchdog_us=round(plan.limits.watchdog * 1e6),
         block_samples=min(max(block, 1), MOST_BLOCK),
     )

@@ -9,8 +9,8 @@ from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Simulated, Sine
 from hknob_cli.printed.tables import Grasp, grasps, table
+from hknob_cli.specs.campaign import Knob
 
-FRICTION_NM = 0.56e-3  # of motor and bearings (Hasser, sec. 9.5)
 PRINTED_TARGET_N = 0.71  # of the grip force in Chapter 8 (sec. 8.2)
 TREMOR_HZ = (8.0, 12.0)  # physiological tremor: McAuley & Marsden 2000, Brain 123, 1545-1567
 WANDER_HZ = (0.15, 1.0)  # an assumption: slower than vision corrects
@@ -18,14 +18,6 @@ STEADY_S = 2.0  # "1-3 seconds of sustained buzzing" (sec. 8.2): the part over w
 
 _DRAWS = 100  # of a push: each is good with a chance of about a half, or better
 _GRIP, _PUSH, _ZERO = range(3)  # last number of each stream
-
-
-class Knob(NamedTuple):
-    """The knob alone: moment of inertia (kg·m²), damping (N·m·s/rad), Coulomb friction (N·m)."""
-
-    inertia: float
-    damping: float = 0.0
-    coulomb_nm: float = FRICTION_NM
 
 
 class Person(NamedTuple):
@@ -74,7 +66,7 @@ def hold(person: Person, knob: Knob, *, seed: int, place: tuple[int, ...], angle
     if person.grip_wander:
         grip, grip_sines = _grip(person, stream(seed, Purpose.PERSON, *place, _GRIP))
     if person.wandering_push:
-        push, push_sines = _push(person, knob.coulomb_nm, stream(seed, Purpose.PERSON, *place, _PUSH))
+        push, push_sines = _push(person, knob.coulomb_torque, stream(seed, Purpose.PERSON, *place, _PUSH))
     hand = hand_at(grip)
     inertia = knob.inertia + hand.inertia
     if inertia <= 0.0:
@@ -84,7 +76,7 @@ def hold(person: Person, knob: Knob, *, seed: int, place: tuple[int, ...], angle
         inertia=inertia,
         damping=knob.damping + hand.damping,
         stiffness=hand.stiffness,
-        coulomb_nm=knob.coulomb_nm,
+        coulomb_nm=knob.coulomb_torque,
         angle_rad=angle_rad,
         push_nm=push,
         grip_n=grip,

@@ -16,10 +16,10 @@ from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.campaign_files import TIMING, TRIALS
-from hknob_cli.specs.campaign import CoursePlan
+from hknob_cli.specs.campaign import Course
 
 
-def campaign_tables(done: list[Recorded], course: CoursePlan) -> tuple[pa.Table, pa.Table, pa.Table]:
+def campaign_tables(done: list[Recorded], course: Course) -> tuple[pa.Table, pa.Table, pa.Table]:
     """Samples, trials and timing of finished trials, in the order they were run.
 
     A trial that cannot be measured has a row without measures, which says why.
@@ -29,14 +29,14 @@ def campaign_tables(done: list[Recorded], course: CoursePlan) -> tuple[pa.Table,
     return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
 
 
-def _row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
+def _row(one: Recorded, course: Course) -> dict[str, Any]:
     try:
         return trial_row(one, course)
     except MISSHAPEN as error:
         return _unmeasured(one, f"cannot be measured: {first_line(error)}")
 
 
-def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
+def trial_row(one: Recorded, course: Course) -> dict[str, Any]:
     """One trial, measured."""
     column = {name: one.table[name].to_numpy(zero_copy_only=False) for name in one.table.column_names}
     measured = measure_trial(
@@ -46,8 +46,8 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         column["grip_n"],
         column["running"],
         step_rad=2.0 * math.pi / one.native_counts,
-        least_s=course.buzz_s[0],
-        settle_s=course.settle_s,
+        least_s=course.buzz[0],
+        settle_s=course.settle,
     )
     torque_hz = _torque_hz(column, measured)
     return {
@@ -65,9 +65,9 @@ def trial_row(one: Recorded, course: CoursePlan) -> dict[str, Any]:
         "spectral_hz": measured.spectral_hz,
         "cycle_hz": measured.cycle_hz,
         "torque_hz": torque_hz,
-        "grip_mean_n": measured.grip_mean_n if course.has_grip else None,
-        "grip_std_n": measured.grip_std_n if course.has_grip else None,
-        "grip_zero_n": one.zero_n if course.has_grip else None,
+        "grip_mean_n": measured.grip_mean_n if course.grip else None,
+        "grip_std_n": measured.grip_std_n if course.grip else None,
+        "grip_zero_n": one.zero_n if course.grip else None,
         "wall_torque_nm": measured.wall_torque_nm,
         "ended": one.ended,
         "settled_s": _settled_s(one),
@@ -125,11 +125,11 @@ def _settled_s(one: Recorded) -> float | None:
     return (one.settled_sample - start) / one.trial.sample_rate_hz
 
 
-def _doubts(one: Recorded, measured: TrialMeasures, course: CoursePlan) -> list[str]:
+def _doubts(one: Recorded, measured: TrialMeasures, course: Course) -> list[str]:
     """What is doubtful about a trial, in words."""
     found = []
     if one.settled_sample is None:
-        found.append("the grip was never held in its band" if course.has_grip else "it ended before it had settled")
+        found.append("the grip was never held in its band" if course.grip else "it ended before it had settled")
     elif one.ended == Ended.LONGEST:
         found.append("neither buzz nor rest lasted until it was too long")
     if measured.sustained and measured.p2p_rad == 0.0:

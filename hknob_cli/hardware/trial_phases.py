@@ -10,7 +10,7 @@ from enum import Enum
 import numpy as np
 
 from hknob_cli.hardware.port import Block
-from hknob_cli.specs.campaign import CoursePlan
+from hknob_cli.specs.campaign import Course
 
 BUZZ_STEPS_PER_S = 20.0
 WINDOW_S = 0.2
@@ -38,7 +38,7 @@ class Ended(str, Enum):
 class TrialPhases:
     """Follows a trial block by block; nothing in it depends on when the blocks arrive."""
 
-    def __init__(self, plan: CoursePlan, interval_s: float) -> None:
+    def __init__(self, plan: Course, interval_s: float) -> None:
         """``interval_s`` from sample to sample."""
         self._plan = plan
         self._interval_s = interval_s
@@ -65,7 +65,7 @@ class TrialPhases:
     @property
     def zeroed(self) -> bool:
         """Whether the grip cell was read for long enough."""
-        return self._zero_count * self._interval_s >= self._plan.zero_s
+        return self._zero_count * self._interval_s >= self._plan.zero
 
     def follow(self, block: Block) -> Ended | None:
         """Take the next block; why the trial has ended, None if it has not."""
@@ -82,10 +82,10 @@ class TrialPhases:
         self._note_steps(span, steps)
         self.grip_n = float(block.grip_n[on].mean()) - self.zero_n
         if self.settled_sample is None:
-            held = not self._plan.has_grip or abs(self.grip_n - self._plan.grip_target_n) <= self._plan.grip_band_n
+            held = self._plan.is_held(self.grip_n)
             self._held_s = self._held_s + span if held else 0.0
             self.phase = Phase.GRIP
-            if held and self._held_s >= self._plan.settle_s:
+            if held and self._held_s >= self._plan.settle:
                 self.settled_sample = block.first + on.size
         else:
             self._stay(span)
@@ -104,9 +104,9 @@ class TrialPhases:
         self.phase = phase
 
     def _ended(self) -> Ended | None:
-        least, most = self._plan.buzz_s
+        least, most = self._plan.buzz
         if self.phase is Phase.BUZZ and self._stay_s >= most:
             return Ended.BUZZ
         if self.phase is Phase.REST and self._stay_s >= least:
             return Ended.REST
-        return Ended.LONGEST if self.running_s >= self._plan.longest_s else None
+        return Ended.LONGEST if self.running_s >= self._plan.longest else None

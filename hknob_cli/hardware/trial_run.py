@@ -15,7 +15,7 @@ from hknob_cli.hardware.port import Block, Device, Drift, Settings, Simulated, T
 from hknob_cli.hardware.safety import LimitMonitor, undisturbed
 from hknob_cli.hardware.sample_clock import SampleClock, drift_fault
 from hknob_cli.hardware.trial_phases import Ended, TrialPhases
-from hknob_cli.specs.campaign import CoursePlan
+from hknob_cli.specs.campaign import Course
 
 HANDS_OFF = "hands off"  # the state of a trial that has not begun
 
@@ -97,7 +97,7 @@ class Task(NamedTuple):
     trials: int
     settings: Settings
     simulated: Simulated | None
-    course: CoursePlan
+    course: Course
     live: bool
 
 
@@ -141,7 +141,7 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
                 clock.take(block)
 
         device.arm()
-        bound = Bound(task.course.zero_s, "reading the empty grip cell", device, live=task.live)
+        bound = Bound(task.course.zero, "reading the empty grip cell", device, live=task.live)
         while not course.zeroed:
             block = _next(device, live=task.live)
             if block is None:  # a recording that begins with the start
@@ -152,7 +152,7 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
             _heed(operator.look(_view(task, course)))
         device.start()
         watch.start()
-        bound = Bound(task.course.longest_s, "the trial", device, live=task.live)
+        bound = Bound(task.course.longest, "the trial", device, live=task.live)
         ended = _follow(device, task, course, take, bound, operator)
         device.stop()
         bound = Bound(0.0, "reading what is left", device, live=task.live)

@@ -154,6 +154,6 @@ def _of_all(hands: tuple[Hand, ...]) -> str:
 
 
 def _keys(controller: Any) -> Iterator[tuple[str, Any]]:
-    from hknob_cli.specs.controller_plan import KINDS
+    from hknob_cli.specs.controller import KINDS
 
     yield from ((key, getattr(controller, key)) for key in KINDS[controller.kind].keys)

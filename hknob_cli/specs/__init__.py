@@ -1,7 +1,7 @@
 """Specs: YAML to validated models, every fault with its place.
 
 - `source` YAML with places, `size_limit` how large
-- `parts`, `controller_plan`, `perception` what is `declared` once: read, held to bounds and used as it stands there
+- `parts`, `controller`, `perception` what is `declared` once: read, held to bounds and used as it stands there
 - `quantity` bounds and units of values, `units` from text with a unit to SI
 - `scene`, `hand`, `population`, `grid`, `points` (a design), `sweep` models of what a spec writes in another way
 - `grid_axes` values of the axes, `cells` the cells by number, `unit_points` those of a design

@@ -1,105 +1,160 @@
-"""What a valid hw-run spec says, as plain values: device, wall, grid, course of a trial, limits, person."""
+"""The parts of a campaign on a knob, each declared once, and what a valid spec of one says. SI units throughout."""
 
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.errors import Fault
+from hknob_cli.specs.declared import declared
+from hknob_cli.specs.quantity import (
+    AngleNoise,
+    Bounds,
+    Damping,
+    Force,
+    ForceNoise,
+    Inertia,
+    Minutes,
+    Share,
+    SomeSeconds,
+    SpeedLimit,
+    TimeNoise,
+    Torque,
+    TorqueLimit,
+    WallDamping,
+    WallStiffness,
+    Watchdog,
+)
 
-SERIAL, VIRTUAL, REPLAY = "serial", "virtual", "replay"
+SERIAL, REPLAY = "serial", "replay"
+VIRTUAL: Literal["virtual"] = "virtual"
 SCHEMES = ("socket", "rfc2217", "loop")
 
 
-class DevicePlan(NamedTuple):
-    """Which driver, and where: ``url`` of a port, or the reference ``target`` to build and run, or ``recordings``.
+@declared()
+class Device(NamedTuple):
+    """What the campaign runs on."""
 
-    ``zero_angle``: the angle of the knob when the port is opened becomes 0, the wall's edge.
-    """
+    driver: Annotated[
+        Literal["virtual", "replay", "serial"],
+        "a simulated knob; recordings played back; a target at the other end of a port",
+    ] = VIRTUAL
+    url: Annotated[
+        str | None,
+        Bounds(min_length=1),
+        "port of a serial device, as pyserial names it: /dev/ttyACM0, COM3, socket://127.0.0.1:5555",
+    ] = None
+    baud: Annotated[int | None, Bounds(strict=True, ge=1200, le=20_000_000), "null: 921600"] = None
+    target: Annotated[
+        Literal["host", "qemu"] | None,
+        "instead of url: build the reference target and run it, as a process or in QEMU",
+    ] = None
+    zero_angle: Annotated[
+        bool, "with url: the angle at which the knob is when the port is opened becomes 0, the wall's edge"
+    ] = False
+    recordings: Annotated[
+        list[Annotated[str, Bounds(min_length=1)]] | None,
+        Bounds(min_length=1),
+        "files to replay, or folders of hw-run, relative to this file",
+    ] = None
 
-    driver: str
-    url: str | None = None
-    baud: int = 921_600
-    target: Literal["host", "qemu"] | None = None
-    recordings: tuple[Path, ...] = ()
-    zero_angle: bool = False
+
+@declared()
+class Wall(NamedTuple):
+    """The virtual wall."""
+
+    stiffness: Annotated[WallStiffness, "torque per angle inside"] = 0.27
+    damping: Annotated[WallDamping, "acts on the differenced measured angle"] = 0.0
 
 
-class CoursePlan(NamedTuple):
-    """How a trial goes, times in seconds.
+@declared()
+class Grip(NamedTuple):
+    """The grip force that the person is shown."""
 
-    The grip cell is zeroed over ``zero_s`` before the start. The grip is taken as held once it was within
-    ``grip_band_n`` of ``grip_target_n`` for ``settle_s``. From then on buzz is recorded for ``buzz_s`` (at least, at
-    most), and rest is believed after the first of these two; ``longest_s`` after the start the trial ends in any case.
-    Without a grip cell ``grip_target_n`` is 0, and the trial counts as settled ``settle_s`` after the start.
-    """
+    target: Annotated[Force, "force to hold"] = 0.71
+    band: Annotated[Force, "how far from the target it may be"] = 0.15
 
-    grip_target_n: float
-    grip_band_n: float
-    zero_s: float
-    settle_s: float
-    buzz_s: tuple[float, float]
-    longest_s: float
+
+@declared(unread=("grip",))
+class Course(NamedTuple):
+    """The course of a trial."""
+
+    zero: Annotated[Minutes, "time over which the empty grip cell is read"] = 0.5
+    settle: Annotated[SomeSeconds, "time in the band after which it counts"] = 0.5
+    buzz: Annotated[
+        tuple[Minutes, Minutes], "buzz to record, at least and at most; rest is believed after the first"
+    ] = (1.0, 3.0)
+    longest: Annotated[Minutes, "time after the start at which it ends"] = 10.0
+    grip: Grip | None = None  # without a grip cell a trial counts as settled ``settle`` after its start
 
     @property
-    def has_grip(self) -> bool:
-        """Whether there is a grip cell, and a force to hold."""
-        return self.grip_target_n > 0.0
+    def grip_target_n(self) -> float:
+        """Force to hold, N; 0 without a grip cell."""
+        return self.grip.target if self.grip else 0.0
+
+    def is_held(self, grip_n: float) -> bool:
+        """Whether a grip force, N, is in the band; any is without a grip cell."""
+        return self.grip is None or abs(grip_n - self.grip.target) <= self.grip.band
 
 
-class LimitPlan(NamedTuple):
-    """Torque (N·m) and speed (rad/s) that no trial may exceed, and how long the target waits for the host (s)."""
+@declared()
+class Limit(NamedTuple):
+    """What no trial may exceed; the target watches it, and the host what it is sent."""
 
-    torque_nm: float
-    speed_rad_s: float
-    watchdog_s: float
-
-
-class KnobPlan(NamedTuple):
-    """A simulated knob: moment of inertia (kg·m²), damping (N·m·s/rad), Coulomb friction (N·m)."""
-
-    inertia: float
-    damping: float
-    coulomb_nm: float
+    torque: Annotated[TorqueLimit, "torque is cut off here"] = 0.1
+    speed: Annotated[SpeedLimit, "a faster knob ends the trial"] = 100.0
+    watchdog: Annotated[Watchdog, "silence of the host after which torque is off"] = 0.04
 
 
-class PersonPlan(NamedTuple):
-    """A simulated person: mean push into the wall (N·m), and whether push and grip wander."""
+@declared()
+class Knob(NamedTuple):
+    """The knob of a simulated device."""
 
-    push_nm: float
-    wandering_push: bool
-    grip_wander: bool
+    inertia: Annotated[Inertia, "moment of inertia of the knob alone"] = 1.9e-6
+    damping: Annotated[Damping, "viscous damping of the knob alone"] = 0.0
+    coulomb_torque: Annotated[Torque, "Coulomb friction"] = 5.6e-4  # of motor and bearings (Hasser, sec. 9.5)
 
 
-class NuisancePlan(NamedTuple):
-    """What only the virtual device spoils: noise (rms), amplifier lag, jitter (rms) and overruns of its clock."""
+@declared()
+class Person(NamedTuple):
+    """Who holds the knob of a simulated device: Table 1's simple pinch, at the grip force that is held."""
 
-    angle_noise_rad: float = 0.0
-    grip_noise_n: float = 0.0
-    amplifier_s: float = 0.0
-    jitter_s: float = 0.0
-    overrun_share: float = 0.0
+    push: Annotated[Torque, "mean torque into the wall"] = 0.001
+    wandering_push: Annotated[bool, "whether the push differs and wanders"] = True
+    grip_wander: Annotated[bool, "whether the grip differs and wanders, as in Table 8"] = True
+
+
+@declared()
+class Nuisance(NamedTuple):
+    """What a virtual device spoils; nothing, where nothing is said."""
+
+    angle_noise: Annotated[AngleNoise, "rms, before the encoder"] = 0.0
+    grip_noise: Annotated[ForceNoise, "rms of the grip cell"] = 0.0
+    amplifier: Annotated[TimeNoise, "time constant of the amplifier's lag"] = 0.0
+    jitter: Annotated[TimeNoise, "rms of the sample clock"] = 0.0
+    overruns: Annotated[Share, "share of the samples that come too late"] = 0.0
 
 
 class HwRunPlan(NamedTuple):
     """A campaign of trials over a grid of sample rates and counts. ``axes`` as in a sweep; ``subject`` who holds.
 
-    ``grip_place``: a fault without a message, where the spec has the grip force.
+    ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
+    force.
     """
 
     name: str
-    device: DevicePlan
-    wall_stiffness: float
-    wall_damping: float
+    device: Device
+    recordings: tuple[Path, ...]
+    wall: Wall
     axes: dict[str, list[float | int]]
-    course: CoursePlan
-    limits: LimitPlan
+    course: Course
+    limits: Limit
     shuffled: bool
     seed: int
     repeats: int
     subject: str
     experiment: str
-    knob: KnobPlan
-    person: PersonPlan
-    nuisances: NuisancePlan
+    knob: Knob
+    person: Person
+    nuisances: Nuisance
     values: dict[str, Any]
     grip_place: Fault
 

@@ -9,36 +9,21 @@ from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import (
     REPLAY,
     SERIAL,
-    CoursePlan,
-    DevicePlan,
+    Course,
+    Device,
+    Grip,
     HwRunPlan,
-    KnobPlan,
-    LimitPlan,
-    NuisancePlan,
-    PersonPlan,
+    Knob,
+    Limit,
+    Nuisance,
+    Person,
+    Wall,
     url_fault,
 )
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
-from hknob_cli.specs.quantity import (
-    AngleNoise,
-    Damping,
-    Force,
-    ForceNoise,
-    Inertia,
-    Minutes,
-    Share,
-    SomeSeconds,
-    SpeedLimit,
-    TimeNoise,
-    Torque,
-    TorqueLimit,
-    WallDamping,
-    WallStiffness,
-    Watchdog,
-)
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
 
@@ -47,44 +32,6 @@ MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole: a quarter of an
 
 
 Text = Annotated[str, Field(min_length=1, max_length=80)]
-
-
-class DeviceSpec(Part):
-    """What the campaign runs on."""
-
-    driver: Annotated[
-        Literal["virtual", "replay", "serial"],
-        Field(description="a simulated knob; recordings played back; a target at the other end of a port"),
-    ] = "virtual"
-    url: Annotated[
-        str | None,
-        Field(
-            min_length=1,
-            description="port of a serial device, as pyserial names it: /dev/ttyACM0, COM3, socket://127.0.0.1:5555",
-        ),
-    ] = None
-    baud: Annotated[int | None, Field(strict=True, ge=1200, le=20_000_000, description="null: 921600")] = None
-    target: Annotated[
-        Literal["host", "qemu"] | None,
-        Field(description="instead of url: build the reference target and run it, as a process or in QEMU"),
-    ] = None
-    zero_angle: Annotated[
-        bool,
-        Field(
-            description="with url: the angle at which the knob is when the port is opened becomes 0, the wall's edge"
-        ),
-    ] = False
-    recordings: Annotated[
-        list[Annotated[str, Field(min_length=1)]] | None,
-        Field(min_length=1, description="files to replay, or folders of hw-run, relative to this file"),
-    ] = None
-
-
-class WallSpec(Part):
-    """The virtual wall."""
-
-    stiffness: Annotated[WallStiffness, Field(description="torque per angle inside")] = 0.27
-    damping: Annotated[WallDamping, Field(description="acts on the differenced measured angle")] = 0.0
 
 
 class TrialGridSpec(Part):
@@ -99,81 +46,28 @@ class TrialGridSpec(Part):
     ]
 
 
-class GripSpec(Part):
-    """The grip force that the person is shown."""
-
-    target: Annotated[Force, Field(description="force to hold")] = 0.71
-    band: Annotated[Force, Field(description="how far from the target it may be")] = 0.15
-
-
-class CourseSpec(Part):
-    """The course of a trial."""
-
-    zero: Annotated[Minutes, Field(description="time over which the empty grip cell is read")] = 0.5
-    settle: Annotated[SomeSeconds, Field(description="time in the band after which it counts")] = 0.5
-    buzz: Annotated[
-        tuple[Minutes, Minutes],
-        Field(description="buzz to record, at least and at most; rest is believed after the first"),
-    ] = (1.0, 3.0)
-    longest: Annotated[Minutes, Field(description="time after the start at which it ends")] = 10.0
-
-
-class LimitSpec(Part):
-    """What no trial may exceed; the target watches it, and the host what it is sent."""
-
-    torque: Annotated[TorqueLimit, Field(description="torque is cut off here")] = 0.1
-    speed: Annotated[SpeedLimit, Field(description="a faster knob ends the trial")] = 100.0
-    watchdog: Annotated[Watchdog, Field(description="silence of the host after which torque is off")] = 0.04
-
-
-class KnobSpec(Part):
-    """The knob of a simulated device."""
-
-    inertia: Annotated[Inertia, Field(description="moment of inertia of the knob alone")] = 1.9e-6
-    damping: Annotated[Damping, Field(description="viscous damping of the knob alone")] = 0.0
-    coulomb_torque: Annotated[Torque, Field(description="Coulomb friction")] = 5.6e-4
-
-
-class PersonSpec(Part):
-    """Who holds the knob of a simulated device: Table 1's simple pinch, at the grip force that is held."""
-
-    push: Annotated[Torque, Field(description="mean torque into the wall")] = 0.001
-    wandering_push: Annotated[bool, Field(description="whether the push differs and wanders")] = True
-    grip_wander: Annotated[bool, Field(description="whether the grip differs and wanders, as in Table 8")] = True
-
-
-class NuisanceSpec(Part):
-    """What a virtual device spoils; nothing, where nothing is said."""
-
-    angle_noise: Annotated[AngleNoise, Field(description="rms, before the encoder")] = 0.0
-    grip_noise: Annotated[ForceNoise, Field(description="rms of the grip cell")] = 0.0
-    amplifier: Annotated[TimeNoise, Field(description="time constant of the amplifier's lag")] = 0.0
-    jitter: Annotated[TimeNoise, Field(description="rms of the sample clock")] = 0.0
-    overruns: Annotated[Share, Field(description="share of the samples that come too late")] = 0.0
-
-
 class HwRunSpec(Part):
     """Run trials over a grid on a knob, record them, and measure how it buzzes (Hasser, ch. 8)."""
 
     kind: Literal["hw-run"]
     name: Annotated[Name, Field(description="names the results folder")]
-    device: Annotated[DeviceSpec, Field(default_factory=DeviceSpec)]
-    wall: Annotated[WallSpec, Field(default_factory=WallSpec)]
+    device: Annotated[Device, Field(default_factory=Device)]
+    wall: Annotated[Wall, Field(default_factory=Wall)]
     grid: Annotated[TrialGridSpec, Field(default_factory=TrialGridSpec)]
     grip: Annotated[
-        GripSpec | Literal["none"],
-        Field(default_factory=GripSpec, description="none: the knob has no grip cell, and trials settle by time alone"),
+        Grip | Literal["none"],
+        Field(default_factory=Grip, description="none: the knob has no grip cell, and trials settle by time alone"),
     ]
-    trial: Annotated[CourseSpec, Field(default_factory=CourseSpec)]
-    limits: Annotated[LimitSpec, Field(default_factory=LimitSpec)]
+    trial: Annotated[Course, Field(default_factory=Course)]
+    limits: Annotated[Limit, Field(default_factory=Limit)]
     order: Annotated[Literal["random", "grid"], Field(description="in which trials are run")] = "random"
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31, description="of the order and of what is simulated")] = 0
     repeats: Annotated[int, Field(strict=True, ge=1, le=100, description="times the grid is gone through")] = 1
     subject: Annotated[Text, Field(description="who holds the knob")] = "subject"
     experiment: Annotated[Text, Field(description="grasp and knob")] = "simple pinch"
-    knob: KnobSpec | None = None
-    person: PersonSpec | None = None
-    nuisances: NuisanceSpec | None = None
+    knob: Knob | None = None
+    person: Person | None = None
+    nuisances: Nuisance | None = None
 
 
 def validate_hw_run(source: Source) -> HwRunPlan:
@@ -196,41 +90,23 @@ def validate_hw_run(source: Source) -> HwRunPlan:
     faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]
     if faults:
         raise SpecError(faults)
-    knob, person = spec.knob or KnobSpec(), spec.person or PersonSpec()
-    nuisances = spec.nuisances or NuisanceSpec()
     folder = Path(source.name).parent
     return HwRunPlan(
         name=spec.name,
-        device=DevicePlan(
-            driver=spec.device.driver,
-            url=spec.device.url,
-            baud=spec.device.baud or DevicePlan._field_defaults["baud"],
-            target=spec.device.target,
-            recordings=tuple(folder / name for name in spec.device.recordings or ()),
-            zero_angle=spec.device.zero_angle,
-        ),
-        wall_stiffness=spec.wall.stiffness,
-        wall_damping=spec.wall.damping,
+        device=spec.device,
+        recordings=tuple(folder / name for name in spec.device.recordings or ()),
+        wall=spec.wall,
         axes=axes,
-        course=CoursePlan(
-            grip_target_n=grip.target if grip else 0.0,
-            grip_band_n=grip.band if grip else 0.0,
-            zero_s=spec.trial.zero,
-            settle_s=spec.trial.settle,
-            buzz_s=spec.trial.buzz,
-            longest_s=spec.trial.longest,
-        ),
-        limits=LimitPlan(spec.limits.torque, spec.limits.speed, spec.limits.watchdog),
+        course=spec.trial._replace(grip=grip),
+        limits=spec.limits,
         shuffled=spec.order == "random",
         seed=spec.seed,
         repeats=spec.repeats,
         subject=spec.subject,
         experiment=spec.experiment,
-        knob=KnobPlan(knob.inertia, knob.damping, knob.coulomb_torque),
-        person=PersonPlan(person.push, person.wandering_push, person.grip_wander),
-        nuisances=NuisancePlan(
-            nuisances.angle_noise, nuisances.grip_noise, nuisances.amplifier, nuisances.jitter, nuisances.overruns
-        ),
+        knob=spec.knob or Knob(),
+        person=spec.person or Person(),
+        nuisances=spec.nuisances or Nuisance(),
         values=source.value,
         grip_place=source.fault(("grip", "target"), ""),
     )

@@ -7,7 +7,7 @@ Each is declared once: what the rest of the program uses is what a spec is held 
 from pathlib import Path
 from typing import Annotated, Literal, NamedTuple
 
-from hknob_cli.specs.controller_plan import Controller
+from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import Bounds, Damping, Inertia, Seconds, Stiffness, Torque

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
 from hknob_cli.specs.campaign import HwRunPlan
-from hknob_cli.specs.controller_plan import Controller as Controller
+from hknob_cli.specs.controller import Controller as Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.design_plan import DesignPlan
 from hknob_cli.specs.identification import SysidPlan

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
-from hknob_cli.specs.controller_plan import KINDS, Controller
+from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions

@@ -80,9 +80,8 @@ def _quantities(plan: Any) -> Iterator[tuple[str, float]]:
         yield from ((path, float(value)) for value in (min(values), max(values)))
     for scene in _scenes(plan):
         yield from _numbers(scene, "")
-    if hasattr(plan, "wall_stiffness"):  # of a campaign
-        yield from (("wall.stiffness", plan.wall_stiffness), ("wall.damping", plan.wall_damping))
-        yield from _numbers(plan.knob, "knob.")
+    if hasattr(plan, "course"):  # of a campaign
+        yield from (*_numbers(plan.wall, "wall."), *_numbers(plan.knob, "knob."))
 
 
 def _scenes(plan: Any) -> Iterator[Any]:

@@ -136,10 +136,10 @@ def _hw_run(plan: Any) -> Found:
         trials *= len(values)
     device = plan.device
     simulated = device.driver == "virtual" or bool(device.target)
-    where = device.target or device.url or ", ".join(map(str, device.recordings)) or "computed here"
-    wall = Wall(plan.wall_stiffness, plan.wall_damping)
-    knob = Knob(plan.knob.inertia, plan.knob.damping, plan.knob.coulomb_nm)
-    bias = Bias(torque=plan.person.push_nm) if simulated else None
+    where = device.target or device.url or ", ".join(map(str, plan.recordings)) or "computed here"
+    wall = Wall(*plan.wall)
+    knob = Knob(*plan.knob)
+    bias = Bias(torque=plan.person.push) if simulated else None
     scene = Scene(knob=knob, wall=wall, bias=bias)
     if simulated:
         parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
@@ -152,11 +152,11 @@ def _hw_run(plan: Any) -> Found:
         "parts": parts,
         "device": [f"{device.driver}: {where}."],
         "trials": [
-            f"Each records {short(course.buzz_s[0])} to {short(course.buzz_s[1])} s of buzz, and ends after "
-            f"{short(course.longest_s)} s in any case.",
+            f"Each records {short(course.buzz[0])} to {short(course.buzz[1])} s of buzz, and ends after "
+            f"{short(course.longest)} s in any case.",
             f"Order: {'shuffled' if plan.shuffled else 'as listed'}, seed {plan.seed}.",
         ],
-        "limits": [f"Torque up to {short(limits.torque_nm)} N*m, speed up to {short(limits.speed_rad_s)} rad/s."],
+        "limits": [f"Torque up to {short(limits.torque)} N*m, speed up to {short(limits.speed)} rad/s."],
         "not proven": ["Trials are measured, not proven."],
         "ignored": [] if simulated else ["The keys knob and person: they describe a simulated device."],
     }

@@ -12,7 +12,7 @@ import pytest
 from hknob_cli.controllers.batch_stepper import BatchStepper
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.controller import make_control_law
-from hknob_cli.specs.controller_plan import KINDS
+from hknob_cli.specs.controller import KINDS
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.conftest import ROOT

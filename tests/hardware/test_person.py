@@ -53,7 +53,7 @@ def test_another_target_scatters_in_proportion() -> None:
 
 def test_push_differs_as_it_is_told() -> None:
     """Mean and coefficient of variation within four standard errors; a lognormal's are 1.2 times a normal's."""
-    smooth = Knob(1.9e-6, coulomb_nm=0.0)
+    smooth = Knob(1.9e-6, coulomb_torque=0.0)
     pushes = np.array([hold(Person(), smooth, seed=3, place=(1000, 256, i)).push_nm for i in range(1500)])
     assert abs(pushes.mean() - 1e-3) < 4 * 0.2e-3 / np.sqrt(pushes.size)
     assert abs(pushes.std() / pushes.mean() - 0.2) < 4 * 1.2 * 0.2 / np.sqrt(2 * pushes.size)
@@ -62,19 +62,19 @@ def test_push_differs_as_it_is_told() -> None:
 
 def test_a_push_keeps_contact_against_friction() -> None:
     """Only those are drawn again that friction would stop, and the others are the same without it."""
-    smooth = Knob(1.9e-6, coulomb_nm=0.0)
+    smooth = Knob(1.9e-6, coulomb_torque=0.0)
     again = 0
     for i, one in enumerate(DRAWN[:500]):
         free = hold(Person(), smooth, seed=3, place=(1000, 256, i))
         weakest = [each.push_nm - sum(sine.amplitude for sine in each.push_sines) for each in (one, free)]
-        assert weakest[0] > KNOB.coulomb_nm
-        if weakest[1] > KNOB.coulomb_nm:
+        assert weakest[0] > KNOB.coulomb_torque
+        if weakest[1] > KNOB.coulomb_torque:
             assert (one.push_nm, one.push_sines) == (free.push_nm, free.push_sines)
         else:
             again += 1
     assert 0 < again < 250
     weak = hold(Person(push_nm=3e-4), KNOB, seed=3, place=(1,))
-    assert weak.push_nm < KNOB.coulomb_nm
+    assert weak.push_nm < KNOB.coulomb_torque
 
 
 def test_wander_is_slow_and_tremor_in_its_band() -> None:
@@ -93,7 +93,7 @@ def test_each_is_switched_off_by_itself() -> None:
     calm = hold(Person(wandering_push=False), KNOB, seed=3, place=place)
     assert (calm.push_nm, calm.push_sines) == (1e-3, ())
     assert calm == both._replace(push_nm=1e-3, push_sines=())
-    firm = hold(Person(grip_wander=False), Knob(1.9e-6, coulomb_nm=0.0), seed=3, place=place)
+    firm = hold(Person(grip_wander=False), Knob(1.9e-6, coulomb_torque=0.0), seed=3, place=place)
     assert (firm.grip_n, firm.grip_sines, firm.coulomb_nm) == (0.71, (), 0.0)
     assert (firm.push_nm, firm.push_sines, firm.grip_offset_n) == (both.push_nm, both.push_sines, both.grip_offset_n)
     row = grasps(1)[0]

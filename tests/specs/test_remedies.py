@@ -2,7 +2,7 @@
 
 import pytest
 
-from hknob_cli.specs.controller_plan import KINDS, Controller
+from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.load import validate
 from hknob_cli.specs.source import parse
 from tests.conftest import ROOT, SPEC, faults_of, loaded

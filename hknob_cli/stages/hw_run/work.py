@@ -45,12 +45,12 @@ class HwRunWork(Work):
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """Recordings to replay; a folder stands for its samples."""
-        return tuple(inside(path, RESULTS[0]) for path in job.plan.device.recordings)
+        return tuple(inside(path, RESULTS[0]) for path in job.plan.recordings)
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
         found = {}
-        for i, path in enumerate(job.plan.device.recordings):
+        for i, path in enumerate(job.plan.recordings):
             try:
                 file = inside(path, RESULTS[0])
                 found[f"recording_{i}_{file.name}"] = digest_of(file)
