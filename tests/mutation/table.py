@@ -34,7 +34,11 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
     "general/powers.py": (f"{PROOF}test_power_margins.py", f"{GENERAL}test_powers.py"),
     "general/period_map.py": (f"{PROOF}test_period_map_margins.py", f"{PROOF}test_turn_margins.py"),
-    "general/follow.py": (f"{PROOF}test_general_follow_margins.py", f"{GENERAL}test_inner_region.py"),
+    "general/follow.py": (
+        f"{PROOF}test_general_follow_margins.py",
+        f"{PROOF}test_general_trial_margins.py",
+        f"{GENERAL}test_inner_region.py",
+    ),
     "general/sets/known.py": GENERAL_CAPTURE,
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,

@@ -200,7 +200,7 @@ def follow_trial(
                         tolerance = 0.25 * gap
                     elif wall.analog > 0.0 or closes_in(z, before, ring, head, since, gap, body, wall, space):
                         status, margin, _, _, _ = certify(z, before, ring, head, since, body, wall, space)
-                        if wall.analog > 0.0 and status != PROVEN:
+                        if wall.analog > 0.0:
                             wait = i + PROOF_COST * since
                         if status == NEUTRAL and body.friction > 0.0:
                             status = DIFFERENT  # held by friction: no cycle
