@@ -111,7 +111,7 @@ def _added(one: Recording) -> np.ndarray:
     """
     scene = one.scene
     encoder, hand = scene.encoder, scene.hand
-    damped = scene.knob.damping or scene.knob.coulomb_torque or (hand and (hand.damping or hand.finger))
+    damped = scene.knob.damping or scene.coil or scene.knob.coulomb_torque or (hand and (hand.damping or hand.finger))
     if damped or scene.wall.stiffness == 0.0 or (encoder and (encoder.rounding != "floor" or encoder.offset_counts)):
         raise MissingError(f"'{one.name}' is damped, or has no wall, or count edges that are not the wall's")
     inside = np.maximum(0.0, -one.angle)

@@ -229,7 +229,7 @@ def pulse_terms(evidence: ResultSet, of: Of, *, at: At | None = None, to_s: floa
     """
     one = one_recording(evidence, of, at=at, to_s=to_s)
     scene, hand = one.scene, one.scene.hand or Hand()
-    if one.pulse is None or scene.wall.stiffness > 0.0 or hand.finger or scene.knob.coulomb_torque > 0.0:
+    if one.pulse is None or scene.wall.stiffness > 0.0 or hand.finger or scene.coil or scene.knob.coulomb_torque > 0.0:
         raise MissingError(f"'{one.name}' is not a pulse on a hand of second order, without a wall and friction")
     spans = np.diff(one.time)
     middle = one.time[:-1] + 0.5 * spans

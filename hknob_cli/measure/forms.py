@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body
+from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body, coil_at
 from hknob_cli.engine.orbit import forms
 from hknob_cli.engine.orbit.forms import RULE
 
@@ -75,7 +75,7 @@ def exponential(g: Array, t: float) -> Array:
 
 
 def loss_form(body: Body) -> Array:
-    """Form of the power that the dampers take, per inertia of the knob."""
+    """Form of the power that the dampers take, and the resistance of a winding, per inertia of the knob."""
     n = body.order
     form = np.zeros((n + 3, n + 3))
     form[1, 1] = body.alpha
@@ -84,6 +84,8 @@ def loss_form(body: Body) -> Array:
         finger[1], finger[3] = 1.0, -1.0
         form[3, 3] += body.pad_damping
         form += body.finger_damping / body.ratio * np.outer(finger, finger)
+    if body.coil > 0.0:
+        form[coil_at(body), coil_at(body)] = body.coil * body.coil_rate
     return form
 
 

@@ -145,13 +145,22 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         tip = inertia / hand.finger.inertia
         per = period / hand.finger.inertia
         finger = hand.finger.damping * per, hand.finger.stiffness * period * per
-    order = 2 + (2 if tip else 0) + (1 if lag else 0)
+    coil, coil_rate = 0.0, 0.0
+    if scene.coil:
+        coil_rate = period / scene.coil.time_constant
+        coil = scene.coil.damping * period / inertia * coil_rate
+    order = 2 + (2 if tip else 0) + (1 if coil else 0) + (1 if lag else 0)
     a, c, entry = np.zeros((order, order)), np.zeros(order), np.zeros(order)
     entry[1] = 1.0
     a[0, 1] = 1.0
     a[1, :2] = -beta, -alpha
     c[1] = -push - beta * shift
     held, held_constant = np.zeros((order, order)), np.zeros(order)
+    if coil:
+        at = 4 if tip else 2
+        a[1, at] = -coil
+        a[at, 1] = 1.0
+        a[at, at] = held[at, at] = -coil_rate
     if tip:
         # d and w = d': angle and speed of the knob relative to the finger.
         entry[3] = 1.0
@@ -185,11 +194,13 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         ratio=tip,
         finger_damping=finger[0],
         finger_stiffness=finger[1],
+        coil=coil,
+        coil_rate=coil_rate,
         lag=lag,
         shift=shift,
         push=push,
         reach=reach,
-        damped=alpha + pad[0] + finger[0] > 0.0 or scene.knob.coulomb_torque > 0.0,
+        damped=alpha + pad[0] + finger[0] + coil > 0.0 or scene.knob.coulomb_torque > 0.0,
         s1=ones[0][0],
         g1=ones[0][1],
         f1=ones[0][2],

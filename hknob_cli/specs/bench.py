@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, get_args
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import Counts
 from hknob_cli.specs.plan import COUNTS, BenchPlan, BenchScene
@@ -163,7 +164,7 @@ def _scene(source: Source, name: str, patch: dict[str, Any]) -> BenchScene | lis
         return faults_of(source, BenchSceneSpec, error, values=values, place=place)
     return _wrong(source, spec, place) or BenchScene(
         name=name,
-        scene=spec.scene.plain(),
+        scene=reduced(spec.scene.plain()),
         sample_rate_hz=spec.sample_rate_hz,
         counts_per_rev=spec.counts_per_rev if spec.scene.encoder != "none" else None,
         angle=spec.starts.angle,

@@ -10,6 +10,7 @@ this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene, Starts
 
@@ -111,6 +112,11 @@ PARTS = {
     "detents": Part("a pattern of detents", "detents"),
     "end_stops": Part("a pair of end stops", "end_stops"),
     "dead_zone": Part("a dead zone", "dead_zone"),
+    "motor": Part("a motor by its constants", "motor.torque_constant"),
+    "coil": Part("a winding with inductance", "motor.inductance"),
+    "current_loop": Part("a current loop", "motor.bandwidth"),
+    "supply": Part("a supply voltage", "motor.supply_voltage"),
+    "eddy_brake": Part("an eddy brake", "eddy_brake.flux_density"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
     "unpushed": Part(
@@ -150,6 +156,11 @@ _TABLE = {
     "detents":         "--P--- ------ -EE~ -----",
     "end_stops":       "--P--- ------ -EE~ -----",
     "dead_zone":       "--P--- ------ -EE~ -----",
+    "motor":           "P-PPPP PPPPPP PEE~ ~P~E-",
+    "coil":            "--P--P ---P-- -EE~ -----",
+    "current_loop":    "--P--P ---P-- -EE~ ---E-",
+    "supply":          "--P-PP ---PPP -EE~ ---E-",
+    "eddy_brake":      "P-PPPP PPPPPP PEE~ ~P~E-",
     "undamped":        "EEEEEE --E--- EEE~ ~E~E-",
     "unheld":          "EEEPEE --E--- EEE~ ~E~E-",
     "unpushed":        "P-PPPE PEEEPP EEE~ ~P~E~",
@@ -240,6 +251,7 @@ _REFUSED = {
 
 def parts_of(scene: Scene) -> frozenset[str]:
     """Which of `PARTS` a scene has, and what it amounts to."""
+    written, scene = scene, reduced(scene)
     knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
     encoder, controller, finger = scene.encoder or Encoder(), scene.controller, hand.finger
     pad = hand.fingerpad or Fingerpad()
@@ -271,7 +283,12 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "speed_sensor": controller is not None and controller.velocity == "sensor",
         "kalman": controller is not None and controller.estimate == "kalman",
         **over_angle,
-        "undamped": damping == 0.0 and knob.coulomb_torque == 0.0,
+        "motor": written.motor is not None,
+        "coil": scene.coil is not None,
+        "current_loop": written.motor is not None and written.motor.bandwidth is not None,
+        "supply": written.motor is not None and written.motor.supply_voltage is not None,
+        "eddy_brake": written.eddy_brake is not None,
+        "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
         "unheld": soft,
         "unpushed": not pushed,
         "handless": scene.hand is None,

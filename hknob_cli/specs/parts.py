@@ -9,6 +9,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
+from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import Bounds, Damping, Inertia, Seconds, Stiffness, Torque
 
@@ -120,7 +121,8 @@ class Hand(NamedTuple):
 class Scene(NamedTuple):
     """What exists; None where it does not.
 
-    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold.
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. ``coil``: no
+    key of a spec, but what `specs.electrical` makes of a motor whose winding has inductance.
     """
 
     knob: Knob
@@ -135,3 +137,6 @@ class Scene(NamedTuple):
     detents: Detents | None = None
     end_stops: EndStops | None = None
     dead_zone: DeadZone | None = None
+    motor: Motor | None = None
+    eddy_brake: EddyBrake | None = None
+    coil: Coil | None = None

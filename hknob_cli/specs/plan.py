@@ -10,6 +10,7 @@ from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.controller import Controller as Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.design_plan import DesignPlan
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.specs.over_angle import DeadZone as DeadZone
 from hknob_cli.specs.over_angle import Detents as Detents
@@ -183,7 +184,7 @@ Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | 
 
 
 def scene_at(scene: Scene, cell: Cell) -> Scene:
-    """The scene with a cell's values in place."""
+    """The scene with a cell's values in place, and with what its motor comes to (`specs.electrical.reduced`)."""
     if GRIP in cell and scene.hand:
         scene = scene._replace(hand=gripped(scene.hand, cell[GRIP]))
     if PERSON in cell and scene.hand:
@@ -191,7 +192,7 @@ def scene_at(scene: Scene, cell: Cell) -> Scene:
     for name, value in cell.items():
         if name not in (RATE, COUNTS, GRIP, PERSON):
             scene = _replaced(scene, name.split("."), value)
-    return scene
+    return reduced(scene)
 
 
 def gripped(hand: Hand, grip_n: float) -> Hand:

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
 from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
+from hknob_cli.specs.motor_faults import motor_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
@@ -105,6 +106,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
                 found.append((("grid", f"hand.{key}"), "must be absent where the hand has a finger"))
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     found += over_angle_contradictions(scene, axes)
+    found += motor_contradictions(scene, axes)
     if scene.controller:
         found += _of_another_kind(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["controllers", "laws"])

@@ -25,7 +25,7 @@ def _wall_or_another(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"required": [name]} for name in ("wall", *OVER_ANGLE)]
 
 
-_Listed = model_with_fields(Scene, "Listed", but=("sampled",), json_schema_extra=_wall_or_another)
+_Listed = model_with_fields(Scene, "Listed", but=("sampled", "coil"), json_schema_extra=_wall_or_another)
 
 
 class SceneSpec(_Listed):  # type: ignore[misc, valid-type]

@@ -48,6 +48,15 @@ FINGER = {
     "finger": {"inertia": 3e-7, "damping": 3e-4, "stiffness": 0.5},
     "fingerpad": {"damping": 1e-3, "stiffness": 20.0},
 }
+MOTOR = {"torque_constant": 0.0234, "resistance": 2.32, "winding": "shorted"}
+BRAKE = {
+    "flux_density": 0.3,
+    "conductivity": 5.8e7,
+    "thickness": 1e-3,
+    "area": 1e-4,
+    "radius": 0.02,
+    "share": 0.5,
+}
 # How the base gets each part; what it has anyway takes nothing.
 CHANGES: dict[str, dict[str, Any]] = {
     "bias": {},
@@ -74,6 +83,11 @@ CHANGES: dict[str, dict[str, Any]] = {
     "detents": {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}},
     "end_stops": {"scene": {"end_stops": {"low": -0.5, "high": 0.5, "stiffness": 0.5}}},
     "dead_zone": {"scene": {"dead_zone": {"width": 0.1, "stiffness": 0.1}}},
+    "motor": {"scene": {"motor": MOTOR}},
+    "coil": {"scene": {"motor": {**MOTOR, "inductance": 2.4e-4}}},
+    "current_loop": {"scene": {"motor": {**MOTOR, "winding": "current", "bandwidth": 1000.0}}},
+    "supply": {"scene": {"motor": {**MOTOR, "winding": "voltage", "supply_voltage": 0.5}}},
+    "eddy_brake": {"scene": {"eddy_brake": BRAKE}},
     "undamped": {"scene": {"hand": {"damping": 0.0}}},
     "unheld": {"scene": {"hand": {"stiffness": 0.0}}},
     "unpushed": {"scene": {"bias": None}},

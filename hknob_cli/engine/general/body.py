@@ -1,8 +1,9 @@
 """The body that the torque moves: knob and hand, with or without a finger of its own, lag and Coulomb friction.
 
 State ``z``, in counts and sample periods: (x, v) of the knob; with a finger also (d, w), angle and speed of the knob
-*relative* to it (Hasser, eq. 1; a stiff fingerpad leaves no difference of large numbers); with lag also the torque that
-acts, as an acceleration of the knob. ``order`` counts them: 2 to 5. Between events the motion is linear,
+*relative* to it (Hasser, eq. 1; a stiff fingerpad leaves no difference of large numbers); with a shorted winding that has
+inductance also y, the turn that it remembers, y' = v - R/L y, which it answers as a spring of Kt²/L; with lag also the
+torque that acts, as an acceleration of the knob. ``order`` counts them: 2 to 6. Between events the motion is linear,
 
     z' = A z + c + p u,   z(t) = z + D(t) (A z + c + p u),   D(t) = integral of exp(A s) over [0, t],
 
@@ -29,6 +30,8 @@ class Body(NamedTuple):
     ratio: float  # knob inertia over finger inertia; 0 without a finger
     finger_damping: float  # finger to ground, per finger inertia
     finger_stiffness: float
+    coil: float  # stiffness of a shorted winding, Kt^2/L T^2 / J; 0 without one
+    coil_rate: float  # sample periods over its time constant, R/L T
     lag: float  # sample periods over time constant; 0 without lag
     shift: float  # neutral angle of the hand is at x = -shift
     push: float  # bias, into the wall
@@ -76,6 +79,11 @@ def rate_of(z, u, mode, body, out):
         out[n - 1] += body.lag * u
 
 
+def coil_at(body):
+    """Where a state has the turn that a shorted winding remembers."""
+    return 4 if body.ratio > 0.0 else 2
+
+
 def acceleration(z, u, body):
     """Acceleration of the knob without friction."""
     n = body.order
@@ -93,6 +101,9 @@ def norm_at(dz, at, body):
         square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
     else:
         square = dz[at + 1] * dz[at + 1] + body.beta * dz[at] * dz[at]
+    if body.coil > 0.0:
+        turn = dz[at + coil_at(body)]
+        square += body.coil * turn * turn
     late = abs(dz[at + body.order - 1]) / body.lag if body.lag > 0.0 else 0.0
     return sqrt(square) + late
 
@@ -105,8 +116,10 @@ def norm(dz, body):
 def stiffness(body):
     """Bound on the acceleration of the knob by springs and dampers, by `norm`."""
     if body.ratio > 0.0:
-        return body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
-    return body.alpha + sqrt(body.beta)
+        own = body.alpha + body.pad_damping * (1.0 + sqrt(body.ratio)) + sqrt(body.pad_stiffness)
+    else:
+        own = body.alpha + sqrt(body.beta)
+    return own + sqrt(body.coil) if body.coil > 0.0 else own
 
 
 def distance(dz, body):

@@ -181,7 +181,8 @@ def certify(z, before, ring, head, period, body, wall, space):
     for i in range(m):
         total = 0.0
         for j in range(m):
-            part = abs(space.residual[j]) + rounding * ((reach + pace) if j % 2 == 0 else 2.0 * pace)
+            slow = j % 2 == 1 and not (body.lag > 0.0 and j == n - 1)
+            part = abs(space.residual[j]) + rounding * (2.0 * pace if slow else reach + pace)
             total += abs(space.matrix[i * 2 * m + m + j]) * part
         space.away[i] = total
     bound = space.away[0]

@@ -7,7 +7,17 @@ then bracketed by halving down to the last bit of a sample period.
 
 from math import floor, sqrt
 
-from hknob_cli.engine.general.body import HALVES, HALVES_HELD, HALVINGS, RATES, acceleration, rate_of, stiffness
+from hknob_cli.engine.general.body import (
+    HALVES,
+    HALVES_HELD,
+    HALVINGS,
+    RATES,
+    acceleration,
+    coil_at,
+    norm_at,
+    rate_of,
+    stiffness,
+)
 
 SHORTEST = 20  # a slide that begins with next to no acceleration takes at least 2^-20 of a sample
 NIL = 1e-13  # acceleration, by the friction level, that rounding can make of none
@@ -31,14 +41,7 @@ def sliding_bound(rate, at, body):
     From the rates of the rates, it is a bound on the third.
     """
     late = abs(rate[at + body.order - 1]) if body.lag > 0.0 else 0.0
-    grown = late / body.lag if body.lag > 0.0 else 0.0
-    if body.ratio > 0.0:
-        finger, tip = rate[at + 1] - rate[at + 3], rate[at] - rate[at + 2]
-        square = rate[at + 1] * rate[at + 1] + body.pad_stiffness * rate[at + 2] * rate[at + 2]
-        square += (finger * finger + body.finger_stiffness * tip * tip) / body.ratio
-    else:
-        square = rate[at + 1] * rate[at + 1] + body.beta * rate[at] * rate[at]
-    return (sqrt(square) + grown) * stiffness(body) + late
+    return norm_at(rate, at, body) * stiffness(body) + late
 
 
 def held_bound(rate, body):
@@ -50,6 +53,8 @@ def held_bound(rate, body):
         energy = sqrt(rate[3] * rate[3] / r + (p + body.finger_stiffness / r) * rate[2] * rate[2])
         jerk = sqrt(r) * (r * body.pad_damping + body.finger_damping) + r * sqrt(p) + sqrt(body.finger_stiffness * r)
         bound += energy * (body.pad_damping * jerk + p * sqrt(r))
+    if body.coil > 0.0:
+        bound += body.coil * body.coil_rate * abs(rate[coil_at(body)])
     return bound
 
 
@@ -125,6 +130,8 @@ def slide_many(z, u, mode, left, body, pad):
             slope = pad[n - 1] if body.lag > 0.0 else 0.0
             if body.ratio > 0.0:
                 slope -= body.pad_damping * pad[3] + body.pad_stiffness * pad[2]
+            if body.coil > 0.0:
+                slope -= body.coil * pad[coil_at(body)]
             bound = held_bound(pad, body)
             fall = -abs(slope)
         else:

@@ -3,7 +3,7 @@
 from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
-from hknob_cli.engine.general.body import acceleration, distance
+from hknob_cli.engine.general.body import acceleration, coil_at, distance
 from hknob_cli.engine.general.controller import command, edge_gap, goes_on
 from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
 from hknob_cli.engine.general.torque_table import is_there
@@ -27,6 +27,8 @@ def stays_held(z, u, body):
     if body.order == 2:
         return abs(acceleration(z, u, body)) <= body.friction
     late = abs(z[body.order - 1] - u) if body.lag > 0.0 else 0.0
+    if body.coil > 0.0:
+        late += body.coil * abs(z[coil_at(body)])
     if body.ratio == 0.0:
         now = body.drive + u - body.beta * z[0]
         return abs(now) + late <= body.friction
@@ -94,6 +96,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     elif body.beta > 0.0:
         orbit[0] = (u + body.drive) / body.beta
     else:
+        if body.coil > 0.0:
+            return MOVING, gap
         if drive != 0.0 or (body.lag > 0.0 and z[2] != u):
             return MOVING, gap
         if body.alpha == 0.0:

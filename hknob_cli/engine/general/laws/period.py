@@ -180,7 +180,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
         total = 0.0
         for j in range(n):
             part = abs(space.residual[j])
-            part += rounding * (reach + pace) + shift if j % 2 == 0 else rounding * 2.0 * pace + drift
+            slow = j % 2 == 1 and not (body.lag > 0.0 and j == n - 1)
+            part += rounding * 2.0 * pace + drift if slow else rounding * (reach + pace) + shift
             total += abs(space.matrix[i * 2 * n + n + j]) * part
         space.away[i] = total
     bound = space.away[0]

@@ -116,6 +116,8 @@ def _largest(body: Body) -> list[float]:
     spans = [body.reach, 1.0]
     if body.ratio > 0.0:
         spans += [body.pad_stiffness**-0.5, 1.0 + body.ratio**0.5]
+    if body.coil > 0.0:
+        spans.append(body.coil**-0.5)
     if body.lag > 0.0:
         spans.append(body.lag)
     return spans
