@@ -82,7 +82,7 @@ schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ th
 	@$(BIN)/python -c 'from hknob_cli.page.reference import reference; print(reference(), end="")' > docs/reference/page.md
 	@$(BIN)/python -c 'from hknob_cli.specs.capabilities_page import page; print(page(), end="")' > docs/reference/capabilities.md
 	@$(BIN)/python -c 'from hknob_cli.specs.presets_page import page; print(page(), end="")' > docs/reference/presets.md
-	@for name in columns spec_keys; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
+	@for name in columns spec_keys contents; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
 	@$(BIN)/python docs/make/signs.py
 
 docs: $(VENV)/.docs ## the pages of docs/ as a site with a search, to open in a browser without a server

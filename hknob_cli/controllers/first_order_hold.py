@@ -1,6 +1,6 @@
 """The average of a first-order hold, by extrapolation of the wall's torque, with or without correction of its error.
 
-Ellis, Sarkar & Jenkins (1996, 1997), as the dissertation describes it (Sections 6.1, 10.4): the torque of the next
+Ellis, Sarkar & Jenkins (1996, 1997), as the dissertation describes it (Sections 6.2, 10.4): the torque of the next
 sample is extrapolated from the last two, and the mean of now and then is held; what the last mean missed is added.
 """
 
