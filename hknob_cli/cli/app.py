@@ -10,6 +10,7 @@ from hknob_cli.cli.explain import explain
 from hknob_cli.cli.new import new
 from hknob_cli.cli.run import run
 from hknob_cli.cli.stages import stage_command
+from hknob_cli.cli.verify import verify
 from hknob_cli.stage_table import STAGES
 
 app = typer.Typer(
@@ -25,6 +26,7 @@ app.command()(new)
 app.command()(explain)
 app.command()(run)
 app.command()(check)
+app.command()(verify)
 app.command()(schema)
 
 
