@@ -32,6 +32,12 @@ def tell_compiling(notify: Callable[[str], None]) -> None:
     _told[:] = [notify]
 
 
+def tell(text: str) -> None:
+    """Tell whoever is told."""
+    for notify in _told:
+        notify(text)
+
+
 def listen() -> None:
     """Hear what numba compiles from now on."""
     global _listening
@@ -85,7 +91,7 @@ class _Compiling:
         if self.depth == 0:
             self.done, self.all = set(), left_to_compile(dispatcher)
             self.begun = self.spoken = monotonic()
-            self._say(f"compiling the engine for this machine: {_functions(self.all)}")
+            tell(f"compiling the engine for this machine: {_functions(self.all)}")
         self.depth += 1
 
     def end(self, dispatcher: Any) -> None:
@@ -94,15 +100,10 @@ class _Compiling:
         self.done.add(id(dispatcher))
         now = monotonic()
         if self.depth == 0:
-            self._say(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
+            tell(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
         elif now - self.spoken > EVERY_S:
             self.spoken = now
-            self._say(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
-
-    @staticmethod
-    def _say(text: str) -> None:
-        for notify in _told:
-            notify(text)
+            tell(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
 
 
 def _functions(count: int) -> str:
