@@ -12,6 +12,7 @@ from hknob_cli.baselines import kernels
 from hknob_cli.baselines.controller import Controller
 from hknob_cli.baselines.plant import bias_torque, build_plant, start_state
 from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion
+from hknob_cli.engine.kept_code import load_numba
 from hknob_cli.specs.plan import BenchScene
 
 METHODS = ("euler", "midpoint", "rk4")
@@ -27,7 +28,7 @@ Steps = tuple[float, int, Array]  # duration of a step, number of steps, matrice
 @cache
 def compiled(method: str) -> tuple[Callable[..., None], Callable[..., None]]:
     """One method, and the loop over samples with it, compiled on first use."""
-    import numba
+    numba = load_numba()
 
     done: dict[str, Any] = {"floor": np.floor}
     for name in ("way_of", "slope", method, "measured", "command", "samples"):

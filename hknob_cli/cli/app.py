@@ -10,6 +10,7 @@ from hknob_cli.cli.explain import explain
 from hknob_cli.cli.new import new
 from hknob_cli.cli.run import run
 from hknob_cli.cli.stages import stage_command
+from hknob_cli.cli.verify import verify
 from hknob_cli.stage_table import STAGES
 
 app = typer.Typer(
@@ -19,7 +20,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-OTHERS = {"Find out": (explain,), "Automate": (new, run), "Check": (check, schema)}
+OTHERS = {"Find out": (explain,), "Automate": (new, run), "Check": (check, verify, schema)}
 for panel in ("Find out", "Fix", "Measure", "Automate", "Check"):
     for kind, stage in STAGES.items():
         if stage.panel == panel:

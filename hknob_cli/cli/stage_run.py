@@ -40,7 +40,8 @@ def _say_plan(job: Job, work: Work, state: State) -> None:
     paths, current = state.paths, state.current is not None
     missing = [path.name for path in paths if not path.exists()]
     changed = f"the spec or the program has changed since: {in_a_line(state.changed)}".removesuffix(": ")
-    why = "forced" if job.force else f"no {missing[0]} yet" if missing else changed
+    damaged = [f"{path} is not as it was written" for path in state.damaged]
+    why = "forced" if job.force else f"no {missing[0]} yet" if missing else ", ".join(damaged) or changed
     there = work.finished(job) if not current and work.partial_results(job) else ""
     if job.as_json:
         reasons: dict[str, Any] = {"why": why, **({"finished": there} if there else {})}

@@ -32,6 +32,12 @@ def tell_compiling(notify: Callable[[str], None]) -> None:
     _told[:] = [notify]
 
 
+def tell(text: str) -> None:
+    """Tell whoever is told."""
+    for notify in _told:
+        notify(text)
+
+
 def listen() -> None:
     """Hear what numba compiles from now on."""
     if _heard:
@@ -94,7 +100,7 @@ class _Compiling:
         if self.depth == 0:
             self.done, self.all = set(), left_to_compile(dispatcher)
             self.begun = self.spoken = monotonic()
-            self._say(f"compiling the engine for this machine: {_functions(self.all)}")
+            tell(f"compiling the engine for this machine: {_functions(self.all)}")
         self.depth += 1
 
     def end(self, dispatcher: Any) -> None:
@@ -104,18 +110,11 @@ class _Compiling:
         now = monotonic()
         if self.depth == 0:
             self.before += now - self.begun
-            self._say(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
+            tell(f"compiled {_functions(len(self.done))} in {now - self.begun:.1f} s")
         elif now - self.spoken > EVERY_S:
-            self.spoken, self.all = (
-                now,
-                max(self.all, len(self.done) + 1),
-            )  # some are called by address, and not foreseen
-            self._say(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
-
-    @staticmethod
-    def _say(text: str) -> None:
-        for notify in _told:
-            notify(text)
+            # Some functions are called by address, and not foreseen.
+            self.spoken, self.all = now, max(self.all, len(self.done) + 1)
+            tell(f"compiling: {len(self.done)} of {_functions(self.all)}, {now - self.begun:.0f} s")
 
 
 def _functions(count: int) -> str:

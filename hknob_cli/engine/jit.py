@@ -5,7 +5,6 @@ functions, and to `floor`, replaced by compiled ones, so that nothing in the sou
 side reorders or fuses arithmetic: results are the same to the last bit.
 """
 
-import contextlib
 import hashlib
 import importlib
 import os
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import COMPILING_S, listen
+from hknob_cli.engine.kept_code import keep_sealed, load_numba
 from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
@@ -101,7 +101,7 @@ def _source_digest() -> str:
     """Digest of the engine's sources: compiled code of another version is never taken from the cache."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for name in sorted({"jit", *(name for modules, _ in GROUPS.values() for name in modules)}):
+    for name in sorted({"jit", "kept_code", *(name for modules, _ in GROUPS.values() for name in modules)}):
         digest.update((here / f"{name.replace('.', '/')}.py").read_bytes())
     return digest.hexdigest()[:16]
 
@@ -163,14 +163,14 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
 
     A function of a module in a package goes by its module's name, too: ``general.run_trials``.
     """
-    import numba
     import numpy as np
 
+    numba = load_numba()
     _load_target()
     listen()
     keep = not _not_kept()
     if keep:
-        numba.config.CACHE_DIR = str(cache_directory())  # type: ignore[attr-defined]
+        numba.config.CACHE_DIR = str(cache_directory())
     named: dict[str, Any] = {}
     done: dict[types.FunctionType, Any] = {}
     for name in GROUPS[group][0]:
@@ -192,30 +192,23 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
             copy.__module__ = module.__name__
             done[function] = named[f"{prefix}.{key}" if prefix else key] = numba.njit(copy, cache=keep, nogil=True)
             if keep:
-                _keep_if_room(done[function])
+                keep_sealed(done[function])
     return named
 
 
 @cache
 def compiled_law(name: str) -> Any:
     """The address of a law of `general.laws.kinds`, compiled by itself: what calls it need not be compiled for it."""
-    import numba
+    functions = compiled("laws")  # which loads numba
     from numba import types as kinds
+    from numba.core.ccallback import CFunc
 
-    functions = compiled("laws")
     numbers = kinds.float64[::1]
-    signature = kinds.float64(kinds.float64, kinds.float64, numbers, numbers, numbers)
     source: Any = functions[f"general.laws.{name}"]
-    return numba.cfunc(signature, cache=not _not_kept())(source.py_func)
-
-
-def _keep_if_room(function: Any) -> None:
-    """Let a function's compiled code not be kept where the disk is full; numba would raise for the run itself."""
-    cache = function._cache
-    save = cache.save_overload
-
-    def save_if_room(*given: Any) -> None:
-        with contextlib.suppress(OSError):
-            save(*given)
-
-    cache.save_overload = save_if_room
+    takes = (kinds.float64, kinds.float64, numbers, numbers, numbers)
+    law = CFunc(source.py_func, (takes, kinds.float64), locals={}, options={})  # numba.cfunc would not let it be sealed
+    if not _not_kept():
+        law.enable_caching()
+        keep_sealed(law)
+    law.compile()
+    return law

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.errors import ComputationError
 from hknob_cli.figures import draw
 from hknob_cli.figures.theme import literal
-from hknob_cli.results.files import create
+from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.provenance import KEYWORD, source_text
 from hknob_cli.results.result_set import MissingError, One, Result
 from hknob_cli.results.store import partial
@@ -52,7 +52,7 @@ def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
     try:
         with create(half) as stream:
             _render(figure, stream, metadata={KEYWORD: source_text(stage, name)})
-        half.replace(path)
+        put_in_place(half, path)
     except OSError as error:
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:

@@ -16,8 +16,9 @@ from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, joined, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
-from hknob_cli.results.files import create, make_folder, refuse_link
+from hknob_cli.results.files import create, make_folder, put_in_place, refuse_link
 from hknob_cli.results.store import partial
+from hknob_cli.specs.seal import BLANK, is_changed, sealed
 
 _ABORTED = "aborted"
 
@@ -46,8 +47,9 @@ class Archive:
             if about is None:
                 half = partial(self.folder / ABOUT)
                 with create(half) as stream:
-                    stream.write(json.dumps({"identity": self._identity, "source": self._is_source}).encode())
-                half.replace(self.folder / ABOUT)
+                    said = {"seal": BLANK.decode(), "identity": self._identity, "source": self._is_source}
+                    stream.write(sealed(json.dumps(said).encode()))
+                put_in_place(half, self.folder / ABOUT)
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be written: {error.strerror or error}") from None
 
@@ -64,18 +66,33 @@ class Archive:
         if about is None and self.folder.exists():
             if self.folder.is_dir() and all(path.name.startswith(".") for path in self.folder.iterdir()):
                 return None
+            if is_changed(self.folder / ABOUT):
+                raise RefusedError(
+                    f"{self.folder / ABOUT}: is not as it was written: damaged, or changed; put a copy of it back, or "
+                    "choose another --out"
+                )
             raise RefusedError(f"{self.folder}: not written by hknob; move it away, or choose another --out")
         return about
 
     def finished(self, trial: Trial) -> Recorded | None:
-        """A trial that is done; None if it is not."""
+        """A trial that is done; None if it is not.
+
+        Raises `ComputationError` for a recording of a device that is not as it was written: it cannot be made again.
+        """
         path = self._path(trial, "parquet")
-        found = read_trial(path) if path.is_file() else None
+        if not path.is_file():
+            return None
+        found = read_trial(path)
+        if found is None and self._is_source:
+            raise ComputationError(
+                f"{path}: is not as it was recorded: damaged, or changed; put a copy of it back, or move it away to "
+                "record this trial anew"
+            )
         return found if found is not None and found.trial == trial else None
 
     def begin(self, trial: Trial, about: dict[str, Any]) -> Journal:
         """The journal of a trial; what there is of it from before is set aside."""
-        self._keep_unreadable(trial)
+        self._keep_other(trial)
         self.set_aside(trial)
         return Journal(self._path(trial, "part"), {"trial": trial._asdict(), **about})
 
@@ -110,8 +127,8 @@ class Archive:
             part.unlink()
         return kept.with_suffix(".part" if recorded is None else ".parquet")
 
-    def _keep_unreadable(self, trial: Trial) -> None:
-        """A trial of a device that was done, but can no longer be read, is kept, too. Raises `ComputationError`."""
+    def _keep_other(self, trial: Trial) -> None:
+        """What a device recorded of another trial is kept, if it lies here. Raises `ComputationError`."""
         path = self._path(trial, "parquet")
         try:
             if self._is_source and path.is_file():

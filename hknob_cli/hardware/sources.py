@@ -13,6 +13,7 @@ from hknob_cli.results.provenance import KEY
 from hknob_cli.specs.campaign import SERIAL
 from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import schema_of
+from hknob_cli.specs.seal import is_changed, tail_of
 
 EARLIER = "earlier"
 RECORDING = "recording"
@@ -46,8 +47,8 @@ def source_digests(out: Path) -> dict[str, str]:
 
 
 def read_about(folder: Path) -> dict[str, Any] | None:
-    """What a folder of trials says it is of; None where it says nothing, or is not of this program."""
-    if is_endless(folder / ABOUT):
+    """What a folder of trials says it is of; None where it says nothing, is damaged, or is not of this program."""
+    if is_endless(folder / ABOUT) or is_changed(folder / ABOUT):
         return None
     try:
         found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
@@ -65,6 +66,12 @@ def has_samples(folder: Path) -> bool:
 def refuse_other(out: Path, digest: str) -> None:
     """Raise `RefusedError` if there are recordings of a device that are of another spec, or whose trials are gone."""
     found = source_digests(out)
+    samples = out / RESULTS[0]
+    if RECORDING not in found and is_changed(samples) and _may_be_of_a_device(samples):
+        raise RefusedError(
+            f"{samples}: is not as it was written: damaged, or changed; recordings of a device cannot be made again; "
+            "put a copy of it back, or move it away"
+        )
     for name, other in found.items():
         if other != digest:
             raise RefusedError(
@@ -95,6 +102,11 @@ def move_to_earlier(out: Path) -> Path | None:
     except OSError as error:
         raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
     return place
+
+
+def _may_be_of_a_device(path: Path) -> bool:
+    """Whether a damaged result has traces of a real device's spec."""
+    return any(trace in tail_of(path) for trace in (b'"serial"', b'"url"', b'"target":"'))
 
 
 def _spec_of(path: Path) -> dict[str, Any]:

@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.order import Trial
@@ -22,7 +21,8 @@ from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
 from hknob_cli.results.campaign_files import MORE_SAMPLES
-from hknob_cli.results.files import create
+from hknob_cli.results.files import create, put_in_place
+from hknob_cli.results.parted import sealed_file
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 from hknob_cli.specs.parquet import table_of
@@ -132,14 +132,12 @@ def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
         "trial": recorded.trial._asdict(),
         **{name: getattr(recorded, name) for name in Recorded._fields if name not in ("trial", "table")},
     }
-    stamped = recorded.table.replace_schema_metadata(
-        {KEY: provenance, ABOUT: json.dumps(about, sort_keys=True).encode()}
-    )
     half = partial(path)
     try:
         with create(half) as stream:
-            pq.write_table(stamped, stream, compression="zstd")
-        half.replace(path)
+            said = {KEY: provenance, ABOUT: json.dumps(about, sort_keys=True).encode()}
+            stream.write(sealed_file(recorded.table, said))
+        put_in_place(half, path)
     except OSError as error:
         half.unlink(missing_ok=True)
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None

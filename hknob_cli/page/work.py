@@ -70,6 +70,9 @@ class ReportWork(Work):
                 raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:
                 raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
+            if damaged := store.changed_files(tables):
+                what = f"results: {damaged[0]} is not as it was written: damaged, or changed"
+                raise UsageError(f"{what}; run the stage '{name}' again")
             digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
         for path in self.input_files(job)[len(job.plan.results) :]:
             digests[path.name] = _sha256(path)

@@ -1,6 +1,7 @@
 """The pipeline: steps that run in the order of their inputs, and only where something has changed.
 
 - `build` pytask asked, its answer read
+- `verify` whether files are as they were written
 - `fresh` whether there is anything to do, without loading it
 - `steps` from a pipeline's plan to stages with their files, as pytask's protocols want them
 

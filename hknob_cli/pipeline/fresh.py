@@ -12,8 +12,9 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.results.files import create, digest
+from hknob_cli.results.files import create, digest, put_in_place
 from hknob_cli.results.versions import showing_versions
+from hknob_cli.specs.seal import BLANK, State, sealed, state_of
 
 RECORD = "pipeline.json"
 LOCK = "pytask.lock"
@@ -34,14 +35,17 @@ def write_record(root: Path, name: str, request: dict[str, Any], stages: list[di
     """Note that all is done. Raises `OSError`."""
     half = root / f".{RECORD}.partial"
     with create(half) as stream:
-        stream.write(json.dumps({"name": name, "asked": request, "stages": stages}, indent=1).encode())
-    half.replace(root / RECORD)
+        record = {"seal": BLANK.decode(), "name": name, "asked": request, "stages": stages}
+        stream.write(sealed(json.dumps(record, indent=1).encode()))
+    put_in_place(half, root / RECORD)
 
 
 def finished(root: Path, request: dict[str, Any]) -> dict[str, Any] | None:
     """The record of the last run, if it did all that is asked for and nothing has changed since; else None."""
     try:
         if not ((root / RECORD).is_file() and (root / LOCK).is_file()):
+            return None
+        if state_of(root / RECORD) is not State.WHOLE:
             return None
         record: dict[str, Any] = json.loads((root / RECORD).read_text())
         lock = tomllib.loads((root / LOCK).read_text())

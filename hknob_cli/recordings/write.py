@@ -12,7 +12,7 @@ import pyarrow.csv as pc
 from hknob_cli.errors import ComputationError
 from hknob_cli.recordings.columns import KEYS, MEASURED_TORQUE, SAMPLES
 from hknob_cli.recordings.trial import Trial
-from hknob_cli.results.files import create
+from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.store import partial
 
 _WRITE_ROWS = 16_384
@@ -54,7 +54,7 @@ def write_csv(path: Path, trials: Sequence[Trial]) -> None:
     try:
         with create(half) as stream:
             pc.write_csv(table(trials), stream, pc.WriteOptions(batch_size=_WRITE_ROWS))
-        half.replace(path)
+        put_in_place(half, path)
     except OSError as error:
         raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
     finally:

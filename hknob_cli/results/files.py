@@ -1,9 +1,11 @@
-"""Files: written new and through no link, and known again by their digest.
+"""Files: written new and through no link, put in place for good, and known again by their digest.
 
 The digest of a file's content, or of a folder of results. Loads nothing: a pipeline asks for it before it does.
 """
 
+import contextlib
 import hashlib
+import os
 from pathlib import Path
 from typing import BinaryIO
 
@@ -33,6 +35,35 @@ def create(path: Path) -> BinaryIO:
     """A new file to write, in place of what is there; of a link the link is removed. Raises `OSError`."""
     path.unlink(missing_ok=True)
     return path.open("xb")  # exclusive creation follows no link, and fails where someone has been quicker
+
+
+def put_in_place(half: Path, path: Path) -> None:
+    """Let a finished file take its place, so that a loss of power leaves it whole, or what was there. Raises `OSError`.
+
+    The file is on the disk before its name is.
+    """
+    sync(half)
+    half.replace(path)
+    sync_folder(path.parent)
+
+
+def sync(path: Path) -> None:
+    """Wait until a file is on the disk. Raises `OSError`."""
+    handle = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
+
+
+def sync_folder(path: Path) -> None:
+    """Wait until the names in a folder are on the disk, where the system can do that for folders."""
+    with contextlib.suppress(OSError):
+        handle = os.open(path, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def make_folder(path: Path) -> None:

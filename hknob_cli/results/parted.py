@@ -3,44 +3,57 @@
 pandas, Polars, DuckDB and Arrow read the folder as one table. Every part says in its metadata which of how many it is,
 so that a folder that lacks some is known for what it is.
 
-`write_table` is the layout of every Parquet file. The rows of a large result are cut into parts by the number of their
+`sealed_file` is the layout of every Parquet file. The rows of a large result are cut into parts by the number of their
 item, so many items to a part.
 """
 
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import BinaryIO, NamedTuple
+from typing import NamedTuple
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.files import create
+from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.provenance import KEY, origin
 from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import opened, schema_of, table_of
+from hknob_cli.specs.seal import BLANK, seal
+from hknob_cli.specs.seal import KEY as SEAL
 
 PART_CELLS = 65_536  # cells in a part; more than that, and a result is a folder of parts
 
 PART = b"hknob.part"
 
 
-def write_table(table: pa.Table, stream: BinaryIO) -> None:
-    """Write a table to a file. Raises `OSError`.
+def sealed_file(table: pa.Table, metadata: Mapping[bytes, bytes], *, repeated: bool | list[str] = True) -> memoryview:
+    """The bytes of a Parquet file with a table, sealed, its pages with checksums, that says ``metadata`` of itself.
+
+    ``repeated``: columns that are stored through a dictionary, or whether all are.
+    """
+    stream = pa.BufferOutputStream()
+    table = table.replace_schema_metadata({**metadata, SEAL: BLANK})
+    pq.write_table(table, stream, compression="zstd", use_dictionary=repeated, write_page_checksum=True)
+    data = memoryview(stream.getvalue()).cast("B")
+    seal(data)
+    return data
+
+
+def result_file(table: pa.Table, metadata: Mapping[bytes, bytes]) -> memoryview:
+    """The same of a result.
 
     Reals are stored as they are, all else through a dictionary: few reals occur twice, and looking for those that do
     takes longer than all the rest, for files that are larger.
     """
     repeated = [field.name for field in table.schema if field.type != pa.float64()]
-    pq.write_table(table, stream, compression="zstd", use_dictionary=repeated)
+    return sealed_file(table, metadata, repeated=repeated)
 
 
 def as_file(table: pa.Table, metadata: Mapping[bytes, bytes]) -> memoryview:
-    """The bytes of a file with a table, one row group of it, that says ``metadata`` of itself."""
-    stream = pa.BufferOutputStream()
-    write_table(table.combine_chunks().replace_schema_metadata(dict(metadata)), stream)
-    return memoryview(stream.getvalue())
+    """The same in one row group."""
+    return result_file(table.combine_chunks(), metadata)
 
 
 class Parting(NamedTuple):
@@ -165,7 +178,7 @@ def put_part(data: bytes | memoryview, folder: Path, number: int) -> None:
     try:
         with create(half) as stream:
             stream.write(data)
-        half.replace(path)
+        put_in_place(half, path)
     except OSError:
         half.unlink(missing_ok=True)
         raise
@@ -173,7 +186,8 @@ def put_part(data: bytes | memoryview, folder: Path, number: int) -> None:
 
 def is_written(folder: Path, number: int, count: int, provenance: bytes) -> bool:
     """Whether a part is there, readable, and of this provenance."""
-    return _metadata(folder / part_name(number)) == part_metadata(number, count, provenance)
+    found = _metadata(folder / part_name(number))
+    return found.pop(SEAL, None) is not None and found == part_metadata(number, count, provenance)
 
 
 def _metadata(path: Path) -> dict[bytes, bytes]:
@@ -194,9 +208,8 @@ def _readable(path: Path) -> dict[bytes, bytes] | None:
 def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
     """The parted table in ``folder`` if it is whole, and of this provenance if one is given; else None."""
     first = _metadata(folder / part_name(0))
-    try:
-        count = int(first[PART].split()[-1])
-    except (KeyError, ValueError, IndexError):
+    count = _count(first)
+    if not count:
         return None
     wanted = first.get(KEY, b"") if provenance is None else provenance
     rows = 0
@@ -206,6 +219,18 @@ def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
         with opened(folder / part_name(number)) as part:
             rows += part.metadata.num_rows
     return Parted(folder, count, rows)
+
+
+def part_count(folder: Path, number: int) -> int:
+    """How many parts there are by what one of them says; 0 where it does not say."""
+    return _count(_metadata(folder / part_name(number)))
+
+
+def _count(metadata: Mapping[bytes, bytes]) -> int:
+    try:
+        return int(metadata[PART].split()[-1])
+    except (KeyError, ValueError, IndexError):
+        return 0
 
 
 def _is_part(path: Path) -> bool:

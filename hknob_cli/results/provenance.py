@@ -1,7 +1,7 @@
 """Where a result comes from: the spec as run, and what ran it; the mark of it in tables, pages and pictures.
 
 It has no clock time: the same work gives the same bytes. A Parquet file says it in its metadata, a page or an SVG in a
-comment at its head, a PNG file in a text chunk.
+comment at its head, both with a seal (`specs.seal`); a PNG file, whose format has checksums, in a text chunk.
 """
 
 import hashlib
@@ -13,9 +13,13 @@ from typing import Any
 
 from hknob_cli.results.versions import computing_versions
 from hknob_cli.specs.plan import PERSON, Scene
+from hknob_cli.specs.seal import BLANK, State, state_of
 
-_MARK = re.compile(rb"<!-- hknob (?P<stage>[a-z-]+) (?P<name>[A-Za-z0-9._-]+) (?P<digest>[0-9a-f]{16}) -->")
-_HEAD = 300  # bytes
+_MARK = re.compile(
+    rb"<!-- hknob (?P<stage>[a-z-]+) (?P<name>[A-Za-z0-9._-]+) (?P<digest>[0-9a-f]{16})"
+    rb"(?P<seal> sha256:[0-9a-f]{64})? -->"
+)
+_HEAD = 4000  # bytes
 
 KEYWORD = "Source"
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
@@ -24,8 +28,8 @@ DESIGN = "design"  # the key of a grid that is no axis
 
 
 def mark(stage: str, name: str, stamp: bytes) -> str:
-    """The comment, for the results of a stage with the provenance ``stamp``."""
-    return f"<!-- hknob {stage} {name} {hashlib.sha256(stamp).hexdigest()[:16]} -->\n"
+    """The comment, for the results of a stage with the provenance ``stamp``, its seal blank."""
+    return f"<!-- hknob {stage} {name} {hashlib.sha256(stamp).hexdigest()[:16]} {BLANK.decode()} -->\n"
 
 
 def marked_origin(path: Path) -> tuple[str, str] | None:
@@ -35,9 +39,12 @@ def marked_origin(path: Path) -> tuple[str, str] | None:
 
 
 def is_marked(path: Path, text: str) -> bool:
-    """Whether the file has exactly this mark. Raises `OSError`."""
+    """Whether the file has exactly this mark, its seal apart, and is as it was written. Raises `OSError`."""
     found = _found(path)
-    return bool(found) and found[0].decode() == text.strip() if found else False
+    if not (found and found["seal"]):
+        return False
+    blank = found[0].replace(found["seal"], b" " + BLANK)
+    return blank.decode() == text.strip() and state_of(path) is State.WHOLE
 
 
 def _found(path: Path) -> re.Match[bytes] | None:

@@ -18,6 +18,7 @@ from hknob_cli.results.campaign_files import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
 from hknob_cli.results.provenance import DESIGN, axes_in, record_of
+from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, Scene
 
 Where = dict[str, Any]
@@ -76,8 +77,8 @@ class Result:
                 return self._tables[file]
             try:
                 self._tables[file] = read_result(self.folder / file)
-            except (OSError, pa.ArrowException):
-                raise self._unreadable(file) from None
+            except (OSError, pa.ArrowException) as error:
+                raise self._unreadable(file, error) from None
         return self._tables[file]
 
     def parted(self, file: str) -> Parted | None:
@@ -146,14 +147,14 @@ class Result:
         """Columns of a table, and what it says of itself. Raises `MissingError`."""
         try:
             return result_schema(self.folder / file)
-        except (OSError, pa.ArrowException):
-            raise self._unreadable(file) from None
+        except (OSError, pa.ArrowException) as error:
+            raise self._unreadable(file, error) from None
 
-    def _unreadable(self, file: str) -> MissingError:
+    def _unreadable(self, file: str, error: Exception) -> MissingError:
         """That there is no such table, or a damaged one."""
         there = file in self.files
         text = f"{file} of '{self.name}' in {self.folder}"
-        return MissingError(f"{text} cannot be read" if there else f"no {text}")
+        return MissingError(f"{text} {why_unreadable(error)}" if there else f"no {text}")
 
     @property
     def is_design(self) -> bool:

@@ -13,7 +13,7 @@ from pathlib import Path
 from struct import Struct
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.files import create, make_folder
+from hknob_cli.results.files import create, make_folder, put_in_place
 
 _PREFIX = ".hknob.partial-"
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
@@ -74,7 +74,7 @@ class Staging:
             with create(half) as stream:
                 stream.write(_HEAD.pack(_MARK, zlib.crc32(data), len(data)))
                 stream.write(data)
-            half.replace(path)
+            put_in_place(half, path)
         except OSError:
             half.unlink(missing_ok=True)
             raise
@@ -89,9 +89,7 @@ class Staging:
     def _read(self, start: int, stop: int) -> bytes | None:
         if not self._path(start, stop).is_file():  # a device or pipe may have no end
             return None
-        stored = self._path(start, stop).read_bytes()
-        data = stored[_HEAD.size :]
-        return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None
+        return unpacked(self._path(start, stop).read_bytes())
 
     def drop(self, start: int, stop: int) -> None:
         """Remove a piece."""
@@ -99,6 +97,12 @@ class Staging:
 
     def _path(self, start: int, stop: int) -> Path:
         return self.folder / f"{start}-{stop}.piece"
+
+
+def unpacked(stored: bytes) -> bytes | None:
+    """The results in a piece's file; None where it is damaged."""
+    data = stored[_HEAD.size :]
+    return data if stored[: _HEAD.size] == _HEAD.pack(_MARK, zlib.crc32(data), len(data)) else None
 
 
 def _not_ours(path: Path) -> RefusedError:

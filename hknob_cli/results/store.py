@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
-from hknob_cli.results.files import create, make_folder
+from hknob_cli.results.files import create, make_folder, sync, sync_folder
 from hknob_cli.results.folder import of_another
 from hknob_cli.results.parted import (
     Parted,
@@ -17,11 +17,13 @@ from hknob_cli.results.parted import (
     put_parted,
     read_parted,
     read_result,
+    result_file,
     set_aside,
-    write_table,
 )
 from hknob_cli.results.provenance import KEY, SIGNATURE, is_marked, marked_origin, origin, picture_origin
 from hknob_cli.specs.parquet import NotTextError, schema_of
+from hknob_cli.specs.seal import KEY as SEAL
+from hknob_cli.specs.seal import is_changed, sealed
 
 LOCK = ".hknob.lock"
 _PARTIAL = ".partial"
@@ -94,7 +96,8 @@ def read_current(paths: list[Path], provenance: bytes) -> tuple[pa.Table | Parte
             table = read_result(path)
         except (OSError, pa.ArrowException):
             return None
-        if (table.schema.metadata or {}).get(KEY) != provenance:
+        found = table.schema.metadata or {}
+        if found.get(KEY) != provenance or SEAL not in found:
             return None
         tables.append(table)
     return tuple(tables)
@@ -106,6 +109,12 @@ def are_current(paths: list[Path], mark: str) -> bool:
         return all(path.is_file() and is_marked(path, mark) for path in paths)
     except OSError:
         return False
+
+
+def changed_files(paths: Iterable[Path]) -> list[Path]:
+    """Those of the results at ``paths`` that are not as they were written; of a folder of parts those parts."""
+    files = (sorted(path.glob("*.parquet")) if path.is_dir() else [path] for path in paths)
+    return [file for group in files for file in group if is_changed(file)]
 
 
 def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
@@ -129,6 +138,8 @@ def refuse_foreign(paths: list[Path], *, stage: str, name: str) -> None:
                 raise RefusedError(f"{path}: is not a file; move it away, or choose another --out")
         except OSError as error:
             raise ComputationError(f"{path}: cannot be read: {error.strerror or error}") from None
+        if found in (None, (stage, name)) and is_changed(path):
+            continue  # ours, and damaged: it may be replaced
         if found is None and head in (b"", b"PAR1") and not _is_whole(path):
             continue  # torn by a fault of the disk: it may be replaced
         if found is None:
@@ -176,17 +187,21 @@ def write(
             if path.parent != place:
                 make_folder(path.parent)
             with create(halves[path]) as stream:
-                stream.write(text.encode())
+                stream.write(sealed(text.encode()))
         for path, table in whole.items():
-            stamped = table.replace_schema_metadata({KEY: provenance})
             with create(halves[path]) as stream:
-                write_table(stamped, stream)
+                stream.write(result_file(table, {KEY: provenance}))
+        for half in halves.values():
+            sync(half)
         for path, half in halves.items():
             if path.is_dir():  # of parts, where the same name was of more cells
                 set_aside(path)
             half.replace(path)
             clear_aside(path)
-        return tuple(put_parted(parted[path], path) if path in parted else table for path, table in tables.items())
+        written = tuple(put_parted(parted[path], path) if path in parted else table for path, table in tables.items())
+        for folder in {path.parent for path in (*halves, *parted)}:
+            sync_folder(folder)
+        return written
     except OSError as error:
         raise unwritable(place, error) from None
     finally:

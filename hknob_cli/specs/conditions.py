@@ -51,13 +51,13 @@ def read_conditions(place: Path) -> Conditions:
     """Conditions in a file, or in a folder of sysid's results. Raises `UsageError`."""
     import pyarrow as pa
 
-    from hknob_cli.specs.parquet import NotTextError, table_of
+    from hknob_cli.specs.parquet import ChangedError, NotTextError, table_of
 
     file = inside(place, FILE)
     data = read_named(file)
     try:
         table = table_of(BytesIO(data))
-    except NotTextError as error:
+    except (NotTextError, ChangedError) as error:
         raise UsageError(f"{file}: {error}") from None
     except (OSError, pa.ArrowException):
         raise UsageError(f"{file}: is not a Parquet file") from None

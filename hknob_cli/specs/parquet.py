@@ -1,18 +1,30 @@
-"""Parquet files whose names and cells are looked at as they are read.
+"""Parquet files whose seal, names and cells are looked at as they are read.
 
 Arrow takes text as it comes, of other encodings or of a damaged file too, and fails where it is used, with an error of
-Python's. Here such a file cannot be read, like any other that is damaged: `pyarrow.ArrowException` or `OSError`.
+Python's. Here such a file cannot be read, like any other that is damaged: `pyarrow.ArrowException` or `OSError`. So is
+one of this program whose seal does not hold; pages of others with checksums are compared with those.
 """
 
 import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import BinaryIO, TypeVar
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from hknob_cli.specs.seal import State, state_in, state_of
+
 Cells = TypeVar("Cells", pa.Table, pa.RecordBatch)
+
+
+class ChangedError(pa.ArrowInvalid):  # type: ignore[misc]
+    """A file is not as this program wrote it."""
+
+
+def why_unreadable(error: Exception) -> str:
+    """What to say of a file that raised this."""
+    return "is not as it was written: damaged, or changed" if isinstance(error, ChangedError) else "cannot be read"
 
 
 class NotTextError(pa.ArrowInvalid):  # type: ignore[misc]
@@ -20,13 +32,15 @@ class NotTextError(pa.ArrowInvalid):  # type: ignore[misc]
 
 
 @contextlib.contextmanager
-def opened(file: Path | Any, *, coded: Sequence[str] = ()) -> Iterator[pq.ParquetFile]:
+def opened(file: Path | BinaryIO, *, coded: Sequence[str] = ()) -> Iterator[pq.ParquetFile]:
     """A file, or what can be read like one, with names in UTF-8. Raises `OSError`, `pa.ArrowException`.
 
     ``coded``: columns of text that are read as a dictionary and its codes.
     """
+    if (state_of(file) if isinstance(file, Path) else state_in(file)) is State.CHANGED:
+        raise ChangedError("it is not as it was written: damaged, or changed")
     try:
-        with pq.ParquetFile(file, read_dictionary=list(coded)) as parquet:
+        with pq.ParquetFile(file, read_dictionary=list(coded), page_checksum_verification=True) as parquet:
             # All names at once, those inside of types too.
             parquet.schema_arrow.to_string(show_field_metadata=False, show_schema_metadata=False)
             yield parquet
@@ -34,13 +48,13 @@ def opened(file: Path | Any, *, coded: Sequence[str] = ()) -> Iterator[pq.Parque
         raise NotTextError("its columns have names that are not UTF-8 text") from None
 
 
-def schema_of(file: Path | Any) -> pa.Schema:
+def schema_of(file: Path | BinaryIO) -> pa.Schema:
     """Columns of a file, and what it says of itself. Raises as `opened`."""
     with opened(file) as parquet:
         return parquet.schema_arrow
 
 
-def table_of(file: Path | Any, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> pa.Table:
+def table_of(file: Path | BinaryIO, columns: Sequence[str] | None = None, *, coded: Sequence[str] = ()) -> pa.Table:
     """A file's cells; all columns if None, those ``coded`` as of `opened`, which says what is raised."""
     with opened(file, coded=coded) as parquet:  # pyarrow's read_table would load its whole dataset layer
         return sound(parquet.read(columns=None if columns is None else list(columns)))

@@ -18,6 +18,7 @@ from hknob_cli.results.files import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.specs.cells import Cells
+from hknob_cli.specs.parquet import ChangedError, why_unreadable
 from hknob_cli.specs.plan import Axes, Cell, Scene
 
 COLUMNS = (
@@ -38,6 +39,8 @@ def sweep_file(folder: str) -> Path:
     path = Path(folder) / "cells.parquet"
     try:
         found = origin(result_schema(path).metadata)
+    except ChangedError as error:
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the sweep again") from None
     except (OSError, pa.ArrowException):
         raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
     if found is None or found[0] != "sweep":
@@ -144,8 +147,8 @@ def overlap(folder: str, axes: Axes, cells: Cells) -> dict[str, int]:
 def _read(path: Path) -> pa.Table:
     try:
         return read_result(path)
-    except (OSError, pa.ArrowException):
-        raise UsageError(f"against: {path} cannot be read; run the sweep again") from None
+    except (OSError, pa.ArrowException) as error:
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the sweep again") from None
 
 
 def _numbers(table: pa.Table, axes: list[str], path: Path) -> list[dict[str, Any]]:

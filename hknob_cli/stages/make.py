@@ -29,8 +29,10 @@ class Made(NamedTuple):
 
 def make(job: Job, work: Work) -> Made:
     """Results of a stage, computed or as they are. Raises `RefusedError` or `ComputationError`."""
-    stamp, paths, current, changed = state_of(job, work)
+    stamp, paths, current, changed, damaged = state_of(job, work)
     name = job.plan.name
+    for path in damaged:
+        note(job, f"{path}: is not as it was written: damaged, or changed; it is made again")
     if changed:
         note(job, f"{job.out}: these results are replaced; changed since: {in_a_line(changed)}")
     warn(job)
@@ -71,12 +73,16 @@ def stamp_of(job: Job, work: Work) -> bytes:
 
 
 class State(NamedTuple):
-    """Provenance of a stage's results, their files, the tables if they are current, else what has changed."""
+    """Provenance of a stage's results, their files, the tables if they are current, else what has changed.
+
+    ``damaged``: files that are not as they were written.
+    """
 
     stamp: bytes
     paths: list[Path]
     current: Tables | None
     changed: list[Change]
+    damaged: list[Path]
 
 
 def state_of(job: Job, work: Work) -> State:
@@ -97,7 +103,8 @@ def state_of(job: Job, work: Work) -> State:
     if current is not None and not (store.are_current(texts, ours) and work.is_whole(job, ours)):
         current = None
     changed = _changes(tables, stamp) if current is None else []
-    return State(stamp, [*tables, *texts], current, changed)
+    damaged = store.changed_files([*tables, *texts]) if current is None else []
+    return State(stamp, [*tables, *texts], current, changed, damaged)
 
 
 def changes_in_spec(job: Job, work: Work) -> list[Change]:

@@ -9,7 +9,9 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.results.parted import sealed_file
 from hknob_cli.results.provenance import KEY, axes_of, describe, origin, record_of, scene_of
+from hknob_cli.specs.seal import KEY as SEAL
 from tests.conftest import SPEC, loaded
 from tests.identified import PEOPLE, conditions, write_conditions
 from tests.page.test_layout import Tree
@@ -151,8 +153,9 @@ def test_results_changed_by_others_are_a_fault(hknob, spec_file, tmp_path: Path)
     path = tmp_path / "out" / "cells.parquet"
     table = pq.read_table(path)
     at = table.column_names.index("certified_fraction")
+    assert table.schema.metadata.keys() == {KEY, SEAL}
     for other in (table.remove_column(at), table.set_column(at, "certified_fraction", pa.array([HOSTILE]))):
-        pq.write_table(other, path)
+        path.write_bytes(sealed_file(other, table.schema.metadata))
         for options in ((), ("--json",)):
             done = hknob("sweep", spec, "-o", "out", *options)
             assert (done.returncode, done.stdout) == (1, "")
@@ -167,7 +170,8 @@ def test_numbers_that_no_picture_has_room_for(hknob, spec_file, tmp_path: Path) 
     path = tmp_path / "cell" / "calibration_points.parquet"
     table = pq.read_table(path)
     huge = pa.array([1e308, -1e308] * (table.num_rows // 2) + [0.0] * (table.num_rows % 2))
-    pq.write_table(table.set_column(table.column_names.index("x"), "x", huge), path)
+    other = table.set_column(table.column_names.index("x"), "x", huge)
+    path.write_bytes(sealed_file(other, table.schema.metadata))
     done = hknob("report", spec_file("kind: report\nname: page\nresults: {cell: cell}\n"))
     assert done.returncode == 2
     assert "of cell cannot be drawn with {}: overflow" in done.stderr

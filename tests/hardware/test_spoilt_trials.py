@@ -9,6 +9,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.journal import Journal
 from hknob_cli.hardware.order import trials_of
 from hknob_cli.hardware.port import Block
@@ -76,18 +77,31 @@ def test_what_is_said_of_them_that_is_none(one: Path, tmp_path: Path, key: str) 
 
 
 @pytest.mark.parametrize("is_source", [False, True])
-def test_a_trial_of_a_device_that_cannot_be_read_is_kept(tmp_path: Path, is_source: bool) -> None:
+def test_a_trial_of_a_device_that_cannot_be_read_is_not_made_again_unasked(tmp_path: Path, is_source: bool) -> None:
     done = campaign(tmp_path, Faulty(), is_source=is_source).run()
     folder, label = tmp_path / "recording", done[0].trial.label
     path = folder / f"{label}.parquet"
     path.write_bytes(spoilt := path.read_bytes()[:-100])
     device = Faulty()
+    if is_source:  # it cannot be made again: that is for its owner to decide
+        with pytest.raises(ComputationError, match=f"{label}.parquet: is not as it was recorded"):
+            campaign(tmp_path, device, is_source=True).run()
+        assert "start" not in device.calls
+        assert path.read_bytes() == spoilt
+        path.rename(tmp_path / "mine")
     again = campaign(tmp_path, device, is_source=is_source).run()
     assert device.calls.count("start") == 1
     assert again[0].table.equals(done[0].table)
-    kept = folder / "aborted" / f"{label}_1.parquet"
-    assert kept.exists() == is_source
-    assert not is_source or kept.read_bytes() == spoilt
+    assert not (folder / "aborted").exists()
+
+
+def test_what_a_device_recorded_of_another_trial_is_kept(tmp_path: Path) -> None:
+    done = campaign(tmp_path, Faulty(), is_source=True).run()
+    first, second = (tmp_path / "recording" / f"{one.trial.label}.parquet" for one in done[:2])
+    first.write_bytes(other := second.read_bytes())
+    assert campaign(tmp_path, Faulty(), is_source=True).run()[0].table.equals(done[0].table)
+    kept = tmp_path / "recording" / "aborted" / f"{done[0].trial.label}_1.parquet"
+    assert kept.read_bytes() == other
 
 
 @pytest.mark.parametrize(

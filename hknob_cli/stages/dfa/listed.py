@@ -11,6 +11,7 @@ from hknob_cli.results.columns import Column
 from hknob_cli.results.files import digest as file_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import scene_of
+from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import Cell, Scene
 from hknob_cli.stages.compare import key_of, sweep_file
 
@@ -18,6 +19,7 @@ COLUMNS = (
     Column("listed", pa.bool_(), "", "whether the sweep's complete list has this cycle; null where none is complete"),
     Column("listed_count", pa.int64(), "1", "cycles in the cell's list; null where it is not complete"),
 )
+
 SAME = 1e-9  # of two peaks to peak that are of one cycle, relative
 
 _Cycle = tuple[int, float]  # period in samples, peak to peak in rad
@@ -75,8 +77,8 @@ def _rows(path: Path, columns: list[str]) -> list[dict[str, Any]]:
     """Some columns of a table. Raises `UsageError` where it cannot be read or lacks one that every sweep has."""
     try:
         table = read_result(path)
-    except (OSError, pa.ArrowException):
-        raise UsageError(f"against: {path} cannot be read; run the sweep again") from None
+    except (OSError, pa.ArrowException) as error:
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the sweep again") from None
     there = [name for name in columns if name in table.column_names]
     rows: list[dict[str, Any]] = table.select(there).to_pylist()
     return [{**dict.fromkeys(columns), **row} for row in rows]
