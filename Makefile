@@ -8,6 +8,7 @@ OUT ?= results
 COUNT ?= 10000
 SEED ?= 1000000
 WORKERS ?= auto
+TEXTS := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs hknob_cli
 
 .DEFAULT_GOAL := help
 .PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long firmware lint schemas compare bench clean
@@ -62,6 +63,7 @@ test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with 
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
+	@$(BIN)/codespell $(TEXTS)
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m 'not long'
 
 long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
@@ -71,10 +73,11 @@ firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
 	@$(BIN)/python -m hknob_cli.hardware.reference_target $(OUT)/firmware
 
-lint: $(VENV)/.dev ## lint, format and type check, mending what can be mended
+lint: $(VENV)/.dev ## lint, format, types and words, mending what can be mended
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 	@$(BIN)/mypy
+	@$(BIN)/codespell $(TEXTS)
 
 schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ that are made from the program
 	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
