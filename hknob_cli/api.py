@@ -74,10 +74,13 @@ class Results:
         """What ``--plot`` and a page show of these results, on one sheet. Raises `MissingError` if it is nothing."""
         from hknob_cli.figures.defaults import figures_of
         from hknob_cli.figures.sheet import sheet_of
+        from hknob_cli.figures.theme import library_defaults
         from hknob_cli.results.result_set import MissingError, Result
 
         result = Result(self.name, self.folder)
-        if (figure := sheet_of(result, figures_of(result))) is None:
+        with library_defaults():
+            figure = sheet_of(result, figures_of(result))
+        if figure is None:
             raise MissingError(f"{self.kind} '{self.name}' has no figure")
         return figure
 

@@ -78,7 +78,7 @@ def _file_class() -> Any:
     """The files of a function's cache, each sealed; a class of numba's, which is loaded here."""
     from numba.core.caching import IndexDataCacheFile
 
-    class SealedFile(IndexDataCacheFile):  # type: ignore[misc]
+    class SealedFile(IndexDataCacheFile):
         """The index, and files of code."""
 
         @contextlib.contextmanager
@@ -97,7 +97,7 @@ def _file_class() -> Any:
             return data[1] if version == self._version and data[0] == self._source_stamp else {}
 
         def _load_data(self, name: str) -> Any:
-            found = self._content(self._data_path(name))
+            found = self._content(str(Path(self._cache_path) / name))
             if found is None:
                 raise FileNotFoundError(name)
             return found[0]

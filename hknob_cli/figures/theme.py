@@ -11,9 +11,12 @@ Names in a picture as they are written: a dollar sign in one begins no formula, 
 import contextlib
 import functools
 import io
+import os
 import re
+import sys
 import warnings
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import printable
@@ -106,6 +109,27 @@ def _shown(text: str) -> str:
 def _without_formulas(text: str) -> str:
     """A text that is taken as it is written where formulas are looked for."""
     return _shown(text).replace("$", r"\$")
+
+
+@contextlib.contextmanager
+def library_defaults() -> Iterator[None]:
+    """Draw under the library's own settings: a ``matplotlibrc`` in the working folder, or a user's, changes nothing.
+
+    The library is loaded, if it is not yet, from a folder that has no such file: it would stop at one that is no text.
+    """
+    if "matplotlib" not in sys.modules and hasattr(os, "fchdir"):
+        here = os.open(".", os.O_RDONLY)
+        try:
+            os.chdir(Path(__file__).parent)
+            import matplotlib as mpl
+        finally:
+            os.fchdir(here)
+            os.close(here)
+    else:
+        import matplotlib as mpl
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        yield
 
 
 def styled(draw: "Callable[..., Figure]") -> "Callable[..., Figure]":

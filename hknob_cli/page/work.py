@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import UsageError
+from hknob_cli.figures.theme import library_defaults
 from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
 from hknob_cli.page.compose import Judgement, compose, plan_faults
@@ -107,7 +108,7 @@ class ReportWork(Work):
             judgement = Judgement(tuple(tables[0].to_pylist()), load_ledger(Path(plan.claims)).text)
         ours = mark(job.kind, plan.name, stamp)
         count = sum(len(chapter.figures) for chapter in plan.chapters)
-        with progress_bar(count, show=not job.quiet, what="figures") as progress:
+        with progress_bar(count, show=not job.quiet, what="figures") as progress, library_defaults():
             page = compose(plan, _evidence(job), judgement, versions=showing_versions(), mark=ours, progress=progress)
         figures = [figure for chapter in page.chapters for figure in chapter.figures]
         drawings = {f"figures/{figure.id}.svg": figure.svg or _empty(figure.missing, ours) for figure in figures}

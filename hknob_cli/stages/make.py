@@ -57,8 +57,15 @@ def make(job: Job, work: Work) -> Made:
         if current is None or work.partial_results(job):  # a run may have been killed just before it cleared up
             work.clear_partial(job)
         with as_written(job, computed=current is None):
-            drawn = work.draw(job, tables, pictures) if job.plot else []
+            drawn = _draw(job, work, tables, pictures) if job.plot else []
     return Made(tables, [*paths, *drawn], computed=current is None, changed=changed)
+
+
+def _draw(job: Job, work: Work, tables: Tables, pictures: list[Path]) -> list[Path]:
+    from hknob_cli.figures.theme import library_defaults
+
+    with library_defaults():
+        return work.draw(job, tables, pictures)
 
 
 def stamp_of(job: Job, work: Work) -> bytes:
