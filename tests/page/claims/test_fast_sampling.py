@@ -1,5 +1,6 @@
 """What fast sampling does to numbers, against other programs and against the numbers themselves."""
 
+from itertools import pairwise
 from math import pi, sqrt
 
 import numpy as np
@@ -43,7 +44,7 @@ def test_the_jump_of_a_velocity_is_that_of_the_readings(rate: float, low_pass: f
     """A knob at rest that turns by a count: largest of the filtered differences, one by one."""
     counts = [0.0] * 5 + [2.0 * pi / 1024] * 5
     speed, largest = 0.0, 0.0
-    for before, now in zip(counts, counts[1:], strict=False):
+    for before, now in pairwise(counts):
         given = (now - before) * rate
         speed = speed + (1.0 - np.exp(-1.0 / (rate * low_pass))) * (given - speed) if low_pass else given
         largest = max(largest, speed)
