@@ -1,0 +1,65 @@
+"""What fast sampling does to a controller's numbers: differenced velocity, zeros of the sampled plant, coefficients.
+
+Source: Hasser, sec. 10.6, items 1-3.
+"""
+
+from math import expm1, pi, tan
+
+import numpy as np
+
+from hknob_cli.page.claims.checks import check
+from hknob_cli.results.result_set import ResultSet
+
+
+@check
+def velocity_jump(_: ResultSet, *, counts_per_rev: int, sample_rate_hz: float, low_pass: float = 0.0) -> float:
+    """Jump (rad/s) of a velocity differenced over one sample when the angle moves by one count.
+
+    ``low_pass``: time constant (s) of a filter behind it, y += a (x - y) with a = 1 - exp(-T / low_pass), as
+    `velocity_damping` has it; 0: none.
+    """
+    goes = -expm1(-1.0 / (sample_rate_hz * low_pass)) if low_pass > 0.0 else 1.0
+    return goes * sample_rate_hz * 2.0 * pi / counts_per_rev
+
+
+@check
+def sampling_zero(
+    _: ResultSet, *, inertia: float, damping: float, stiffness: float, sample_rate_hz: float, lag_s: float = 0.0
+) -> float:
+    """Distance from 0 of the farthest zero of knob and hand behind a zero-order hold; above 1: not minimum phase.
+
+    From torque to angle; ``lag_s``: time constant of the amplifier, which passes the torque on, 0: none. SI units.
+    The zeros are those of C adj(zI - Phi) Gamma = det(zI - Phi + Gamma C) - det(zI - Phi).
+    """
+    from scipy.linalg import expm
+
+    period = 1.0 / sample_rate_hz
+    # States angle, velocity in rad per sample, and torque in what moves the velocity by 1 in a sample.
+    rates = [
+        [0.0, 1.0, 0.0],
+        [-stiffness * period**2 / inertia, -damping * period / inertia, 1.0],
+        [0.0, 0.0, -period / lag_s if lag_s else 0.0],
+    ]
+    order = 3 if lag_s else 2
+    whole = np.zeros((order + 1, order + 1))
+    whole[:3, :3] = rates
+    if lag_s:
+        whole[2, 3] = period / lag_s
+    held = expm(whole)
+    move, push = held[:order, :order], held[:order, order]
+    drawn = move - np.outer(push, np.eye(order)[0])
+    return float(np.max(np.abs(np.roots((np.poly(drawn) - np.poly(move))[1:]))))
+
+
+@check
+def coefficient_error(_: ResultSet, *, cut_off_hz: float, sample_rate_hz: float, bits: int) -> float | None:
+    """Most (%) by which rounding its coefficients can change the static gain of a low-pass of second order.
+
+    A Butterworth filter by the bilinear transform, in direct form, its coefficients two's-complement numbers of
+    ``bits`` from -2 to 2. The gain is 4 b / (1 + a1 + a2), and 1 + a1 + a2 = 4 b before rounding. In steps of the
+    numbers, rounding moves 4 b by less than 2 and 1 + a1 + a2 by less than 1; both are whole numbers then, so that they
+    differ by 2 at most. None where the rounded 1 + a1 + a2 may be 0, and the filter an integrator.
+    """
+    warped = tan(pi * cut_off_hz / sample_rate_hz)
+    steps = 4.0 * warped**2 / (1.0 + 2.0**0.5 * warped + warped**2) * 2.0**bits / 4.0
+    return 100.0 * 2.0 / (steps - 1.0) if steps > 1.0 else None
