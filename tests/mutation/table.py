@@ -26,7 +26,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/known.py": CAPTURE,
     "sets/polygon.py": CUTTING,
     "sets/lattice.py": CUTTING,
-    "sets/arc.py": ARCS,
+    "sets/arc.py": (*ARCS, f"{PROOF}test_arc_search_margins.py"),
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),

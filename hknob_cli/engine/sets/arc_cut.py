@@ -29,21 +29,18 @@ def arc_speed(x, v, loop):
     return sqrt(v * v + rate * rate / loop.beta) * (1.0 + 64.0 * EPSILON)
 
 
-def solve_phase(target, low, high, base, dx, dv, loop):
+def solve_phase(target, low, high, rising, base, dx, dv, loop):
     """Two phases between ``low`` and ``high``, next to each other, between which a monotone arc passes ``target``.
 
     Newton's method, each step a little too long, and longer until it has passed: so it closes in from both sides. It
     halves where a step leaves them, and ends where rounding hides what is between them.
     """
-    phase, rising, before, ahead = low, True, True, NEXT
+    phase, before, ahead = low, True, NEXT
     left, right = float("inf"), float("inf")  # distances from the target at either side
     hidden = EPSILON * (abs(target) + abs(base))
     for i in range(BISECTIONS):
         x, v = free_motion(phase, dx, dv, loop)
         below, away = x + base < target, abs(x + base - target)
-        if i == 0:
-            pull = v if v != 0.0 else -loop.beta * x
-            rising = below or (away == 0.0 and pull > 0.0)
         ahead = 8.0 * ahead if below == before else NEXT
         before = below
         step = away / abs(v) + ahead if v != 0.0 else 1.0
@@ -70,13 +67,13 @@ def part_within(low_edge, high_edge, low, high, base, dx, dv, loop):
         return 1.0, 0.0
     first, last = low, high
     if a < low_edge:
-        first, _ = solve_phase(low_edge, low, high, base, dx, dv, loop)
+        first, _ = solve_phase(low_edge, low, high, True, base, dx, dv, loop)
     elif a > high_edge:
-        first, _ = solve_phase(high_edge, low, high, base, dx, dv, loop)
+        first, _ = solve_phase(high_edge, low, high, False, base, dx, dv, loop)
     if b < low_edge:
-        _, last = solve_phase(low_edge, low, high, base, dx, dv, loop)
+        _, last = solve_phase(low_edge, low, high, False, base, dx, dv, loop)
     elif b > high_edge:
-        _, last = solve_phase(high_edge, low, high, base, dx, dv, loop)
+        _, last = solve_phase(high_edge, low, high, True, base, dx, dv, loop)
     return first, last
 
 
@@ -174,7 +171,7 @@ def cut(low, high, x, v, speed, base, reach, dx, dv, cuts, loop):
             if on:
                 edge = upper_edge(level, loop.sense) if step > 0.0 else lower_edge(level, loop.sense)
                 comes, leaves = pass_edge(edge, reach, begin, end, x, to, speed, base, dx, dv, loop)
-            if count > 0 and cuts[3 * count - 3] == level and first <= cuts[3 * count - 1]:
+            if count > 0 and cuts[3 * count - 3] == level:  # it turned there
                 cuts[3 * count - 1] = leaves
             elif 3 * count + 3 > len(cuts):
                 return -1

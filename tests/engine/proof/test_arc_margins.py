@@ -2,7 +2,7 @@
 
 import random
 from itertools import pairwise
-from math import cos, sin, sqrt
+from math import cos, pi, sin, sqrt
 
 import mpmath as mp
 import pytest
@@ -191,3 +191,35 @@ def test_both_sides_of_an_edge_take_in_what_is_within_reach() -> None:
                 assert ends[0] == pytest.approx(max(least, base - 2.0), abs=1e-3)
                 assert ends[1] == pytest.approx(min(most, base + 2.0), abs=1e-3)
         assert parts_of(0.25, 0.5, 9.0, 0.125, RISING, loop) == [(0.0, 0.25, 0.5)]
+
+
+def test_an_arc_whose_ends_move_the_same_way_may_have_turned_between() -> None:
+    """A whole turn of a plant that rings, and a little more: over the edge, back, and over it again."""
+    loop = make_loop(0.02, 600.0, 1.0, 0.0, 1.0, 0.0, 0.0)
+    whole = 2.0 * pi / sqrt(600.0)
+    for motion, levels in (((-0.5, 15.0), [-1.0, 0.0, -1.0, 0.0]), ((0.5, -15.0), [0.0, -1.0, 0.0, -1.0])):
+        for low in (0.0, 0.625):
+            early = free_motion(-low, *motion, loop)
+            found = parts_of(low, low + 1.2 * whole, 0.0, 0.0, early, loop)
+            assert [level for level, _, _ in found] == levels
+            assert (found[0][1], found[-1][2]) == (low, low + 1.2 * whole)
+
+
+def test_an_arc_that_turns_within_a_level_is_one_part() -> None:
+    """Also where others follow: it turns in level -1, where its first part goes on."""
+    loop = make_loop(1e-9, 4.0, 1.0, 0.0, 1.0, 0.0, 0.0)
+    assert parts_of(0.0, 1.0, 0.5, 0.0, (0.0, 0.25), loop) == [(0.0, 0.0, 1.0)]
+    found = parts_of(0.0, 1.0, -0.25, 0.0, (0.0, 0.25), loop)
+    assert found == [(-1.0, 0.0, 1.0)]
+    found = parts_of(0.0, 1.5, -0.875, 0.0, (0.0, 1.0), loop)
+    assert [level for level, _, _ in found] == [-1.0]
+
+
+def test_there_must_be_room_for_every_part() -> None:
+    """Three numbers each."""
+    loop = make_loop(1e-9, 1e-12, 1.0, 0.0, 1.0, 0.0, 0.0)
+    x, v = free_motion(0.0, *RISING, loop)
+    for length, parts in ((9, 2), (6, 2), (5, -1), (3, -1)):
+        assert cut(0.0, 1.0, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * length, loop) == parts
+    assert cut(0.0, 0.125, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * 3, loop) == 1
+    assert cut(0.0, 0.125, x, v, arc_speed(x, v, loop), 0.5, 0.125, *RISING, [0.0] * 2, loop) == -1

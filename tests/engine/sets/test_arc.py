@@ -157,7 +157,7 @@ def test_a_cut_lies_between_two_phases_that_only_rounding_parts(
     target = a + part * (b - a)
     if not min(a, b) < target < max(a, b):
         return
-    left, right = solve_phase(target, low, high, base, dx, dv, loop)
+    left, right = solve_phase(target, low, high, b > a, base, dx, dv, loop)
     assert low <= left <= right <= high
     near, far = (free_motion(phase, dx, dv, loop)[0] + base for phase in (left, right))
     assert (near < target) == (a < target)
@@ -178,7 +178,13 @@ def test_a_part_takes_in_what_touches_its_edges() -> None:
     assert (first, last) == pytest.approx((0.5, 0.75), abs=1e-8)
     assert part_within(1.5, 2.0, 0.0, 1.0, -1.0, 0.0, 2.0, loop) == (1.0, 0.0)
     assert part_within(-9.0, 9.0, 0.0, 1.0, -1.0, 0.0, 2.0, loop) == (0.0, 1.0)
+    assert part_within(-2.0, -1.5, 0.0, 1.0, -1.0, 0.0, 2.0, loop) == (1.0, 0.0)
     assert part_within(1.0, 2.0, 0.0, 1.0, 1.0, 0.0, -2.0, loop) == pytest.approx((0.0, 0.0), abs=1e-15)
+    assert part_within(-2.0, -1.0, 0.0, 1.0, -1.0, 0.0, 2.0, loop) == pytest.approx((0.0, 0.0), abs=1e-15)
+    for side in (1.0, -1.0):  # from a corner at an edge on, away from it and across
+        assert part_within(-side - 3.0, -side + 3.0, 0.0, 0.5, -side, 0.0, side * 2.0, loop) == (0.0, 0.5)
+        low, high = sorted((-side, -0.5 * side))
+        assert part_within(low, high, 0.0, 1.0, -side, 0.0, side * 2.0, loop) == pytest.approx((0.0, 0.25), abs=1e-8)
 
 
 @pytest.mark.parametrize("delay", [0, 2])

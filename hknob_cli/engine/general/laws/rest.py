@@ -65,12 +65,17 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
     if not law.provable:
         return MOVING
     still, guard = settled_past(past, shown, wall, law)
-    if not still or (law.weight > 0.0 and not guard > faded(past, law.periodic, law)):
+    if not still:
+        return MOVING
+    worn = 0.0  # by how much what fades may end elsewhere: its last steps are smaller than a rounding
+    if law.fading >= 0:
+        worn = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + abs(law.periodic[law.fading])) / (1.0 - law.fade)
+    if law.weight > 0.0 and not guard > faded(past, law.periodic, law) + worn:
         return MOVING
     n = body.order
     u = law.periodic[law.line + (law.ages - 1) * law.parts]
-    size = law.coarse * (abs(u) + wall.kappa * (1.0 + abs(z[0])))
-    left = torques_apart(past, law.periodic, law) + ROUNDINGS * EPSILON * size
+    wrong = law.weight * worn + ROUNDINGS * EPSILON * law.coarse * (abs(u) + wall.kappa * (1.0 + abs(z[0])))
+    left = torques_apart(past, law.periodic, law)
     push = pushed_apart(left, body)
     if body.friction == 0.0:
         if not find_balance(u, body, orbit):
@@ -78,20 +83,21 @@ def settles_with_law(z, shown, past, body, wall, law, orbit, away):
         for i in range(n):
             away[i] = z[i] - orbit[i]
         gap = edge_gap(orbit[0], shown, shown, law.watch)
-        bound = rest_rounding(z, orbit[0], abs(u), body)
+        bound = rest_rounding(z, orbit[0], abs(u) + wrong / (ROUNDINGS * EPSILON), body)
         reach = distance(away, body) + push
         if reach + bound < gap:
             return AT_REST if body.damped else RINGS
         return REST_ON_EDGE if abs(gap) <= bound and reach < 1e-6 else MOVING
     copy_to(orbit, z)
     gap = edge_gap(z[0], shown, shown, law.watch)
-    exact = torques_apart(past, law.periodic, law) == 0.0
-    held = body.order == 2 and z[1] == 0.0 and abs(acceleration(z, u, body)) + left <= body.friction
-    if held or (exact and stays_held(z, u, body)):
+    held = body.order == 2 and z[1] == 0.0 and abs(acceleration(z, u, body)) + left + wrong <= body.friction
+    if held or (left == 0.0 and stays_held(z, u - wrong, body) and stays_held(z, u + wrong, body)):
         return AT_REST if gap > ROUNDINGS * EPSILON * (1.0 + abs(z[0])) else REST_ON_EDGE
     if body.ratio > 0.0 and body.pad_damping + body.finger_damping == 0.0:
         return MOVING
     stiffness, low, high = hold_zone(u, shown, body, law.watch)
+    if stiffness > 0.0:
+        low, high = low + wrong / stiffness, high - wrong / stiffness
     if low > high:
         return MOVING
     rest = min(max(z[0], low), high)
