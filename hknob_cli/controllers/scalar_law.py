@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.controller import ControlLaw, Differencing, make_control_law
+from hknob_cli.controllers.estimated_velocity import LEAST, LONGEST, EstimatedVelocity, Fading
 from hknob_cli.controllers.plant_batch import PlantBatch
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
@@ -19,8 +20,6 @@ from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Scene
 
-LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
-LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -33,15 +32,6 @@ class LawKnob(NamedTuple):
     knob: GeneralKnob
     law: Law
     rate: float
-
-
-class _Fading(NamedTuple):
-    """What fades of a kind: its row, the part that stays in a sample, steps of the wall by it, and guards on it."""
-
-    row: int = -1
-    fade: float = 0.0
-    weight: float = 0.0
-    guarded: bool = False
 
 
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
@@ -68,7 +58,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     outside = control.reads_outside or knob.wall.damping > 0.0
     stepped = knob.wall.step > 0.0 and fading.weight > 0.0
     law = Law(
-        act=plan.kind,
+        act=control.law if isinstance(control, EstimatedVelocity) else plan.kind,
         fixed=[float(one) for one in fixed],
         first=first,
         rows=rows,
@@ -85,13 +75,14 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         coarse=_coarseness(plan, fixed, fading),
         guarded=fading.guarded or stepped,
         anchor=3 if plan.kind == "passivity" else -1,
-        provable=control.provable and not control.senses_speed,
+        provable=control.provable and not control.senses_speed and fading.fade < 1.0,
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),
         out=[0.0] * parts,
         room=[0.0],
         beside=[0.0] * (line + ages * parts),
         periodic=[0.0] * (line + ages * parts),
+        pair=list(fading.pair),
     )
     settling = float(control.settling(lane)[0])
     rate = min(knob.rate, 1.0 / settling) if settling > 0.0 else knob.rate
@@ -117,40 +108,42 @@ def _lane(knob: GeneralKnob, stiffness: float) -> PlantBatch:
     return PlantBatch(*(np.array([one]) for one in numbers))
 
 
-def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[list[float], _Fading]:
+def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[list[float], Fading]:
     """Numbers that a kind's function takes, the offset first, and what of its memory fades."""
+    if isinstance(control, EstimatedVelocity):
+        return control.numbers(lane), control.fading(lane)
     offset = float(lane.offset[0])
     own = [float(one[0]) for one in control.constants(lane)]
     sensor = 1.0 if control.senses_speed else 0.0
     if plan.kind == "bounded_lag":
         stays = min(float(np.exp(-lane.period_s[0] / plan.time_constant)), LONGEST)
-        return [offset, own[0], plan.keep], _Fading(0, stays, 1.0 - plan.keep)
+        return [offset, own[0], plan.keep], Fading(0, stays, 1.0 - plan.keep)
     if plan.kind == "first_order_hold":
-        return [offset, float(plan.correct)], _Fading()
+        return [offset, float(plan.correct)], Fading()
     if plan.kind == "impulse_damping":
-        return [offset, plan.pulse, plan.gain, float(len(control.looks))], _Fading()
+        return [offset, plan.pulse, plan.gain, float(len(control.looks))], Fading()
     if plan.kind == "passivity":
-        return [*own, float(plan.reset)], _Fading()
+        return [*own, float(plan.reset)], Fading()
     if plan.kind == "phase_damping":
-        fading = _Fading(1, 63.0 / 64.0, 0.0, guarded=True)
+        fading = Fading(1, 63.0 / 64.0, 0.0, guarded=True)
         kalman = 1.0 if plan.estimate == "kalman" else 0.0
         both = 1.0 if plan.crossings == "both" else 0.0
         return [offset, plan.height, plan.degrees / 360.0, both, kalman], fading
     if plan.kind == "stiffening":
-        return [offset, *own, plan.surface], _Fading()
+        return [offset, *own, plan.surface], Fading()
     if plan.kind == "velocity_damping":
         _, gain, goes, most = own
         numbers = [offset, gain, sensor, float(plan.everywhere), float(plan.window), goes, most]
         if plan.low_pass == 0.0:
-            return numbers, _Fading()
+            return numbers, Fading()
         stays = min(float(np.exp(-lane.period_s[0] / plan.low_pass)), LONGEST)
         if plan.cut_off is None:
-            return numbers, _Fading(plan.window, stays, abs(gain))
-        return numbers, _Fading(plan.window, stays, max(abs(gain), LEAST), guarded=True)
-    return [*own, sensor], _Fading()  # half_sample, matched_wall
+            return numbers, Fading(plan.window, stays, abs(gain))
+        return numbers, Fading(plan.window, stays, max(abs(gain), LEAST), guarded=True)
+    return [*own, sensor], Fading()  # half_sample, matched_wall
 
 
-def _coarseness(plan: Controller, fixed: list[float], fading: _Fading) -> float:
+def _coarseness(plan: Controller, fixed: list[float], fading: Fading) -> float:
     """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
     if plan.kind == "impulse_damping":
         return 1.0 + abs(plan.gain) * plan.detections / plan.pulse

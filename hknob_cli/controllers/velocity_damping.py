@@ -3,12 +3,14 @@
 Dissertation, Sections 10.2 and 11: a velocity sensor makes virtual damping meaningful where counts are too coarse to
 difference. Below 0 the damping drives: to take back physical damping outside the wall (Colgate & Schenkel 1994).
 Firmware differences over several samples, or filters: y += a (x - y), a = 1 - exp(-T / time constant), as a Hapkit does
-(main1DOF.cpp of Longhorn Hapkit). A SmartKnob commands no torque above a speed (its motor_task.cpp).
+(main1DOF.cpp of Longhorn Hapkit). A SmartKnob commands no torque above a speed (its motor_task.cpp). Other estimates
+are in `estimated_velocity`.
 """
 
 import numpy as np
 
 from hknob_cli.controllers.controller import Action, Differencing, Reading
+from hknob_cli.controllers.estimated_velocity import EstimatedVelocity
 from hknob_cli.controllers.plant_batch import Array, PlantBatch
 from hknob_cli.specs.controller import Controller
 
@@ -39,8 +41,10 @@ class VelocityDamping(Differencing):
         self.counted = tuple(range(window))
 
     @classmethod
-    def of(cls, plan: Controller) -> "VelocityDamping":
+    def of(cls, plan: Controller) -> "VelocityDamping | EstimatedVelocity":
         """With the numbers of a spec."""
+        if plan.velocity not in ("differenced", "sensor") or plan.angle == "filtered":
+            return EstimatedVelocity(plan)
         return cls(
             plan.damping,
             sensor=plan.velocity == "sensor",

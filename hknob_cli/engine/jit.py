@@ -45,7 +45,7 @@ GENERAL = (
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(f"general.laws.{name}" for name in ("kinds", "step", "cascade", "period", "rest", "follow", "trials")),
+    *(f"general.laws.{name}" for name in ("kinds", "speeds", "step", "cascade", "period", "rest", "follow", "trials")),
 )
 SETS = (
     *MOTION,
@@ -198,7 +198,7 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
 
 @cache
 def compiled_law(name: str) -> Any:
-    """The address of a law of `general.laws.kinds`, compiled by itself: what calls it need not be compiled for it."""
+    """The address of a law of `general.laws`, compiled by itself: what calls it need not be compiled for it."""
     functions = compiled("laws")  # which loads numba
     from numba import types as kinds
     from numba.core.ccallback import CFunc

@@ -3,7 +3,15 @@
 from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import Bounds, PositiveAngle, PositiveSeconds, Seconds, SignedDamping, SpeedLimit
+from hknob_cli.specs.quantity import (
+    Bandwidth,
+    Bounds,
+    PositiveAngle,
+    PositiveSeconds,
+    Seconds,
+    SignedDamping,
+    SpeedLimit,
+)
 
 
 class Kind(NamedTuple):
@@ -25,7 +33,10 @@ KINDS = {
     "stiffening": Kind("stiffening_wall:StiffeningWall", ("surface", "depth")),
     "velocity_damping": Kind(
         "velocity_damping:VelocityDamping",
-        ("damping", "velocity", "everywhere", "window", "low_pass", "cut_off"),
+        (
+            *("damping", "velocity", "everywhere", "window", "low_pass", "cut_off"),
+            *("time_out", "detections", "bandwidth", "angle"),
+        ),
         needs=("damping",),
     ),
 }
@@ -59,18 +70,24 @@ class Controller(NamedTuple):
     """What acts in place of the plain virtual spring, or beside it."""
 
     kind: Annotated[Literal[tuple(KINDS)], "which controller"]  # type: ignore[valid-type]
-    velocity: Annotated[Literal["differenced", "sensor"], "where the velocity is from: two counts, or a sensor"] = (
-        "differenced"
-    )
+    velocity: Annotated[
+        Literal["differenced", "sensor", "timed", "adaptive", "tracking"],
+        "where the velocity is from: two counts, a sensor, the time between counts, a line, a tracking filter",
+    ] = "differenced"
     damping: Annotated[SignedDamping, "velocity_damping: virtual damping; passivity: the most that it adds"] = 0.0
     everywhere: Annotated[_Flag, "virtual damping outside the wall, too"] = False
-    window: Annotated[_Samples, "samples over which the velocity is differenced"] = 1
-    low_pass: Annotated[Seconds, "time constant of a low-pass on the differenced velocity; 0: none"] = 0.0
+    window: Annotated[_Samples, "samples over which the velocity is differenced; adaptive: at most"] = 1
+    low_pass: Annotated[Seconds, "time constant of a low-pass on the velocity from counts; 0: none"] = 0.0
+    time_out: Annotated[PositiveSeconds, "timed: time without a change of the count after which nothing moves"] = 0.1
+    bandwidth: Annotated[Bandwidth, "tracking: bandwidth of the filter, critically damped"] = 1000.0
+    angle: Annotated[
+        Literal["counted", "filtered"], "where the spring is: at the count, or at the angle of the velocity's filter"
+    ] = "counted"
     cut_off: Annotated[SpeedLimit | None, "estimated speed above which the controller commands no torque"] = None
     correct: Annotated[_Flag, "add what the last prediction missed"] = True
     pulse: Annotated[_Share, "length of the pulse, in sample intervals"] = 0.025
     gain: Annotated[_UpTo100, "pulse over what the hold got wrong"] = 1.0
-    detections: Annotated[_Readings, "encoder readings per sample interval, to time a crossing"] = 1
+    detections: Annotated[_Readings, "encoder readings per sample interval, to time a crossing or a change"] = 1
     height: Annotated[_UpTo100, "torque of the damping wave, in torque steps of a count"] = 0.5
     degrees: Annotated[_Degrees, "phase after a crossing over which the wave acts"] = 360.0
     crossings: Annotated[Literal["in", "both"], "crossings that set the phase"] = "in"

@@ -16,7 +16,7 @@ from hknob_cli.specs.capabilities import (
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
 
-OF_CONTROLLERS = {"controller", "speed_sensor", "kalman"}
+OF_CONTROLLERS = {"controller", "speed_sensor", "estimated_speed", "kalman"}
 SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "controller_sets")  # engines of sets of starts
 
 

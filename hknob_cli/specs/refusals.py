@@ -11,6 +11,7 @@ from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
+from hknob_cli.specs.velocity_faults import velocity_contradictions
 
 Faults = list[tuple[Place, str]]
 
@@ -128,11 +129,7 @@ def _of_another_kind(spec: Controller, given: frozenset[str], axes: Axes) -> Fau
         part, _, key = name.partition(".")
         if part == "controller" and key not in keys:
             found.append((("grid", name), f"must be absent where kind is {spec.kind}, which has {allowed}"))
-    if spec.velocity == "sensor":
-        for key in ("window", "low_pass"):
-            place = ("grid", f"controller.{key}") if f"controller.{key}" in axes else ("scene", "controller", key)
-            if key in keys and (key in given or place[0] == "grid"):
-                found.append((place, "must be absent where velocity is sensor: it is of the differenced velocity"))
+    found += velocity_contradictions(spec, given, axes)
     values = axes.get("controller.damping", [spec.damping])
     if spec.kind == "velocity_damping" and "controller.damping" not in axes and "damping" not in given:
         found.append((("scene", "controller"), "must have damping where kind is velocity_damping"))

@@ -12,11 +12,15 @@ import pytest
 from hknob_cli.controllers.batch_stepper import BatchStepper
 from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.controller import make_control_law
+from hknob_cli.controllers.scalar_law import make_law
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.laws.search import with_function
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
 from hknob_cli.specs.controller import KINDS
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.conftest import ROOT
-from tests.controllers.laws import LAWS
+from tests.controllers.laws import LAWS, LOOP_ONLY
 from tests.controllers.page_blocks import SCENE, K
 
 CELLS = [(1000.0, 360, 0.0), (1000.0, 2650, -0.4), (3000.0, 1024, -1.0)]
@@ -62,6 +66,34 @@ def test_a_controller_built_from_the_page_gives_the_engines_torques(
             assert abs(one - other) <= bound, (k, one, other)
         acts += any(abs(one - page.w) > 1e-9 for one in theirs)
         state = step.state
+    assert acts > 10, "says little of a controller that never differs from the plain wall"
+
+
+@pytest.mark.parametrize("cell", CELLS, ids=str)
+@pytest.mark.parametrize("name", LOOP_ONLY)
+def test_a_controller_of_the_loop_built_from_the_page_gives_its_torques(
+    name: str, cell: tuple[float, int, float]
+) -> None:
+    controller, (rate, counts, velocity) = LOOP_ONLY[name], cell
+    plan = SceneSpec.model_validate({**SCENE, "controller": controller}).plain()
+    made = make_law(plan, sample_rate_hz=rate, counts_per_rev=counts)
+    law, wall, body = with_function(made.law), made.knob.wall, made.knob.body
+    page = LAWS[controller["kind"]].Block(
+        counts, rate, **{name: one for name, one in controller.items() if name != "kind"}
+    )
+    count = 2.0 * pi / counts
+    z, past = made.knob.start(0.002, velocity - 0.1), [0.0] * len(law.beside)
+    begin_past(past, read(z[0], wall), law)
+    acts = 0
+    for k in range(SAMPLES):
+        shown, looks = read(z[0], wall), [one * count for one in past[law.rows + 1 : law.line]]
+        theirs = page.sample(shown * count, 0.0, looks)[0]
+        advance_with_law(z, past, body, wall, law, [0.0] * 4)
+        ours = law.out[0] * K * count
+        # A filter's memory adds up some rounding of each of its last samples: by 1/(1 - fade), below 100 here.
+        size = K * (abs(shown) + 2.0) * count + controller["damping"] * (abs(page.v) + 4.0 * count * rate)
+        assert abs(ours - theirs) <= 100 * 20 * np.finfo(float).eps * size, (k, ours, theirs)
+        acts += abs(theirs - page.w) > 1e-9
     assert acts > 10, "says little of a controller that never differs from the plain wall"
 
 

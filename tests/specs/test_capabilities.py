@@ -78,6 +78,9 @@ CHANGES: dict[str, dict[str, Any]] = {
     "unsampled": {"scene": {"sampling": "continuous"}, "grid": {"sample_rate_hz": None}},
     "controller": {"scene": {"controller": {"kind": "bounded_lag"}}},
     "speed_sensor": {"scene": {"controller": {"kind": "half_sample", "velocity": "sensor"}}},
+    "estimated_speed": {
+        "scene": {"controller": {"kind": "velocity_damping", "damping": 1e-4, "velocity": "adaptive", "window": 4}}
+    },
     "kalman": {"scene": {"controller": {"kind": "phase_damping", "estimate": "kalman"}}},
     "profile": {"scene": {"profile": {"points": [[-0.5, 0.002], [0.0, 0.0], [0.5, -0.002]]}}},
     "detents": {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}},

@@ -52,6 +52,42 @@ CONTROLLERS = {
         "{kind: velocity_damping, damping: 1, velocity: sensor, low_pass: 4 ms}",
         "scene.controller.low_pass: must be absent where velocity is sensor: it is of the differenced velocity",
     ),
+    "one line": (
+        "{kind: velocity_damping, damping: 1, velocity: adaptive}",
+        "8:15: scene.controller: must have a window of 2 samples or more where velocity is adaptive",
+    ),
+    "no bandwidth": (
+        "{kind: velocity_damping, damping: 1, velocity: tracking}",
+        "8:15: scene.controller: must have a bandwidth where velocity is tracking",
+    ),
+    "filter faster than its samples": (
+        "{kind: velocity_damping, damping: 1, velocity: tracking, bandwidth: 500}",
+        "scene.controller.bandwidth: must be < 500 rad/s at 1000 Hz, got 500: the filter is stable where",
+    ),
+    "bandwidth of differences": (
+        "{kind: velocity_damping, damping: 1, bandwidth: 100}",
+        "scene.controller.bandwidth: must be absent where velocity is differenced: it is of velocity: tracking",
+    ),
+    "time-out of differences": (
+        "{kind: velocity_damping, damping: 1, time_out: 100 ms}",
+        "scene.controller.time_out: must be absent where velocity is differenced: it is of velocity: timed",
+    ),
+    "low-pass on a filter": (
+        "{kind: velocity_damping, damping: 1, velocity: tracking, bandwidth: 100, low_pass: 1 ms}",
+        "scene.controller.low_pass: must be absent where velocity is tracking: it is of the differenced velocity",
+    ),
+    "window of a clock": (
+        "{kind: velocity_damping, damping: 1, velocity: timed, window: 3}",
+        "scene.controller.window: must be absent where velocity is timed",
+    ),
+    "angle that nothing filters": (
+        "{kind: velocity_damping, damping: 1, angle: filtered}",
+        "scene.controller.angle: must be counted where nothing filters: give a low_pass, or velocity: tracking",
+    ),
+    "estimate of another kind": (
+        "{kind: matched_wall, velocity: timed}",
+        "scene.controller.velocity: must be differenced or sensor where kind is matched_wall",
+    ),
     "cut off at rest": ("{kind: velocity_damping, damping: 1, cut_off: 0}", "scene.controller.cut_off: must be > 0"),
     "filter of no damper": ("{kind: stiffening, low_pass: 4 ms}", "must be absent where kind is stiffening, which has"),
     "wrong unit": ("{kind: stiffening, depth: 3 s}", "which is not a kind of rad"),

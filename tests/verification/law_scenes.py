@@ -9,7 +9,7 @@ from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.laws import CONTROLLERS
+from tests.controllers.laws import EVERY
 
 from .general_scenes import GRASP, TWO_PARTS, scene
 
@@ -62,7 +62,7 @@ def draw(numbers: np.random.Generator, controller: str) -> Drawn:
         encoder=encoder or None,
         bias={"half_quantum": True} if numbers.random() < 0.3 else {"torque": 0.001},
     )
-    made["controller"] = dict(CONTROLLERS[controller])
+    made["controller"] = dict(EVERY[controller])
     rate, counts = float(numbers.choice([464.0, 1000.0, 2154.0])), int(numbers.choice([256, 512, 1024, 2048]))
     return Drawn(controller, tuple(sorted(few)), made, rate, counts)
 

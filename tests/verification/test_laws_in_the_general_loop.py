@@ -17,7 +17,7 @@ from hknob_cli.engine.general.search import as_arrays
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import LawMeasurer
-from tests.controllers.laws import CONTROLLERS
+from tests.controllers.laws import CONTROLLERS, EVERY, LOOP_ONLY
 
 from .general_orbits import NEAR, to_si, unknowns
 from .general_reference import Friction, build
@@ -33,12 +33,13 @@ CLOSED = mp.mpf(10) ** -30
 ROUNDINGS = 16.0 * 2.0**-53
 # A sum of energy that never begins anew drifts, however the knob buzzes: its memory has no period.
 DRIFTS = "passivity, no reset"
-PROVABLE = [name for name, given in CONTROLLERS.items() if given.get("velocity") != "sensor" and name != DRIFTS]
+ORDER = [*sorted(CONTROLLERS), *sorted(LOOP_ONLY)]
+PROVABLE = [name for name, given in EVERY.items() if given.get("velocity") != "sensor" and name != DRIFTS]
 
 
 def scenes(controller: str, count: int, seed: int = 0) -> list[Drawn]:
     """Random scenes under a controller."""
-    numbers = np.random.default_rng([seed, sorted(CONTROLLERS).index(controller)])
+    numbers = np.random.default_rng([seed, ORDER.index(controller)])
     return [draw(numbers, controller) for _ in range(count)]
 
 
@@ -128,7 +129,7 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     return worst, worst / orbit.bound
 
 
-@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
+@pytest.mark.parametrize("controller", ORDER)
 def test_trials(controller: str) -> None:
     errors = [check_trial(one) for one in scenes(controller, 3)]
     assert np.isfinite(errors).any(), "rounding could decide in all scenes: nothing was tested"
@@ -160,7 +161,7 @@ def test_proven_cycles(controller: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("controller", sorted(CONTROLLERS))
+@pytest.mark.parametrize("controller", ORDER)
 def test_many_scenes(controller: str) -> None:
     for one in scenes(controller, 12, seed=1):
         check_trial(one)

@@ -13,3 +13,8 @@ LAWS: dict[str, ModuleType] = {one.name: import_module(f"{__name__}.{one.name}")
 CONTROLLERS: dict[str, dict[str, Any]] = {
     name: given for law in LAWS.values() for name, given in law.CONTROLLERS.items()
 }
+# Those that only the compiled general loop has; and all.
+LOOP_ONLY: dict[str, dict[str, Any]] = {
+    name: given for law in LAWS.values() for name, given in getattr(law, "LOOP_ONLY", {}).items()
+}
+EVERY: dict[str, dict[str, Any]] = {**CONTROLLERS, **LOOP_ONLY}

@@ -1,6 +1,6 @@
 """Controllers in the compiled general loop: beside friction, finger, lag, delay, limits, steps and virtual damping.
 
-- `kinds` the laws, a function each, compiled alone and called by address
+- `kinds` the laws, a function each, compiled alone and called by address; `speeds` those that estimate a speed
 - `law` what the loop knows of one, `step` a sample interval under it, and a period written down
 - `cascade` how far two motions with the same readings part
 - `period` the proof, `rest`, `follow` a trial, `trials` a cell
@@ -8,7 +8,8 @@
 What a controller remembers follows from the readings alone, so the loop is a cascade: readings, memory, torque, plant.
 Of the memory most is counted: a place, a time, a torque of the last samples, the same numbers in all motions with the
 same readings. One number may fade: a running mean, whose difference in two motions shrinks by one factor a sample,
-whatever they read, so that all torques that are still to come differ by at most a known sum. The energy of the
+whatever they read, so that all torques that are still to come differ by at most a known sum. Two may fade together,
+as those of a second-order filter: in a norm of both. The energy of the
 difference of two plants never grows under the same torques (`general.body`), and by no more than that sum under these.
 A repeating sequence of readings therefore has one periodic memory and one periodic motion of the plant. Where that
 motion has these readings, by more than all errors, it is a limit cycle; where a trial's distance, with the sum, is less

@@ -1,14 +1,16 @@
 """How far two motions with the same readings part: in what is counted, in what fades, and in the plant."""
 
-from math import inf
+from math import inf, sqrt
 
 from hknob_cli.engine.general.body import distance
+from hknob_cli.engine.general.laws.law import PAIR_ACROSS, PAIR_NORM
 
 
 def same_count(past, other, law):
-    """Whether all that is remembered is the same, but for the row that fades and the torques under way."""
+    """Whether all that is remembered is the same, but for what fades and the torques under way."""
     for j in range(law.line):
-        if j != law.fading and past[j] != other[j]:
+        fades = j == law.fading or (len(law.pair) > 0 and j == law.fading + 1)
+        if not fades and past[j] != other[j]:
             return False
     return True
 
@@ -22,8 +24,46 @@ def nearly_same(past, other, law, within):
 
 
 def faded(past, other, law):
-    """Difference of two motions in the row that fades."""
-    return abs(past[law.fading] - other[law.fading]) if law.fading >= 0 else 0.0
+    """Difference of two motions in what fades: of one row, or of two by the norm in which they shrink."""
+    if law.fading < 0:
+        return 0.0
+    first = past[law.fading] - other[law.fading]
+    if len(law.pair) == 0:
+        return abs(first)
+    second = past[law.fading + 1] - other[law.fading + 1]
+    one = law.pair[PAIR_NORM] * first + law.pair[PAIR_NORM + 1] * second
+    two = law.pair[PAIR_NORM + 2] * first + law.pair[PAIR_NORM + 3] * second
+    return sqrt(one * one + two * two)
+
+
+def settle_faded(past, before, period, law):
+    """Put what fades where a period of the same readings brings it back, from where it was ``before`` that period."""
+    at = law.fading
+    if at < 0:
+        return
+    first = past[at] - before[at]
+    if len(law.pair) == 0:
+        past[at] = before[at] + first / (1.0 - law.fade**period)
+        return
+    second = past[at + 1] - before[at + 1]
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0  # the pair's map over a period, by squaring
+    p, q, r, s = law.pair[0], law.pair[1], law.pair[2], law.pair[3]
+    left = period
+    while left > 0:
+        if left % 2 == 1:
+            a, b, c, d = a * p + b * r, a * q + b * s, c * p + d * r, c * q + d * s
+        p, q, r, s = p * p + q * r, p * q + q * s, r * p + s * r, r * q + s * s
+        left = left // 2
+    whole = (1.0 - a) * (1.0 - d) - b * c
+    past[at] = before[at] + ((1.0 - d) * first + b * second) / whole
+    past[at + 1] = before[at + 1] + (c * first + (1.0 - a) * second) / whole
+
+
+def size_faded(past, law):
+    """Size of what fades and, of two rows, how far a rounding of either carries in their norm: ``(size, swell)``."""
+    if len(law.pair) == 0:
+        return abs(past[law.fading]), 1.0
+    return abs(past[law.fading]) + abs(past[law.fading + 1]), law.pair[PAIR_ACROSS]
 
 
 def torques_apart(past, other, law):

@@ -7,6 +7,10 @@ from hknob_cli.engine.general.controller import Controller
 PIECE = 7  # numbers of a piece of an interval: time, S, G, F, where its torque stands, where a look goes, its matrix
 SPAN, S, G, F, TORQUE, LOOK, MATRIX = range(PIECE)
 
+# Numbers of a pair of rows that fades: the map of a sample, row by row; the norm in which it shrinks, two forms; and
+# by how much that norm is larger than the size of a difference.
+PAIR_NORM, PAIR_ACROSS, PAIR = 4, 8, 9
+
 # Fates beside those of `general.follow`.
 CYCLE_AT_SWITCH = 12
 CYCLE_NOT_AFFINE = 13
@@ -32,7 +36,7 @@ class Law(NamedTuple):
     ages: int
     pieces: int
     sched: Any  # (pieces * PIECE), the pieces of an interval between changes of torque and looks
-    fading: int  # the row that fades, or -1
+    fading: int  # the row that fades, the first of two if there is a ``pair``, or -1
     fade: float  # by which a difference in it shrinks in a sample; 0 without one
     weight: float  # acceleration by which a torque differs, by a difference in it
     coarse: float  # times that a torque's rounding may be larger than that of the wall's own
@@ -45,3 +49,4 @@ class Law(NamedTuple):
     room: Any  # (1), by how much the guards of the last orbit tried clear all errors
     beside: Any  # like ``past``, of a motion beside the trial
     periodic: Any  # like ``past``, of the periodic orbit
+    pair: Any = ()  # numbers of two rows that fade together, or none

@@ -1,6 +1,6 @@
 """Proof of a limit cycle under a law: the periodic memory of its readings, and the plant's periodic motion under it.
 
-The number that fades goes to its fixed point, over a period an affine map whose slope is known; all else that is
+What fades goes to its fixed point, over a period an affine map whose slope is known; all else that is
 remembered must come back to the last bit. The plant's fixed point is found as in `general.period_map`, with the
 torques of that memory. What the torques may be wrong by enters the bound on the orbit's error.
 """
@@ -11,7 +11,14 @@ from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTUR
 from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read
-from hknob_cli.engine.general.laws.cascade import apart, faded, nearly_same, same_count
+from hknob_cli.engine.general.laws.cascade import (
+    apart,
+    faded,
+    nearly_same,
+    same_count,
+    settle_faded,
+    size_faded,
+)
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
@@ -88,9 +95,7 @@ def find_periodic_past(z, past, period, body, wall, law, space):
         advance_with_law(space.state, law.periodic, body, wall, law, space.pad)
     if not same_count(law.periodic, past, law):
         return False
-    if law.fading >= 0:
-        ahead = law.periodic[law.fading] - past[law.fading]
-        law.periodic[law.fading] = past[law.fading] + ahead / (1.0 - law.fade**period)
+    settle_faded(law.periodic, past, period, law)
     done = 0
     while done < law.ages or done == 0:
         copy_to(space.state, z)
@@ -155,9 +160,7 @@ def certify_with_law(z, past, period, body, wall, law, space):
         for i in range(n):
             for j in range(n):
                 space.orbit[i] += space.matrix[i * 2 * n + n + j] * space.residual[j]
-        if law.fading >= 0:
-            ahead = law.beside[law.fading] - law.periodic[law.fading]
-            law.beside[law.fading] = law.periodic[law.fading] + ahead / gone
+        settle_faded(law.beside, law.periodic, period, law)
         copy_to(law.periodic, law.beside)
     if not closure < 1e-6 * (reach + pace):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
@@ -166,7 +169,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
     # How wrong the number that fades may be, by its residual and by the rounding of each update; how wrong a torque.
     worn = 0.0
     if law.fading >= 0:
-        scale = abs(law.periodic[law.fading]) + strength / wall.kappa + reach
+        size, swell = size_faded(law.periodic, law)
+        scale = (size + strength / wall.kappa + reach) * swell
         worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
     size = law.coarse * (strength + wall.kappa * (1.0 + reach))  # of the terms of a torque, which may cancel
     wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size

@@ -1,15 +1,15 @@
 """Rest under a law: one reading for ever, and what is remembered comes to an end that is known.
 
-Under a reading that goes on, what is counted stops changing, and what fades goes to its fixed point in one direction.
-So all that the torques will still differ by from their last value is a known sum. As in `general.standstill` and
-`general.inner_region`, the distance from a rest under that last torque cannot grow by more.
+Under a reading that goes on, what is counted stops changing, and what fades comes nearer to its fixed point in each
+sample. So all that the torques will still differ by from their last value is a known sum. As in `general.standstill`
+and `general.inner_region`, the distance from a rest under that last torque cannot grow by more.
 """
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, distance
 from hknob_cli.engine.general.controller import edge_gap
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
-from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, torques_apart
+from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import copy_to, decide
 from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, stays_held
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
@@ -27,9 +27,7 @@ def settled_past(past, shown, wall, law):
     decide(shown, 0.0, law.periodic, wall, law)
     if not same_count(law.periodic, past, law):
         return False, 0.0
-    if law.fading >= 0:
-        ahead = law.periodic[law.fading] - past[law.fading]
-        law.periodic[law.fading] = past[law.fading] + ahead / (1.0 - law.fade)
+    settle_faded(law.periodic, past, 1, law)
     guard = 0.0
     for _ in range(law.ages):
         guard = decide(shown, 0.0, law.periodic, wall, law)

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.engine.attractors import USUAL, Patience
-from hknob_cli.engine.general.laws import kinds, step, trials
+from hknob_cli.engine.general.laws import kinds, speeds, step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine
 
@@ -59,4 +59,4 @@ class LawEngine(GeneralEngine):
 
 def with_function(law: Law) -> Law:
     """The law as the interpreter runs it: its function in place of the name."""
-    return law._replace(act=getattr(kinds, law.act))
+    return law._replace(act=getattr(kinds if hasattr(kinds, law.act) else speeds, law.act))
