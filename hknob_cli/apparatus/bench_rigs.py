@@ -22,7 +22,6 @@ SMALL_RANGE, WORKING_RANGE = (26.4e-3, 2e-3), (28.4e-3, 30e-3)
 
 # Appendix B: where the force acts, from the end of the knob (m); the first and the last are the "deviant" cases.
 POSITIONS_M = (3.18e-3, 6.35e-3, 9.53e-3)
-NOMINAL_M = 6.35e-3
 POSITION_FACTOR = 1.9  # "nearly twice", coefficient at 9.53 mm over that at 3.18 mm
 NOMINAL_V_PER_N = 0.1  # assumed: 10 V for the cell's 100 N
 

@@ -11,8 +11,8 @@ from hknob_cli.engine import ensemble as plain_ensemble
 from hknob_cli.engine import follow
 from hknob_cli.engine import trace as plain_trace
 from hknob_cli.engine.alarm import Alarm
-from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, prospect, unrepeated
-from hknob_cli.engine.ensemble import first_sample
+from hknob_cli.engine.budget import OPEN, TOO_FINE, TOO_MANY, TOO_SLOW, UNHELD, TrialBudget, prospect, unrepeated
+from hknob_cli.engine.ensemble import ROW, first_sample
 from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.orbit import cycle as plain_cycle
 from hknob_cli.engine.orbit.cycle import CycleMeasures
@@ -179,44 +179,37 @@ class Engine:
         patience = self.patience.samples
         cut = not self.compiled and most > patience
         width = min(LANES, phases)
-        table, lines = self._zeros(10 * CAPACITY), self._zeros(max(1, CAPACITY * delay_line))
-        work = [self._zeros(width), self._zeros(width), self._zeros(width * delay_line), self._zeros(delay_line)]
+        room = plain_ensemble.TrialRoom(
+            x=self._zeros(width),
+            v=self._zeros(width),
+            line=self._zeros(width * delay_line),
+            ring=self._zeros(delay_line),
+            table=self._zeros(ROW * CAPACITY),
+            lines=self._zeros(max(1, CAPACITY * delay_line)),
+        )
+        budget = TrialBudget(skip, min(most, patience + skip) if cut else most, not cut, limit)
         rows, overflow, samples = 0, 0, 0
-        ax, av = first_sample(x, v, phases, loop)
+        at = first_sample(x, v, phases, loop)
         alarm = Alarm(time_allowed(seconds, self.patience, compiled=self.compiled))
         start, size = 0, 1 if alarm.limited else SLICE
         while start < phases and not alarm.over:  # compiled code does not hear an interruption
             if self.stopped():
                 raise StoppedError
             stop, begin = min(start + size, phases), perf_counter()
-            rows, full, taken, ax, av = self._ensemble(
-                ax,
-                av,
-                phases,
-                start,
-                stop,
-                *work,
-                skip,
-                min(most, patience + skip) if cut else most,
-                not cut,
-                limit,
-                CAPACITY,
-                rows,
-                table,
-                lines,
-                loop,
-            )
+            rows, full, taken, at = self._ensemble(at, phases, start, stop, budget, rows, room, loop)
             overflow += full
             samples += int(taken)
             start = stop
             if alarm.limited:
                 spent = max(perf_counter() - begin, 1e-6)
                 size = max(1, min(4 * size, int(size * PAUSE_S / spent), SLICE))
-        if cut and any(table[10 * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
+        if cut and any(room.table[ROW * row] in (follow.UNSETTLED, follow.UNDAMPED) for row in range(rows)):
             raise NeedsCompilerError
         why = why_unrepeated(slowest_rate(loop.alpha, loop.beta), most, held=loop.beta > 0.0)
         found = [
-            attractor_of(table[10 * row : 10 * row + 10], lines[row * delay_line : (row + 1) * delay_line], why)
+            attractor_of(
+                room.table[ROW * row : ROW * row + ROW], room.lines[row * delay_line : (row + 1) * delay_line], why
+            )
             for row in range(rows)
         ]
         if overflow:

@@ -1,6 +1,7 @@
 """How long a trial may take, and which trials are decided before they begin."""
 
 from math import sqrt
+from typing import NamedTuple
 
 from hknob_cli.engine.follow import LEFT, UNSETTLED
 from hknob_cli.engine.propagator import slowest_rate
@@ -16,6 +17,19 @@ TOO_SLOW = 16
 UNHELD = 17
 TOO_FINE = 18
 TOO_MANY = 19
+
+
+class TrialBudget(NamedTuple):
+    """How long a trial is followed.
+
+    ``skip``: samples that pass before anything is looked for; ``samples``: at most, in all; ``final``: whether what is
+    unsettled then stays so, as in `follow`; ``limit``: counts from the wall beyond which a trial has left.
+    """
+
+    skip: int
+    samples: int
+    final: bool
+    limit: float
 
 
 def sample_limit(rate, damped):

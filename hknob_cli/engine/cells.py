@@ -5,8 +5,8 @@ What `attractors.Engine` does for one cell, by the same functions, so that resul
 
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.budget import OPEN, TOO_MANY, prospect, unrepeated
-from hknob_cli.engine.ensemble import ensemble, first_sample
+from hknob_cli.engine.budget import OPEN, TOO_MANY, TrialBudget, prospect, unrepeated
+from hknob_cli.engine.ensemble import CLOSURE, EDGE, FATE, PERIOD, ROW, TRIALS, TrialRoom, V, X, ensemble, first_sample
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, REST_EDGE, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.loop import make_loop
 from hknob_cli.engine.orbit.cycle import CycleMeasures, measure_cycle
@@ -47,10 +47,10 @@ class Room(NamedTuple):
 
 def set_end(table, row, fate, trials):
     """Make a row of the table an end without an orbit."""
-    for k in range(10):
-        table[row * 10 + k] = 0.0
-    table[row * 10] = fate
-    table[row * 10 + 8] = trials
+    for k in range(ROW):
+        table[row * ROW + k] = 0.0
+    table[row * ROW + FATE] = fate
+    table[row * ROW + TRIALS] = trials
 
 
 def find_ends(loop, x, v, delay, phases, max_samples, capacity, room):
@@ -60,32 +60,16 @@ def find_ends(loop, x, v, delay, phases, max_samples, capacity, room):
     if fate != OPEN:
         set_end(table, 0, fate, phases)
         return 1, 0
-    ax, av = first_sample(x, v, phases, loop)
-    line, ring = room.line[: len(room.x) * delay], room.ring[:delay]
-    rows, overflow, samples, _, _ = ensemble(
-        ax,
-        av,
-        phases,
-        0,
-        phases,
-        room.x,
-        room.v,
-        line,
-        ring,
-        skip,
-        budget,
-        True,
-        limit,
-        capacity,
-        0,
-        table,
-        room.lines,
-        loop,
+    at = first_sample(x, v, phases, loop)
+    lanes = TrialRoom(
+        room.x, room.v, room.line[: len(room.x) * delay], room.ring[:delay], table[: capacity * ROW], room.lines
     )
+    most = TrialBudget(skip, budget, True, limit)
+    rows, overflow, samples, _ = ensemble(at, phases, 0, phases, most, 0, lanes, loop)
     why = unrepeated(slowest_rate(loop.alpha, loop.beta), budget, loop.beta > 0.0)
     for row in range(rows):
-        if table[row * 10] == UNSETTLED:
-            table[row * 10] = why
+        if table[row * ROW + FATE] == UNSETTLED:
+            table[row * ROW + FATE] = why
     if overflow > 0:
         set_end(table, rows, TOO_MANY, overflow)
         rows += 1
@@ -94,15 +78,15 @@ def find_ends(loop, x, v, delay, phases, max_samples, capacity, room):
 
 def precedes(one, other, table, outcome_of):
     """Whether the end in row ``one`` comes before that in ``other``, as `attractors.ranked` has them."""
-    a, b = one * 10, other * 10
-    if table[a + 8] != table[b + 8]:
-        return table[a + 8] > table[b + 8]
-    first, second = outcome_of[int(table[a])], outcome_of[int(table[b])]
+    a, b = one * ROW, other * ROW
+    if table[a + TRIALS] != table[b + TRIALS]:
+        return table[a + TRIALS] > table[b + TRIALS]
+    first, second = outcome_of[int(table[a + FATE])], outcome_of[int(table[b + FATE])]
     if first != second:
         return first < second
-    if table[a + 1] != table[b + 1]:
-        return table[a + 1] < table[b + 1]
-    return table[a + 1] > 0.0 and table[a + 2] < table[b + 2]
+    if table[a + PERIOD] != table[b + PERIOD]:
+        return table[a + PERIOD] < table[b + PERIOD]
+    return table[a + PERIOD] > 0.0 and table[a + X] < table[b + X]
 
 
 def rank(rows, table, order, outcome_of):
@@ -117,9 +101,9 @@ def rank(rows, table, order, outcome_of):
 
 def measure_end(row, delay, loop, room, out, base):
     """Write the numbers of one end, but for its cell, to ``out`` from ``base`` on."""
-    table, at = room.table, row * 10
-    fate, n, x, v = int(table[at]), int(table[at + 1]), table[at + 2], table[at + 3]
-    edge, closure, trials = table[at + 5], table[at + 6], table[at + 8]
+    table, at = room.table, row * ROW
+    fate, n, x, v = int(table[at + FATE]), int(table[at + PERIOD]), table[at + X], table[at + V]
+    edge, closure, trials = table[at + EDGE], table[at + CLOSURE], table[at + TRIALS]
     for k in range(MEASURES, FIELD):
         out[base + k] = float("nan")
     if fate <= CYCLE_CONTINUUM:
@@ -146,8 +130,8 @@ def longest_orbit(found, table, loop):
     """Holds of the longest period of the first rows of a table."""
     longest = 0
     for row in range(found):
-        if table[row * 10] <= CYCLE_CONTINUUM:
-            longest = max(longest, int(table[row * 10 + 1]))
+        if table[row * ROW + FATE] <= CYCLE_CONTINUUM:
+            longest = max(longest, int(table[row * ROW + PERIOD]))
     return longest * holds_per_sample(loop)
 
 

@@ -4,10 +4,31 @@ Lanes of trials advance together, branch-free, through the transient; then each 
 under the orbit it reaches. Nothing is stored per sample, nor per trial beyond one block of lanes.
 """
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.certificate import DIFFERENT, certify
 from hknob_cli.engine.follow import CYCLE_CONTINUUM, CYCLE_ON_EDGE, CYCLE_PROVEN, follow, same_line
 from hknob_cli.engine.loop import copy_line, drive_of, interval, level_of, push
 from hknob_cli.engine.propagator import hold_coefficients
+
+# Numbers of an orbit, in a row of the table.
+FATE, PERIOD, X, V, MARGIN, EDGE, CLOSURE, BOUND, TRIALS, SAMPLES = range(10)
+ROW = 10
+
+
+class TrialRoom(NamedTuple):
+    """Work space for one block of lanes, and the orbits found so far: lists or arrays.
+
+    ``x``, ``v``: a lane each; ``line``: its delay line; ``ring``: that of the trial that is followed; ``table``: rows
+    of `ROW` numbers; ``lines``: the delay line of each orbit.
+    """
+
+    x: Any
+    v: Any
+    line: Any
+    ring: Any
+    table: Any
+    lines: Any
 
 
 def advance(x, v, line, head, delay, steps, loop):
@@ -84,12 +105,12 @@ def deepest(x, v, ring, head, n, loop):
 def find(fate, n, x, v, table, found):
     """Row of the table that holds this orbit, or ``found`` when it is new; fates without an orbit share one row."""
     for row in range(found):
-        base = row * 10
-        if table[base] != fate or table[base + 1] != n:
+        base = row * ROW
+        if table[base + FATE] != fate or table[base + PERIOD] != n:
             continue
         if n == 0:
             return row
-        if near(x, table[base + 2]) and near(v, table[base + 3]):
+        if near(x, table[base + X]) and near(v, table[base + V]):
             return row
     return found
 
@@ -101,20 +122,27 @@ def first_sample(angle, velocity, phases, loop):
     return angle + (s * velocity + g * y), f * velocity + s * y
 
 
-def ensemble(
-    ax, av, phases, start, stop, x, v, line, ring, skip, budget, final, limit, capacity, rows, table, lines, loop
-):
-    """Run trials ``start`` to ``stop`` of a cell's ``phases`` and count them by the orbit they reach.
+def ensemble(at, phases, start, stop, budget, rows, room, loop):
+    """Run trials ``start`` to ``stop`` of a cell and count them by the orbit they reach.
 
-    Trial i is first sampled (i + 1/2)/phases of a period after its start, torque zero until then; (``ax``, ``av``) is
-    the state there of trial ``start``. ``x``, ``v``, ``line``, ``ring`` are work space for one block of lanes; ``skip``
-    samples pass before detection begins, and at most ``budget`` in all; ``final``: as in `follow`. Each row of
-    ``table`` holds fate, n, x*, v*, margin, edge, closure, bound, trials, samples; the same row of ``lines`` the delay
-    line; ``rows`` are filled already. Returns ``(rows, overflow, samples, ax, av)``: ``overflow`` counts the trials
-    that found the table full, and the state is that of trial ``stop``.
+    Trial i is first sampled (i + 1/2)/phases of a period after its start, torque zero until then.
+
+    Args:
+        at: Position (counts) and velocity (counts per sample) there of trial ``start``.
+        phases: Trials of the cell.
+        start: Trial to begin with.
+        stop: Trial before which to end.
+        budget: How long a trial is followed.
+        rows: Of the table that are filled already.
+        room: `TrialRoom`, or what has fields of these names.
+        loop: The cell's numbers.
+
+    Returns ``(rows, overflow, samples, at)``: ``overflow`` counts the trials that found the table full, and ``at`` is
+    the state of trial ``stop``.
     """
-    delay = len(ring)
-    width = len(x)
+    x, v, line, ring, table = room.x, room.v, room.line, room.ring, room.table
+    ax, av = at
+    delay, width, capacity = len(ring), len(x), len(table) // ROW
     free = drive_of(0.0, loop)
     s, g, f = hold_coefficients(loop.alpha, loop.beta, 1.0 / phases)
     overflow, samples = 0, 0
@@ -127,12 +155,14 @@ def ensemble(
                 ax, av = ax + (s * av + g * y), f * av + s * y
         for j in range(width * delay):
             line[j] = 0.0
-        head = advance(x, v, line, 0, delay, skip, loop)
+        head = advance(x, v, line, 0, delay, budget.skip, loop)
         for j in range(lanes):
             for k in range(delay):
                 ring[k] = line[k * width + j]
-            fate, n, ox, ov, at, used = follow(x[j], v[j], ring, head, budget - skip, limit, loop, final)
-            samples += used + skip
+            fate, n, ox, ov, at, used = follow(
+                x[j], v[j], ring, head, budget.samples - budget.skip, budget.limit, loop, budget.final
+            )
+            samples += used + budget.skip
             turns = n
             cycle = fate == CYCLE_PROVEN or fate == CYCLE_ON_EDGE or fate == CYCLE_CONTINUUM
             if cycle:
@@ -151,16 +181,16 @@ def ensemble(
             if row == capacity:
                 overflow += 1
                 continue
-            base = row * 10
+            base = row * ROW
             if row == rows:
                 rows += 1
-                table[base], table[base + 1] = fate, n
-                table[base + 2], table[base + 3] = ox, ov
-                table[base + 4], table[base + 5] = margin, edge
-                table[base + 6], table[base + 7] = closure, bound
-                table[base + 8], table[base + 9] = 0.0, 0.0
+                table[base + FATE], table[base + PERIOD] = fate, n
+                table[base + X], table[base + V] = ox, ov
+                table[base + MARGIN], table[base + EDGE] = margin, edge
+                table[base + CLOSURE], table[base + BOUND] = closure, bound
+                table[base + TRIALS], table[base + SAMPLES] = 0.0, 0.0
                 for k in range(delay):
-                    lines[row * delay + k] = ring[(at + k) % delay]
-            table[base + 8] += 1.0
-            table[base + 9] += used + skip
-    return rows, overflow, samples, ax, av
+                    room.lines[row * delay + k] = ring[(at + k) % delay]
+            table[base + TRIALS] += 1.0
+            table[base + SAMPLES] += used + budget.skip
+    return rows, overflow, samples, (ax, av)

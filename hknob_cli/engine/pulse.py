@@ -237,6 +237,28 @@ def follow_linear(drive, move, push, moves, pushes, work, angle, slopes):
             work[p, a] = work[p + 1, a]
 
 
+def set_product(found, one, other, divisor):
+    """Set ``found`` (m, m) to the product of two matrices over ``divisor``."""
+    m = len(found)
+    for a in range(m):
+        for b in range(m):
+            total = 0.0
+            for c in range(m):
+                total += one[a, c] * other[c, b]
+            found[a, b] = total / divisor
+
+
+def set_both(found, first, second, third, fourth, divisor):
+    """Set ``found`` (m, m) to two products, ``first`` by ``second`` and ``third`` by ``fourth``, over ``divisor``."""
+    m = len(found)
+    for a in range(m):
+        for b in range(m):
+            total = 0.0
+            for c in range(m):
+                total += first[a, c] * second[c, b] + third[a, c] * fourth[c, b]
+            found[a, b] = total / divisor
+
+
 def exponential(whole, wholes, squarings, value, slopes, term, terms, spare):
     """Exponential of 2^squarings times ``whole`` (m, m), and its derivatives for ``wholes`` (p, m, m), its own.
 
@@ -255,43 +277,23 @@ def exponential(whole, wholes, squarings, value, slopes, term, terms, spare):
                 terms[k, a, b] = slopes[k, a, b] = wholes[k, a, b]
     for n in range(2, SERIES):
         for k in range(p):
-            for a in range(m):
-                for b in range(m):
-                    total = 0.0
-                    for c in range(m):
-                        total += terms[k, a, c] * whole[c, b] + term[a, c] * wholes[k, c, b]
-                    spare[a, b] = total / n
+            set_both(spare, terms[k], whole, term, wholes[k], n)
             for a in range(m):
                 for b in range(m):
                     terms[k, a, b] = spare[a, b]
                     slopes[k, a, b] += spare[a, b]
-        for a in range(m):
-            for b in range(m):
-                total = 0.0
-                for c in range(m):
-                    total += term[a, c] * whole[c, b]
-                spare[a, b] = total / n
+        set_product(spare, term, whole, n)
         for a in range(m):
             for b in range(m):
                 term[a, b] = spare[a, b]
                 value[a, b] += spare[a, b]
     for _ in range(squarings):
         for k in range(p):
-            for a in range(m):
-                for b in range(m):
-                    total = 0.0
-                    for c in range(m):
-                        total += slopes[k, a, c] * value[c, b] + value[a, c] * slopes[k, c, b]
-                    spare[a, b] = total
+            set_both(spare, slopes[k], value, value, slopes[k], 1)
             for a in range(m):
                 for b in range(m):
                     slopes[k, a, b] = spare[a, b]
-        for a in range(m):
-            for b in range(m):
-                total = 0.0
-                for c in range(m):
-                    total += value[a, c] * value[c, b]
-                spare[a, b] = total
+        set_product(spare, value, value, 1)
         for a in range(m):
             for b in range(m):
                 value[a, b] = spare[a, b]

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-DesignRow = dict[str, object]
 MOST = 600  # designs drawn, which each take room in the file
 
 Row = dict[str, Any]

@@ -80,13 +80,6 @@ def perceived_levels(rows: list[dict[str, Any]]) -> list[Level]:
     return [one for one in _LEVELS if any(row.get(one.column) is not None for row in rows)]
 
 
-def level_limits(rows: list[dict[str, Any]], level: Level) -> tuple[float, float]:
-    """Ends of a scale for a level: from threshold or below, but for a relative one, which has no threshold."""
-    known = [row[level.column] for row in rows if row[level.column] is not None]
-    low = min(known) if level.column == "hearing_relative_db" else min(0.0, *known)
-    return low, max(low + 1.0, *known)
-
-
 def perceived_text(rows: list[dict[str, Any]]) -> list[str]:
     """How many cells are felt and heard, and where nothing is published."""
     found = []

@@ -22,8 +22,8 @@ import numpy as np
 from hand_on_knob import Array
 
 from hknob_cli.engine import attractors
-from hknob_cli.engine.budget import prospect
-from hknob_cli.engine.ensemble import first_sample
+from hknob_cli.engine.budget import TrialBudget, prospect
+from hknob_cli.engine.ensemble import ROW, TrialRoom, first_sample
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.loop import Loop
 from hknob_cli.scene.sampled_knob import sample_knob
@@ -60,17 +60,14 @@ ensemble = functions["ensemble"]
 
 
 @numba.njit(nogil=True)
-def kernel(cells: Array, room: Any, capacity: int) -> int:
+def kernel(cells: Array, room: Any) -> int:
     """Run the kernel on prepared cells: a loop, the state at the first sample, and what bounds the search, in a row."""
     samples = 0
     for i in range(len(cells)):
         c = cells[i]
         loop = Loop(c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9], c[10], c[11], c[12])
-        x, v, line, ring, table, lines = room
-        found = ensemble(
-            c[13], c[14], PHASES, 0, PHASES, x, v, line, ring, int(c[15]), int(c[16]), c[17], capacity, 0, table, lines,
-            loop,
-        )  # fmt: skip
+        budget = TrialBudget(int(c[15]), int(c[16]), True, c[17])
+        found = ensemble((c[13], c[14]), PHASES, 0, PHASES, budget, 0, room, loop)
         samples += found[2]
     return samples
 
@@ -95,7 +92,7 @@ def seconds(job: Callable[[], Any]) -> tuple[float, Any]:
 
 def run_rate(plan: SweepPlan, cells: Cells, start: int, stop: int) -> Array:
     """Seconds a cell of the three jobs over the cells of one rate, and trial-samples a cell."""
-    room = tuple(np.zeros(n) for n in (PHASES, PHASES, 0, 0, 10 * PHASES, 1))
+    room = TrialRoom(*(np.zeros(n) for n in (PHASES, PHASES, 0, 0, ROW * PHASES, 1)))
     finder = CellFinder({"plain": functions})
     total = np.zeros(4)
     for first in range(start, stop, CHUNK):
@@ -107,7 +104,7 @@ def run_rate(plan: SweepPlan, cells: Cells, start: int, stop: int) -> Array:
             cells_table(plan, results)
             orbits_table(plan, results)
 
-        kernel_s, samples = seconds(lambda ready=ready: kernel(ready, room, PHASES))
+        kernel_s, samples = seconds(lambda ready=ready: kernel(ready, room))
         chunk_s, chunk = seconds(
             lambda first=first, last=last: plain_chunk(plan, cells.columns(first, last), functions)
         )

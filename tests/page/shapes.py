@@ -11,7 +11,6 @@ SCENE = "scene: {knob: {inertia: 1.9e-6}, hand: {inertia: 3.0e-7, damping: 3.45e
 )
 UNDAMPED = SCENE.replace(", damping: 3.45e-4, stiffness: 0.04", "")
 RESTS = SCENE.replace("torque: 0.001", "torque: 0.0")
-STRONG = SCENE.replace("torque: 0.001", "torque: 0.007")
 HALF = SCENE.replace("torque: 0.001", "half_quantum: true")
 GRIDS = {
     "one cell": "grid: {sample_rate_hz: 1000, counts_per_rev: 1024}\n",

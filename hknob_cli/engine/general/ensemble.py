@@ -1,5 +1,7 @@
 """The ensemble of one cell in the general loop: trials by phase, followed one after another, counted by their orbit."""
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import (
@@ -15,6 +17,27 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
+
+
+class TrialSpace(NamedTuple):
+    """Work space of the trials of a cell, and the ends found so far: lists or arrays.
+
+    ``z`` (order) and ``ring`` (delay line) are the trial; the next four keep states and lines of it beside. Each row of
+    ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands under way
+    there, oldest first; ``counts``: of rows that are filled.
+    """
+
+    z: Any
+    ring: Any
+    check: Any
+    check_ring: Any
+    keep: Any
+    keep_ring: Any
+    counts: Any
+    table: Any
+    states: Any
+    lines: Any
+    space: Any
 
 
 def is_cycle(fate):
@@ -44,13 +67,15 @@ def begin(z, start, part, body, pad):
     advance_span(z, 0.0, part, body, pad)
 
 
-def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, bestring):
-    """Turn an orbit to its deepest sample and its shortest period: ``(before, head, period)``."""
+def deepest(before, head, period, trial, body, wall):
+    """Turn the orbit of ``trial`` to its deepest sample and its shortest period: ``(before, head, period)``."""
+    z, ring, orbit, line = trial.z, trial.ring, trial.space.orbit, trial.space.orbit_line
+    best, best_ring = trial.check, trial.check_ring
     n, delay = body.order, len(ring)
     for j in range(n):
         orbit[j], best[j] = z[j], z[j]
     for j in range(delay):
-        line[j], bestring[j] = ring[j], ring[j]
+        line[j], best_ring[j] = ring[j], ring[j]
     first, best_before, best_head = head, before, head
     for i in range(period):
         if i > 0 and period % i == 0:
@@ -67,12 +92,12 @@ def deepest(z, before, ring, head, period, body, wall, pad, orbit, line, best, b
             for j in range(n):
                 best[j] = z[j]
             for j in range(delay):
-                bestring[j] = ring[j]
-        before, head = advance(z, before, ring, head, body, wall, pad)
+                best_ring[j] = ring[j]
+        before, head = advance(z, before, ring, head, body, wall, trial.space.pad)
     for j in range(n):
         z[j] = best[j]
     for j in range(delay):
-        ring[j] = bestring[j]
+        ring[j] = best_ring[j]
     return best_before, best_head, period
 
 
@@ -96,32 +121,38 @@ def find(fate, period, z, shown, rows, table, states, order):
     return rows
 
 
-def enter(
-    fate, period, z, before, ring, head, capacity, rows, table, states, lines, body, wall, space, check, checkring
-):
-    """Enter the end of `follow_trial` where it is new: ``(row, rows)``, the row ``capacity`` where there is no room.
+def enter(fate, period, before, head, trial, body, wall):
+    """Enter the end of `follow_trial` where it is new: its row, or as many as ``table`` has where there is no room.
 
-    A proof is taken again at the deepest sample of the orbit, where ``z`` and ``ring`` are left. Once ``body.halt`` is
-    above 0 the row is -1.
+    A proof is taken again at the deepest sample of the orbit, where ``trial.z`` and ``trial.ring`` are left. Once
+    ``body.halt`` is above 0 the row is -1.
+
+    Args:
+        fate: What the trial came to, of `engine.follow` and `general.follow`.
+        period: Of the orbit, samples; 0 without one.
+        before: Reading one sample before the state in ``trial.z``.
+        head: Where the oldest command is in ``trial.ring``.
+        trial: `TrialSpace`, or what has fields of these names.
+        body: What moves.
+        wall: What commands.
     """
-    n, delay = body.order, len(ring)
+    z, ring, space, table = trial.z, trial.ring, trial.space, trial.table
+    n, delay, rows = body.order, len(ring), int(trial.counts[0])
     cycle = is_cycle(fate)
     turns = period
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
-        before, head, period = deepest(
-            z, before, ring, head, period, body, wall, space.pad, space.orbit, space.orbit_line, check, checkring
-        )
+        before, head, period = deepest(before, head, period, trial, body, wall)
     rest = fate == REST_PROVEN or fate == REST_EDGE
     shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
     if rest and body.friction > 0.0 and wall.analog > 0.0:
         shown = -1.0 if z[0] < 0.0 else 0.0
-    row = find(fate, period, z, shown, rows, table, states, n)
+    row = find(fate, period, z, shown, rows, table, trial.states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
         if status == DIFFERENT and period < turns:
             period = turns
-            row = find(fate, period, z, shown, rows, table, states, n)
+            row = find(fate, period, z, shown, rows, table, trial.states, n)
             status, margin, edge, closure, bound = certify(z, before, ring, head, period, body, wall, space)
         if fate != CYCLE_PROVEN and status == DIFFERENT:
             fate = UNSETTLED
@@ -137,14 +168,14 @@ def enter(
         # Nothing is left of the cycle but that the trial has not settled.
         cycle, period, turns = False, 0, 0
         margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
-        row = find(fate, period, z, shown, rows, table, states, n)
+        row = find(fate, period, z, shown, rows, table, trial.states, n)
     if body.halt[0] > 0.0:
-        return -1, rows
-    if row == capacity:
-        return capacity, rows
+        return -1
+    if row == len(table) // FIELDS:
+        return row
     base = row * FIELDS
     if row == rows:
-        rows += 1
+        trial.counts[0] = rows + 1
         table[base], table[base + 1] = fate, period
         table[base + 2], table[base + 3] = margin, edge
         table[base + 4], table[base + 5] = closure, bound
@@ -152,104 +183,71 @@ def enter(
         table[base + 7], table[base + 8] = z[0], z[0]
         table[base + 9] = shown if rest and body.friction > 0.0 else before
         for j in range(n):
-            states[row * n + j] = z[j]
+            trial.states[row * n + j] = z[j]
         for j in range(delay):
-            lines[row * delay + j] = ring[(head + j) % delay]
+            trial.lines[row * delay + j] = ring[(head + j) % delay]
     if rest:
         table[base + 7] = min(table[base + 7], z[0])
         table[base + 8] = max(table[base + 8], z[0])
-    return row, rows
+    return row
 
 
-def run_trials(
-    start,
-    phases,
-    first,
-    stop,
-    skip,
-    budget,
-    final,
-    limit,
-    capacity,
-    rows,
-    table,
-    states,
-    lines,
-    body,
-    wall,
-    space,
-    z,
-    ring,
-    check,
-    checkring,
-    keep,
-    keepring,
-):
-    """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(rows, overflow, samples)``.
+def run_trials(start, phases, first, stop, budget, trial, body, wall):
+    """Run trials ``first`` to ``stop`` of ``phases`` and count them by attractor: ``(overflow, samples)``.
 
-    At most ``budget`` samples each, of which ``skip`` pass before anything is looked for; ``final``: as in
-    `follow_trial`. Once ``body.halt`` is above 0, no trial is counted any more.
+    Once ``body.halt`` is above 0, no trial is counted any more.
 
-    Each row of ``table`` has `FIELDS`; of ``states`` the orbit's state at its deepest sample, of ``lines`` the commands
-    under way there, oldest first.
+    Args:
+        start: State of order ``body.order`` that all trials start from.
+        phases: Of the sample clock; trial i is first sampled (i + 1/2)/phases of a period after its start.
+        first: Trial to begin with.
+        stop: Trial before which to end.
+        budget: How long a trial is followed.
+        trial: Work space, and the ends found so far.
+        body: What moves.
+        wall: What commands.
     """
-    delay = len(ring)
+    z, ring = trial.z, trial.ring
+    delay, capacity = len(ring), len(trial.table) // FIELDS
     overflow, samples = 0, 0
-    for trial in range(first, stop):
-        begin(z, start, (trial + 0.5) / phases, body, space.pad)
+    for i in range(first, stop):
+        begin(z, start, (i + 0.5) / phases, body, trial.space.pad)
         for j in range(delay):
             ring[j] = 0.0
         head = 0 * delay
         before = read(z[0], wall)
-        before, head = pass_over(z, before, ring, head, skip, limit, body, wall, space.pad)
+        before, head = pass_over(z, before, ring, head, budget.skip, budget.limit, body, wall, trial.space.pad)
         fate, period, before, head, used = follow_trial(
             z,
             before,
             ring,
             head,
-            budget - skip,
-            final,
-            limit,
+            budget.samples - budget.skip,
+            budget.final,
+            budget.limit,
             body,
             wall,
-            space,
-            check,
-            checkring,
-            keep,
-            keepring,
-            rows,
-            table,
-            states,
-            lines,
+            trial.space,
+            trial.check,
+            trial.check_ring,
+            trial.keep,
+            trial.keep_ring,
+            int(trial.counts[0]),
+            trial.table,
+            trial.states,
+            trial.lines,
         )
-        samples += used + skip
+        samples += used + budget.skip
         if body.halt[0] > 0.0:
-            return rows, overflow, samples
+            return overflow, samples
         if fate == KNOWN:
-            table[period * FIELDS + 6] += 1.0
+            trial.table[period * FIELDS + 6] += 1.0
             continue
-        row, rows = enter(
-            fate,
-            period,
-            z,
-            before,
-            ring,
-            head,
-            capacity,
-            rows,
-            table,
-            states,
-            lines,
-            body,
-            wall,
-            space,
-            check,
-            checkring,
-        )
+        row = enter(fate, period, before, head, trial, body, wall)
         if row < 0:
-            return rows, overflow, samples
+            return overflow, samples
         if row == capacity:
             overflow += 1
             continue
-        table[row * FIELDS + 6] += 1.0
-    return rows, overflow, samples
+        trial.table[row * FIELDS + 6] += 1.0
+    return overflow, samples

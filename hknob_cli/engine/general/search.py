@@ -25,7 +25,7 @@ from hknob_cli.engine.attractors import (
     whole,
     why_unrepeated,
 )
-from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
+from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.general import ensemble, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
@@ -195,11 +195,21 @@ class GeneralEngine:
         n = body.order
         ready = as_arrays(body) if self.compiled else body
         wall = wall if self.compiled else as_list(wall)
-        space = make_space(n, delay_line, self.zeros)
-        table = self.zeros(FIELDS * ROWS)
-        states, lines = self.zeros(n * ROWS), self.zeros(max(1, delay_line * ROWS))
-        work = [self.zeros(count) for count in (n, delay_line, n, delay_line, n, delay_line)]
-        rows = overflow = samples = 0
+        trial = ensemble.TrialSpace(
+            z=self.zeros(n),
+            ring=self.zeros(delay_line),
+            check=self.zeros(n),
+            check_ring=self.zeros(delay_line),
+            keep=self.zeros(n),
+            keep_ring=self.zeros(delay_line),
+            counts=self.zeros(1),
+            table=self.zeros(FIELDS * ROWS),
+            states=self.zeros(n * ROWS),
+            lines=self.zeros(max(1, delay_line * ROWS)),
+            space=make_space(n, delay_line, self.zeros),
+        )
+        followed = TrialBudget(skip, min(budget, patience + skip) if cut else budget, not cut, far)
+        overflow = samples = 0
         first, slice_size = 0, FIRST_SLICE
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), ready.halt) as alarm:
             while first < phases and not alarm.over:
@@ -209,30 +219,13 @@ class GeneralEngine:
                 begin = perf_counter()
                 runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
                 for state, among, low, high in runs or [(start, phases, first, stop)]:
-                    rows, full, taken = self._run_trials(
-                        self._filled(state),
-                        among,
-                        low,
-                        high,
-                        skip,
-                        min(budget, patience + skip) if cut else budget,
-                        not cut,
-                        far,
-                        ROWS,
-                        rows,
-                        table,
-                        states,
-                        lines,
-                        ready,
-                        wall,
-                        space,
-                        *work,
-                    )
+                    full, taken = self._run_trials(self._filled(state), among, low, high, followed, trial, ready, wall)
                     overflow += full
                     samples += int(taken)
                 # Compiled code does not hear an interruption. The result does not depend on the slices.
                 spent, first = perf_counter() - begin, stop
                 slice_size = max(1, min(4 * slice_size, int(slice_size * PAUSE_S / max(spent, 1e-6))))
+        rows, table = int(trial.counts[0]), trial.table
         fates = [int(table[FIELDS * row]) for row in range(rows)]
         if cut and any(fate in (follow.UNSETTLED, follow.UNDAMPED) for fate in fates):
             raise NeedsCompilerError
@@ -241,8 +234,8 @@ class GeneralEngine:
         found = [
             attractor_of(
                 table[FIELDS * row : FIELDS * (row + 1)],
-                [float(value) for value in states[row * n : (row + 1) * n]],
-                [float(value) for value in lines[row * delay_line : (row + 1) * delay_line]],
+                [float(value) for value in trial.states[row * n : (row + 1) * n]],
+                [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
                 grew,
             )
@@ -263,24 +256,17 @@ class GeneralEngine:
         capacity = 16 * orbit.period + 64
         while capacity <= 4 * MOST_PIECES:
             state = self._filled([orbit.x, orbit.v, *orbit.state])
-            out = [self.zeros(capacity + 1) for _ in range(3)]
-            states = self.zeros((capacity + 1) * n)
-            rows = self._chart(
-                state,
-                orbit.before,
-                self._filled(orbit.line),
-                0,
-                orbit.period,
-                ready,
-                wall,
-                self.zeros(2 * n),
-                capacity,
-                *out,
-                states,
+            pieces = trace.Pieces(
+                spans=self.zeros(capacity),
+                modes=self.zeros(capacity),
+                commands=self.zeros(capacity),
+                states=self.zeros((capacity + 1) * n),
             )
+            line, pad = self._filled(orbit.line), self.zeros(2 * n)
+            rows = self._chart(state, orbit.before, line, orbit.period, ready, wall, pad, pieces)
             if rows < capacity:
-                spans, modes, commands = (np.array(values[:rows], dtype=np.float64) for values in out)
-                table = np.array(states[: (rows + 1) * n], dtype=np.float64).reshape(rows + 1, n)
+                spans, modes, commands = (np.array(values[:rows], dtype=np.float64) for values in pieces[:3])
+                table = np.array(pieces.states[: (rows + 1) * n], dtype=np.float64).reshape(rows + 1, n)
                 return PeriodSegments(spans, modes, commands, table)
             capacity *= 16
         return None

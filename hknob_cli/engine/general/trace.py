@@ -1,5 +1,7 @@
 """A motion of the general loop written down: sample by sample, or piece by piece between events."""
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read
@@ -25,33 +27,56 @@ def run(z, before, ring, head, samples, body, wall, pad, states, torques):
     return before, head
 
 
-def chart(z, u, span, body, pad, capacity, rows, spans, modes, commands, states):
-    """Write down the pieces of one hold, turning points included; the number of rows filled in all.
+class Pieces(NamedTuple):
+    """A motion piece by piece, lists or arrays: ``spans``, in samples, ``modes`` and ``commands``, a row each.
 
-    ``states`` takes the state at the start of each piece and, after the last, at its end. Full rows end the chart.
+    ``states`` takes the state at the start of each piece and, after the last, at its end.
+    """
+
+    spans: Any
+    modes: Any
+    commands: Any
+    states: Any
+
+
+def chart(z, u, span, body, pad, rows, pieces):
+    """Write down the pieces of one hold from row ``rows`` on, turning points included; the number of rows filled.
+
+    Full rows end the chart.
     """
     n = body.order
     left = span
     mode = way(z[1], acceleration(z, u, body), body.friction)
-    while left > 0.0 and rows < capacity:
+    while left > 0.0 and rows < len(pieces.spans):
         for j in range(n):
-            states[rows * n + j] = z[j]
+            pieces.states[rows * n + j] = z[j]
         t, hit, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, left < 0.0, body, pad)
         left -= t
         if t > 0.0:
-            spans[rows], modes[rows], commands[rows] = t, mode, u
+            pieces.spans[rows], pieces.modes[rows], pieces.commands[rows] = t, mode, u
             rows += 1
         if not hit:
             break
         mode = next_mode(mode, z, u, body)
     for j in range(n):
-        states[rows * n + j] = z[j]
+        pieces.states[rows * n + j] = z[j]
     return rows
 
 
-def chart_period(z, before, ring, head, period, body, wall, pad, capacity, spans, modes, commands, states):
-    """Write down one period of an orbit, piece by piece; the number of pieces, ``capacity`` if there are more."""
-    rows, delay = 0, len(ring)
+def chart_period(z, before, ring, period, body, wall, pad, pieces):
+    """Write down one period of an orbit, piece by piece; the number of pieces, or of all rows if there are more.
+
+    Args:
+        z: State at the start, left at the end.
+        before: Reading one sample before.
+        ring: Commands under way, oldest first.
+        period: Samples.
+        body: What moves.
+        wall: What commands.
+        pad: Work space, twice the order.
+        pieces: `Pieces` to fill.
+    """
+    rows, head, delay = 0, 0, len(ring)
     for _ in range(period):
         shown = read(z[0], wall)
         u = command(shown, before, wall)
@@ -62,6 +87,6 @@ def chart_period(z, before, ring, head, period, body, wall, pad, capacity, spans
             head = (head + 1) % delay
             u = ring[head]
             if wall.split > 0.0:
-                rows = chart(z, older, wall.split, body, pad, capacity, rows, spans, modes, commands, states)
-        rows = chart(z, u, 1.0 - wall.split, body, pad, capacity, rows, spans, modes, commands, states)
+                rows = chart(z, older, wall.split, body, pad, rows, pieces)
+        rows = chart(z, u, 1.0 - wall.split, body, pad, rows, pieces)
     return rows

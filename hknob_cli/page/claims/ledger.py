@@ -3,7 +3,6 @@
 When a computed number agrees with a printed one.
 """
 
-import hashlib
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -133,8 +132,3 @@ def load_ledger(path: Path) -> Ledger:
     if faults:
         raise SpecError(faults)
     return ledger
-
-
-def ledger_digest(path: Path) -> str:
-    """Digest of a ledger file, as an input of what is judged by it."""
-    return hashlib.sha256(path.read_bytes()).hexdigest()

@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 
 from hknob_cli.engine.attractors import USUAL, Patience
+from hknob_cli.engine.budget import TrialBudget
+from hknob_cli.engine.general.ensemble import TrialSpace
+from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.laws import kinds, speeds, step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine
@@ -47,14 +50,38 @@ class LawEngine(GeneralEngine):
         filled = (np.array(value, dtype=np.float64) if isinstance(value, list) else value for value in law)
         return Law._make(filled)._replace(act=compiled_law(law.act))
 
-    def _run_with_law(self, *values: Any) -> Any:
-        *before, space, z, past, check, checkpast, keep, keeppast = values
-        return self._trials(*before, self._law, space, z, past, check, checkpast, keep, keeppast)
+    def _run_with_law(
+        self, start: Any, phases: int, first: int, stop: int, budget: TrialBudget, trial: TrialSpace, *moving: Any
+    ) -> Any:
+        rows, overflow, samples = self._trials(
+            start,
+            phases,
+            first,
+            stop,
+            *budget,
+            len(trial.table) // FIELDS,
+            int(trial.counts[0]),
+            trial.table,
+            trial.states,
+            trial.lines,
+            *moving,
+            self._law,
+            trial.space,
+            trial.z,
+            trial.ring,
+            trial.check,
+            trial.check_ring,
+            trial.keep,
+            trial.keep_ring,
+        )
+        trial.counts[0] = rows
+        return overflow, samples
 
-    def _chart_with_law(self, state: Any, before: float, past: Any, head: int, period: int, *rest: Any) -> Any:
-        del before, head
-        body, wall, *others = rest
-        return self._pieces(state, past, period, body, wall, self._law, *others)
+    def _chart_with_law(
+        self, state: Any, before: float, past: Any, period: int, body: Any, wall: Any, *rest: Any
+    ) -> Any:
+        del before
+        return self._pieces(state, past, period, body, wall, self._law, *rest)
 
 
 def with_function(law: Law) -> Law:

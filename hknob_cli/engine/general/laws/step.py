@@ -88,7 +88,7 @@ def run_with_law(z, past, samples, body, wall, law, pad, states):
             advance_with_law(z, past, body, wall, law, pad)
 
 
-def chart_with_law(z, past, period, body, wall, law, pad, capacity, spans, modes, commands, states):
+def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     """Write down one period of an orbit, as `general.trace.chart_period`."""
     rows = 0
     for _ in range(period):
@@ -96,7 +96,7 @@ def chart_with_law(z, past, period, body, wall, law, pad, capacity, spans, modes
         for piece in range(law.pieces):
             at = piece * PIECE
             u = past[int(law.sched[at + TORQUE])]
-            rows = chart(z, u, law.sched[at + SPAN], body, pad, capacity, rows, spans, modes, commands, states)
+            rows = chart(z, u, law.sched[at + SPAN], body, pad, rows, pieces)
             look = int(law.sched[at + LOOK])
             if look >= 0:
                 past[look] = read(z[0], wall)

@@ -48,29 +48,10 @@ def add_points(row, known, body, wall):
 def add_end(fate, period, before, head, known, body, wall):
     """Row of an end whose state is in ``known.z`` and ``known.ring``, entered where it is new; `FULL` without room."""
     rows = int(known.counts[0])
-    capacity = len(known.table) // FIELDS
-    row, grown = enter(
-        fate,
-        period,
-        known.z,
-        before,
-        known.ring,
-        head,
-        capacity,
-        rows,
-        known.table,
-        known.states,
-        known.lines,
-        body,
-        wall,
-        known.space,
-        known.check,
-        known.check_ring,
-    )
-    if row < 0 or row >= capacity:
+    row = enter(fate, period, before, head, known, body, wall)
+    if row < 0 or row >= len(known.table) // FIELDS:
         return FULL
-    known.counts[0] = grown
-    if grown > rows and known.table[row * FIELDS] == CYCLE_PROVEN:
+    if row == rows and known.table[row * FIELDS] == CYCLE_PROVEN:
         add_points(row, known, body, wall)
     return row
 
