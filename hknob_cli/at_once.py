@@ -4,7 +4,7 @@ What works takes over the signals for as long as it does (`terminal.reporting`).
 command does, and `signal` alone would take longer to load.
 """
 
-import _signal
+import _signal  # type: ignore[import-not-found]  # a module of Python's own
 import os
 
 SAID = "interrupted; finished files are kept, run the same command again"
