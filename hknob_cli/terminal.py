@@ -1,11 +1,13 @@
 """Talking to the user: results on stdout, everything else on stderr, errors without tracebacks."""
 
 import contextlib
+import signal
 import sys
 import time
 from collections.abc import Callable, Iterator
 from types import FrameType
 
+from hknob_cli import at_once
 from hknob_cli.errors import ExitCode, HknobError, printable
 
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
@@ -34,6 +36,12 @@ def uninterrupted() -> Iterator[None]:
     heed()
 
 
+def _say_unraisable(lost: "sys.UnraisableHookArgs") -> None:
+    """What Python does with an exception that nobody can be told of; an interruption is remembered anyway."""
+    if lost.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(lost)
+
+
 def heed() -> None:
     """Raise `KeyboardInterrupt` if there was an interruption that has not been heard."""
     if _interrupted:
@@ -57,14 +65,25 @@ def plain(text: str) -> str:
 
 @contextlib.contextmanager
 def reporting() -> Iterator[None]:
-    """Turn errors into one message and the exit code that stands for it."""
+    """Turn errors into one message and the exit code that stands for it.
+
+    In the command's own process an interruption is then answered here; before and after, the process just ends.
+    """
+    ours = signal.getsignal(signal.SIGINT) is at_once.leave
     try:
+        if ours:
+            for one in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(one, interrupt)
+            sys.unraisablehook = _say_unraisable
         yield
+        heed()
     except HknobError as error:
         say(str(error))
         sys.exit(error.exit_code)
     except KeyboardInterrupt:
-        say("interrupted; finished files are kept, run the same command again")
+        if ours:
+            at_once.listen()  # nobody asks for it twice because it was slow
+        say(at_once.SAID)
         sys.exit(ExitCode.INTERRUPTED)
     except BrokenPipeError:  # nobody reads on
         sys.exit(ExitCode.FAILED)
@@ -74,6 +93,14 @@ def reporting() -> Iterator[None]:
     except MemoryError:
         say("out of memory; make the grid smaller or the phases fewer")
         sys.exit(ExitCode.FAILED)
+    except Exception:
+        if not _interrupted:
+            raise
+        say(at_once.SAID)  # code that a library called back lost the interruption, and then the library failed
+        sys.exit(ExitCode.INTERRUPTED)
+    finally:
+        if ours:
+            at_once.listen()
 
 
 @contextlib.contextmanager

@@ -15,6 +15,7 @@ PACKAGE = ROOT / "hknob_cli"
 ORDER = [
     "errors",
     "stage_table",
+    "at_once",
     "terminal",
     "printed",
     "specs",
@@ -75,6 +76,7 @@ def test_files_hold_one_idea_each() -> None:
 # Files under 40 lines, each with the reason why it is one. A controller is always a file of its own.
 SMALL = {
     "__main__.py": "python -m hknob_cli looks for this name",
+    "at_once.py": "the command loads it before all else",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",

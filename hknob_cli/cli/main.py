@@ -1,13 +1,16 @@
 """The entry point: starts light, parses, works, and leaves without tearing down."""
 
+from hknob_cli import at_once
+
+at_once.listen()  # before all else is loaded
+
+# ruff: noqa: E402
 import gc
 import os
-import signal
 import sys
 from typing import NoReturn
 
 from hknob_cli.cli import handover
-from hknob_cli.terminal import interrupt
 
 
 def _parse() -> NoReturn:
@@ -46,8 +49,6 @@ def main() -> NoReturn:
         if getattr(sys, name) is None:  # closed by whoever started us
             setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115, PTH123
         getattr(sys, name).reconfigure(errors="backslashreplace")  # a terminal may not have every letter
-    signal.signal(signal.SIGTERM, interrupt)
-    signal.signal(signal.SIGINT, interrupt)
     arguments = sys.argv[1:]
     if handover.pays(arguments):
         _leave(handover.parse_and_run(_parse, arguments[0]))

@@ -17,9 +17,25 @@ class ExecutorName(str, Enum):
 
 
 SpecFile = Annotated[Path, typer.Argument(metavar="SPEC.yaml", help="The spec to run.", show_default=False)]
+
+
+def _folder(text: str) -> Path:
+    """The folder that an option names."""
+    if not text.strip():
+        raise typer.BadParameter("is empty; must name a folder ('.' is the working folder)")
+    return Path(text)
+
+
 Out = Annotated[
     Path | None,
-    typer.Option("--out", "-o", metavar="DIR", help="Where results go.  \\[default: results/NAME]", show_default=False),
+    typer.Option(
+        "--out",
+        "-o",
+        parser=_folder,
+        metavar="DIR",
+        help="Where results go.  \\[default: results/NAME]",
+        show_default=False,
+    ),
 ]
 Sets = Annotated[
     list[str] | None,

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import tell
+from hknob_cli.terminal import heed, uninterrupted
 
 _DIGEST = hashlib.sha256().digest_size
 _WISH = "NUMBA_DISABLE_JIT"  # of the environment
@@ -30,7 +31,7 @@ def load_numba() -> Any:
     kept = sys.modules.get("yaml")
     sys.modules["yaml"] = None  # type: ignore[assignment]  # makes its import fail, which numba allows for
     try:
-        with warnings.catch_warnings():
+        with uninterrupted(), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             import numba
     finally:
@@ -57,6 +58,7 @@ def keep_sealed(function: Any) -> None:
         try:
             return load(*given)
         except Exception as error:  # whatever numba or LLVM make of it
+            heed()
             _say_dropped(cache._cache_file._index_path, f"{type(error).__name__}: {error}")
             with contextlib.suppress(OSError):
                 cache.flush()

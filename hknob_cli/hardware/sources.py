@@ -13,7 +13,7 @@ from hknob_cli.results.provenance import KEY
 from hknob_cli.specs.campaign import SERIAL
 from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import schema_of
-from hknob_cli.specs.seal import is_changed, tail_of
+from hknob_cli.specs.seal import State, is_changed, state_of, tail_of
 
 EARLIER = "earlier"
 RECORDING = "recording"
@@ -48,14 +48,16 @@ def source_digests(out: Path) -> dict[str, str]:
 
 def read_about(folder: Path) -> dict[str, Any] | None:
     """What a folder of trials says it is of; None where it says nothing, is damaged, or is not of this program."""
-    if is_endless(folder / ABOUT) or is_changed(folder / ABOUT):
+    if is_endless(folder / ABOUT):
         return None
     try:
+        sealed = state_of(folder / ABOUT) is State.WHOLE
         found: dict[str, Any] = dict(json.loads((folder / ABOUT).read_text()))
     except (OSError, ValueError, TypeError, RecursionError):
         return None
     ours = isinstance(found.get("identity"), str) and isinstance(found.get("source"), bool)
-    return found if ours else None
+    keys = {"identity", "source", *(["seal"] if sealed else [])}  # earlier versions wrote no seal
+    return found if ours and found.keys() == keys else None
 
 
 def has_samples(folder: Path) -> bool:

@@ -8,5 +8,6 @@
 - `campaign_files` a campaign's columns, and its trials as cells of a sweep
 
 Files whole or not at all. Everything is written beside its place and renamed; a folder has one writer at a time (a
-lock that the kernel drops with the process); files of another origin are refused; equal provenance means up to date.
+lock that the kernel drops with the process); files of another origin are refused; equal provenance, and a seal that
+holds (`specs.seal`), mean up to date.
 """

@@ -8,7 +8,7 @@ import pyarrow as pa
 from hknob_cli.errors import RefusedError
 from hknob_cli.results.parted import result_schema
 from hknob_cli.results.provenance import marked_origin, origin, picture_origin
-from hknob_cli.results.staging import staged
+from hknob_cli.results.staging import kind_of, staged
 
 Origin = tuple[str, str]  # stage and name
 _RECORDED = ("recording", "campaign.json")  # of a campaign, finished or not
@@ -22,8 +22,8 @@ def refuse_mixed(out: Path, *, stage: str, name: str) -> None:
     for path, found in _results_in(out):
         if found != (stage, name):
             raise RefusedError(_advice(f"{path}: holds the {found[0]} '{found[1]}'", out, name))
-    if stage != "sweep" and staged(out):
-        raise RefusedError(_advice(f"{out}: holds what a sweep that was cut short has finished", out, name))
+    for kind in sorted({kind_of(folder) for folder in staged(out)} - {stage}):
+        raise RefusedError(_advice(f"{out}: holds what a {kind} that was cut short has finished", out, name))
     if stage != "hw-run" and out.joinpath(*_RECORDED).is_file():
         raise RefusedError(_advice(f"{out / _RECORDED[0]}: holds the recordings of a campaign", out, name))
 

@@ -16,6 +16,8 @@ from hknob_cli.errors import ComputationError, RefusedError
 from hknob_cli.results.files import create, make_folder, put_in_place
 
 _PREFIX = ".hknob.partial-"
+_FOLDER = re.compile(r"(?:(?P<kind>[a-z-]+)-)?[0-9a-f]{16}")
+SWEEP = "sweep"  # the stage whose folders name none
 _NAME = re.compile(r"(\d+)-(\d+)\.piece")
 _HEAD = Struct("<4sIQ")  # mark, CRC-32 and length of what follows
 _MARK = b"hkp1"
@@ -24,8 +26,10 @@ _MARK = b"hkp1"
 class Staging:
     """Finished pieces of one run in ``out``. Raises `OSError` where they cannot be written or read."""
 
-    def __init__(self, out: Path, provenance: bytes) -> None:
-        self.folder = out / f"{_PREFIX}{hashlib.sha256(provenance).hexdigest()[:16]}"
+    def __init__(self, out: Path, provenance: bytes, *, kind: str = SWEEP) -> None:
+        """``kind`` of the stage."""
+        prefix = _PREFIX if kind == SWEEP else f"{_PREFIX}{kind}-"
+        self.folder = out / f"{prefix}{hashlib.sha256(provenance).hexdigest()[:16]}"
 
     def begin(self, *, afresh: bool = False) -> None:
         """Make the folder, or go on with it; ``afresh``: without what is in it.
@@ -112,6 +116,12 @@ def _not_ours(path: Path) -> RefusedError:
 def staged(out: Path) -> list[Path]:
     """Folders of what unfinished runs in ``out`` have finished."""
     return [path for path in out.glob(f"{_PREFIX}*") if path.is_dir() and not path.is_symlink()]
+
+
+def kind_of(folder: Path) -> str:
+    """The kind of the stage whose unfinished run a folder is of."""
+    found = _FOLDER.fullmatch(folder.name.removeprefix(_PREFIX))
+    return found["kind"] or SWEEP if found else SWEEP
 
 
 def clear_staged(out: Path) -> None:

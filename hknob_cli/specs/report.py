@@ -17,6 +17,7 @@ from hknob_cli.specs.sweep import Name
 
 Text = Annotated[str, Field(min_length=1)]
 Anchor = Annotated[str, Field(pattern=r"^fig-[a-z0-9.-]+$", max_length=40)]
+LONGEST = 80  # letters of the name of a result
 Options = Annotated[dict[str, Any], Field(alias="with", default_factory=dict)]
 
 
@@ -102,7 +103,13 @@ def validate_report(source: Source) -> ReportPlan:
         spec = ReportSpec.model_validate(source.value)
     except ValidationError as error:
         raise SpecError(faults_of(source, ReportSpec, error)) from None
-    faults = [*_same_names(source, spec), *_anchors(source, spec), *_names(source, spec), *_ledger(source, spec)]
+    faults = [
+        *_same_names(source, spec),
+        *_long_names(source, spec),
+        *_anchors(source, spec),
+        *_names(source, spec),
+        *_ledger(source, spec),
+    ]
     if faults:
         raise SpecError(faults)
 
@@ -140,6 +147,18 @@ def _same_names(source: Source, spec: ReportSpec) -> list[Fault]:
     again = next(i for i, name in enumerate(names) if name in names[:i])
     return [
         source.fault(("results", again), f"must have a name of its own: '{names[again]}' is there; use NAME: FOLDER")
+    ]
+
+
+def _long_names(source: Source, spec: ReportSpec) -> list[Fault]:
+    """Faults of names of results that no file of a figure can have."""
+    listed = isinstance(spec.results, list)
+    return [
+        source.fault(
+            ("results", i if listed else name), f"must have a name of at most {LONGEST} letters, has {len(name)}"
+        )
+        for i, name in enumerate(spec.folders)
+        if len(name) > LONGEST
     ]
 
 

@@ -130,6 +130,8 @@ def read(path: Path) -> Source:
     try:
         if path.is_dir():
             raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
+        if path.is_fifo() and path.parts[1:2] not in (("dev",), ("proc",)):  # it would be waited for, perhaps for ever
+            raise UsageError(f"{path}: is a pipe, where a YAML file is wanted")
         with path.open("rb") as stream:
             data = stream.read(limit.bytes + 1)
     except OSError as error:

@@ -38,24 +38,34 @@ def to_si(text: str, unit: str) -> float:
         raise ValueError(f"is not a number with a unit; for example 1.5 {unit}")
     if not match["unit"].strip():
         raise ValueError(f"is text; write the number without quotes, or with a unit, as in 1.5 {unit}")
+    factor = _factor(match["unit"].translate(_SPELLINGS), unit)
+    if isinstance(factor, str):
+        raise ValueError(factor)
+    return float(match["number"]) * factor
+
+
+@cache
+def _factor(names: str, unit: str) -> float | str:
+    """By what a number in one unit is multiplied; why it cannot be. Each unit is parsed once, which is slow."""
     import pint
 
-    names = match["unit"].translate(_SPELLINGS)
+    registry = _registry()
+    wanted = "dimensionless" if unit == "1" else unit
     try:
-        quantity = _registry().Quantity(float(match["number"]), names)
-        value = float(quantity.to("dimensionless" if unit == "1" else unit).magnitude)
-        angle, wanted = _angle_power(names), _angle_power(unit)
+        units = registry.Quantity(1.0, names).units
+        factor = float(registry.convert(1.0, units, wanted))
+        angle, wanted_angle = _angle_power(names), _angle_power(unit)
     except pint.UndefinedUnitError as error:
         unknown = ", ".join(error.unit_names)
-        raise ValueError(f"has an unknown unit '{unknown}'; a number in {unit}, or a unit of its kind") from None
+        return f"has an unknown unit '{unknown}'; a number in {unit}, or a unit of its kind"
     except pint.DimensionalityError as error:
-        raise ValueError(f"is in {error.units1}, which is not a kind of {unit}") from None
+        return f"is in {error.units1}, which is not a kind of {unit}"
     except Exception:  # pint parses with Python's tokenizer, and lets out whatever that raises
-        raise ValueError(f"is not a number with a unit; for example 1.5 {unit}") from None
+        return f"is not a number with a unit; for example 1.5 {unit}"
     # To pint an angle is a pure number; to a knob 1 rad/s is not 1 Hz. A torque per angle may leave the angle out.
-    if angle != wanted and not (angle == 0 and "N" in unit):
-        raise ValueError(f"is in {quantity.units}, which is not a kind of {unit}")
-    return value
+    if angle != wanted_angle and not (angle == 0 and "N" in unit):
+        return f"is in {units}, which is not a kind of {unit}"
+    return factor
 
 
 def _angle_power(names: str) -> float:

@@ -5,7 +5,7 @@ The columns of a search for a design: every design evaluated, whether it meets w
 
 from collections.abc import Callable, Sequence
 from math import inf, log, nan
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import pyarrow as pa
 
@@ -17,6 +17,9 @@ from hknob_cli.stages.design.evaluate import Evaluator, Rows
 from hknob_cli.stages.design.people import Judged, answer_if, judge, redrawn
 from hknob_cli.stages.design.space import Design, designs, present, relaxed, surface
 from hknob_cli.stages.lag_domain import has_domain
+
+if TYPE_CHECKING:
+    from hknob_cli.stages.kept import Kept
 
 _REAL, _WHOLE, _TEXT, _FLAG = pa.float64(), pa.int64(), pa.string(), pa.bool_()
 
@@ -102,9 +105,12 @@ class DesignStage:
         self.plan = plan
         self._evaluator = Evaluator(plan, jobs=jobs, notify=notify)
         self._there: Rows = []
+        self._kept: Kept | None = None
+        self._step = 0
 
-    def run(self, progress: Progress = lambda _done, _total: None) -> pa.Table:
-        """Every design evaluated, in the order of cost. Raises `ComputationError`."""
+    def run(self, progress: Progress = lambda _done, _total: None, kept: "Kept | None" = None) -> pa.Table:
+        """Every design evaluated, in the order of cost; what is ``kept`` is not again. Raises `ComputationError`."""
+        self._kept, self._step = kept, 0
         every = designs(self.plan)
         search = _Search({}, {one: i for i, one in enumerate(every)})
         plain = surface(self.plan)
@@ -124,12 +130,24 @@ class DesignStage:
 
     def _evaluate(self, search: _Search, some: Sequence[Design], progress: Progress) -> None:
         new = [one for one in dict.fromkeys(some) if one not in search.done]
-        found = self._evaluator.evaluate(new)
+        found = self._found(search, new)
         if not self._there:
             self._there = found[0][0]  # the present design's
         for design, (rows, stiffness) in zip(new, found, strict=True):
             search.done[design] = judge(self.plan, rows, self._there, stiffness)
         progress(len(search.done), len(search.order))
+
+    def _found(self, search: _Search, new: list[Design]) -> list[tuple[Rows, float]]:
+        """What the evaluator finds; the steps of a search follow one another in the same way each time."""
+        numbers, step = [search.order[one] for one in new], self._step
+        self._step += 1
+        there = self._kept.get(step) if self._kept else None
+        if there and there[0] == numbers:
+            return [(rows, stiffness) for rows, stiffness in there[1]]
+        found = self._evaluator.evaluate(new)
+        if self._kept:
+            self._kept.put(step, [numbers, [[rows, stiffness] for rows, stiffness in found]])
+        return found
 
     def _table(
         self, search: _Search, chosen: Design | None, steps: list[tuple[str, Design]], plain: list[Design]

@@ -8,12 +8,13 @@ from typing import Any
 from hknob_cli.report.design import describe_design, design_text
 from hknob_cli.stages.design.run import DesignStage
 from hknob_cli.stages.job import Job
+from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
-from hknob_cli.stages.work import PerceivingWork, Tables, counted, note
+from hknob_cli.stages.work import Tables, counted, note
 from hknob_cli.terminal import progress_bar
 
 
-class DesignWork(PerceivingWork):
+class DesignWork(KeepingWork):
     """The cheapest design whose limit cycles nobody minds."""
 
     def size(self, plan: Any) -> str:
@@ -36,8 +37,8 @@ class DesignWork(PerceivingWork):
             if warning := domain_warning(one.sweep, one.name):
                 note(job, warning)
         stage = DesignStage(job.plan, jobs=job.jobs, notify=partial(note, job))
-        with progress_bar(job.plan.size, show=not job.quiet, what="designs") as progress:
-            table = stage.run(progress)
+        with keeping(job, self) as kept, progress_bar(job.plan.size, show=not job.quiet, what="designs") as progress:
+            table = stage.run(progress, kept)
         if job.verbose:
             note(job, f"{table.num_rows} designs, {job.plan.people} people, {time.perf_counter() - begin:.2f} s")
         return (table,)

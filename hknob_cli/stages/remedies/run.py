@@ -1,7 +1,6 @@
 """The trial of remedies: every remedy over the grid, and at the cases what it costs in stiffness."""
 
 from collections.abc import Callable, Iterator
-from functools import partial
 from math import nan
 from typing import TYPE_CHECKING, Any
 
@@ -21,6 +20,8 @@ FEW = 2000  # trials, which are over before another process has begun
 
 if TYPE_CHECKING:
     from concurrent.futures import ProcessPoolExecutor
+
+    from hknob_cli.stages.kept import Kept
 
 Progress = Callable[[int, int], None]
 Task = tuple[int, int | None, int]  # number of the remedy, of a case (without one, the grid), of the value it tunes
@@ -45,12 +46,21 @@ class RemediesStage:
         self.jobs = 1 if trials < FEW else min(jobs or usable_cores(), len(self.tasks))
         self._pool: ProcessPoolExecutor | None = None
 
-    def run(self, progress: Progress = lambda _done, _total: None) -> tuple[pa.Table, pa.Table]:
-        """The grid's rows and the cases'. Raises `ComputationError`."""
+    def run(
+        self, progress: Progress = lambda _done, _total: None, kept: "Kept | None" = None
+    ) -> tuple[pa.Table, pa.Table]:
+        """The grid's rows and the cases'; what is ``kept`` is not found again. Raises `ComputationError`."""
+        there = [kept.get(number) if kept else None for number in range(len(self.tasks))]
+        results: dict[int, Rows] = {number: rows for number, rows in enumerate(there) if rows is not None}
+        left = [number for number in range(len(self.tasks)) if number not in results]
+        for number, rows in self._results(left):
+            results[number] = rows
+            if kept:
+                kept.put(number, rows)
+            progress(len(results), len(self.tasks))
         each: dict[tuple[int, int | None], list[Rows]] = {}
-        for done, ((i, case, _), rows) in enumerate(zip(self.tasks, self._results(), strict=True)):
-            each.setdefault((i, case), []).append(rows)
-            progress(done + 1, len(self.tasks))
+        for number, (i, case, _) in enumerate(self.tasks):
+            each.setdefault((i, case), []).append(results[number])
         found = {key: tuned_rows(self.plan.remedies[key[0]], some) for key, some in each.items()}
         return self._grid(found), self._cases(found)
 
@@ -81,10 +91,16 @@ class RemediesStage:
         self._pool.shutdown(wait=True, cancel_futures=True)
         self._pool = None
 
-    def _results(self) -> Iterator[Rows]:
-        """Rows of every task, in order; from the processes where there are any."""
-        work = partial(_rows, self.plan)
-        return self._pool.map(work, self.tasks) if self._pool else map(work, self.tasks)
+    def _results(self, numbers: list[int]) -> Iterator[tuple[int, Rows]]:
+        """Rows of the tasks of these numbers, with the number, as they are done; by processes where there are any."""
+        if not self._pool:
+            yield from ((number, _rows(self.plan, self.tasks[number])) for number in numbers)
+            return
+        from concurrent.futures import as_completed
+
+        coming = {self._pool.submit(_rows, self.plan, self.tasks[number]): number for number in numbers}
+        for future in as_completed(coming):
+            yield coming[future], future.result()
 
     def _grid(self, found: Found) -> pa.Table:
         remedies = self.plan.remedies

@@ -4,14 +4,15 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.stages.job import Job
+from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
 from hknob_cli.stages.remedies.run import RemediesStage
 from hknob_cli.stages.remedies.text import describe_trial, trial_text
-from hknob_cli.stages.work import PerceivingWork, Tables, counted, note
+from hknob_cli.stages.work import Tables, counted, note
 from hknob_cli.terminal import progress_bar
 
 
-class RemediesWork(PerceivingWork):
+class RemediesWork(KeepingWork):
     """Remedies against the buzz, tried over a grid, hands and cases."""
 
     def size(self, plan: Any) -> str:
@@ -36,8 +37,9 @@ class RemediesWork(PerceivingWork):
                     note(job, warning)
                     break
         stage = RemediesStage(job.plan, jobs=job.jobs)
-        with stage, progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps") as progress:
-            return stage.run(progress)
+        bar = progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps")
+        with stage, keeping(job, self) as kept, bar as progress:
+            return stage.run(progress, kept)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """The pictures that there are."""
