@@ -8,7 +8,8 @@ docstrings.
 import ast
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -32,6 +33,7 @@ of the page (`experiments/dissertation_report.yaml`), the experiments and the co
 - Figures and claims are on the page that `make paper` makes. A claim that is not testable is named with its reason.
 - The print numbers two equations. The others that it displays are lettered here, in the order of their section.
 """
+_Named = tuple[tuple[str, str], ...]
 _KINDS = ("sections", "figures", "tables", "equations")
 _ANSWERS = {"nothing": "Nothing to compute", "not_built": "Not built", "missing": "Missing"}
 _REPORT = "dissertation_report.yaml"
@@ -68,11 +70,8 @@ def rows(contents: dict[str, Any] | None = None) -> list[Row]:
     """Every place, in the order of the text. Raises `ValueError` for a place without answer, with two, or unknown."""
     given = contents or source.read(_ROOT / "data" / "contents.yaml").value
     ids = [one["id"] for kind in _KINDS for one in given[kind]]
-    known = {claim.id: claim for claim in load_ledger(_ROOT / "data" / "claims.yaml").claims}
-    experiments = _tags(_experiments(), ids)
-    figures = _tags(_figures(), ids)
-    claims = _tags(((claim.id, claim.place) for claim in known.values()), ids)
-    files = _tags(_docstrings(), ids)
+    known, *named = _texts()
+    experiments, figures, claims, files = (_tags(texts, ids) for texts in named)
     tables = {f"Table {one['number']}": f"data/printed/{one['file']}" for one in _printed()}
     found = []
     for kind in _KINDS:
@@ -106,7 +105,15 @@ def _answered(row: Row) -> Row:
     return row
 
 
-def _tags(texts: Iterator[tuple[str, str]], ids: list[str]) -> dict[str, list[str]]:
+@cache
+def _texts() -> tuple[dict[str, Claim], _Named, _Named, _Named, _Named]:
+    """Claims by their id; then names with what they cite: of experiments, figures, claims and files."""
+    claims = {claim.id: claim for claim in load_ledger(_ROOT / "data" / "claims.yaml").claims}
+    cited = tuple((claim.id, claim.place) for claim in claims.values())
+    return claims, tuple(_experiments()), tuple(_figures()), cited, tuple(_docstrings())
+
+
+def _tags(texts: Iterable[tuple[str, str]], ids: list[str]) -> dict[str, list[str]]:
     """By place, what names it. Raises `ValueError` for a place that the dissertation does not have."""
     found = defaultdict(list)
     for name, text in texts:
