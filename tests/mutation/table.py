@@ -13,6 +13,7 @@ GENERAL_SETS, CONTROLLER_SETS = f"{GENERAL}sets/", "tests/controllers/sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
+LAWS = (f"{PROOF}test_law_trial_margins.py", f"{PROOF}test_law_rest_margins.py")
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     f"{PROOF}test_runs_off.py",
@@ -26,7 +27,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/known.py": CAPTURE,
     "sets/polygon.py": CUTTING,
     "sets/lattice.py": CUTTING,
-    "sets/arc.py": (*ARCS, f"{PROOF}test_arc_search_margins.py"),
+    "sets/arc.py": (f"{PROOF}test_arc_search_margins.py", f"{PROOF}test_arc_margins.py"),
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
@@ -39,6 +40,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_general_trial_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
+    "general/laws/cascade.py": LAWS,
+    "general/laws/rest.py": LAWS,
+    "general/laws/follow.py": LAWS,
     "general/sets/known.py": GENERAL_CAPTURE,
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,

@@ -1,0 +1,405 @@
+"""A trial under a law whose states and memory, and what proofs say of them, are written down; and how far two part."""
+
+from collections.abc import Callable
+from math import inf, nextafter
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.follow import (
+    CYCLE_CONTINUUM,
+    CYCLE_ON_EDGE,
+    CYCLE_PROVEN,
+    GREW,
+    REST_EDGE,
+    REST_PROVEN,
+    UNDAMPED,
+    UNSETTLED,
+)
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, KNOWN, PATIENCE
+from hknob_cli.engine.general.laws import follow
+from hknob_cli.engine.general.laws.cascade import (
+    apart,
+    faded,
+    nearly_same,
+    pushed_apart,
+    same_count,
+    torques_apart,
+)
+from hknob_cli.engine.general.laws.follow import LOOK_AGAIN, captured_with_law, fate_of, follow_with_law, unlike
+from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE
+from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
+from hknob_cli.engine.general.search import make_space
+from hknob_cli.engine.general.standstill import SETTLING
+from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE, RINGS
+
+from .test_general_follow_margins import row
+from .test_general_trial_margins import FIRST, State, returns
+from .test_standstill_margins import WALL, body
+
+ORBIT, PERIODIC = [-3.25, 0.125], [5.0]
+OUTSIDE = WALL._replace(damping=1.0)  # readings outside matter
+
+
+def law_of(**more: Any) -> Any:
+    """Memory of two numbers, of which the second fades by a half; two torques under way of one part each."""
+    one = {
+        "provable": True, "unproven": CYCLE_NOT_AFFINE, "watch": WALL, "fading": -1, "fade": 0.0, "weight": 0.0,
+        "line": 1, "parts": 1, "ages": 1, "guarded": False, "beside": [0.0] * 9, "periodic": [0.0] * 9,
+    }  # fmt: skip
+    return SimpleNamespace(**(one | more))
+
+
+FADING = law_of(line=3, fading=1, fade=0.5, weight=0.25, ages=3, parts=1)
+
+
+class Trial:
+    """One trial over scripted states. Which proofs were asked for, and when, is noted."""
+
+    def __init__(
+        self,
+        patch: pytest.MonkeyPatch,
+        states: list[State],
+        *,
+        proofs: Callable[[int], int] = lambda sample: DIFFERENT,
+        rests: dict[int, int] | None = None,
+        **more: Any,
+    ) -> None:
+        """``proofs``: by sample; ``rests``: what `settles_with_law` says at a sample."""
+        self.at, self.states, self.proofs, self.rests = 0, states, proofs, rests or {}
+        self.certified: list[tuple[int, int]] = []  # sample and period
+        self.settled: list[int] = []
+        self.asked: list[int] = []  # samples at which the known orbits are looked through
+        self.more = {"captor": -1, "margin": 0.0, "orbit": ORBIT, "stands": (9.0, 9.0)} | more
+        self.law = more.get("law", law_of())
+        self.law.periodic = list(PERIODIC)
+        self.beside: list[list[float]] = []
+        for name in ("advance_with_law", "certify_with_law", "settles_with_law", "captured_with_law"):
+            patch.setattr(follow, name, getattr(self, name))
+
+    def advance_with_law(self, z: Any, past: Any, *_: Any) -> None:
+        if z is self.z:
+            self.at += 1
+            z[:] = self.states[self.at]
+            past[0] = float(self.more.get("memory", {}).get(self.at, 0.0))
+        else:
+            self.beside.append([*z, past[0]])
+            z[:] = self.more["stands"]
+
+    def certify_with_law(self, z: Any, past: Any, period: int, one: Any, wall: Any, law: Any, space: Any) -> Any:
+        self.certified.append((self.at, period))
+        space.orbit[:] = self.more["orbit"]
+        return self.proofs(self.at), self.more["margin"], 0.0, 0.0, 0.0
+
+    def settles_with_law(
+        self, z: Any, shown: float, past: Any, one: Any, wall: Any, law: Any, orbit: Any, away: Any
+    ) -> int:
+        self.settled.append(self.at)
+        orbit[:] = ORBIT
+        return self.rests.get(self.at, MOVING)
+
+    def captured_with_law(self, *_: Any) -> int:
+        self.asked.append(self.at)
+        return int(self.more["captor"])
+
+    def run(self, one: Any = None, *, final: bool = True, limit: float = 1e9) -> Any:
+        """``(fate, period, samples)``; where it is left, in ``z`` and ``past``."""
+        rows = self.more.get("rows", [])
+        self.z, self.past = list(self.states[0]), [0.0]
+        return follow_with_law(
+            self.z, self.past, len(self.states) - 1, final, limit, one or body(), WALL, self.law,
+            make_space(2, 1, lambda count: [7.0] * count), [7.0] * 2, [7.0], [7.0] * 2, [7.0], len(rows),
+            [x for each in rows for x in each], [x for state in self.more.get("places", []) for x in state], [],
+        )  # fmt: skip
+
+
+@pytest.fixture
+def trial(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Trial]:
+    return lambda states, **more: Trial(monkeypatch, states, **more)
+
+
+def tried(gaps: list[float], trial: Callable[..., Trial], one: Any = None, **more: Any) -> list[bool]:
+    """Of which returns to the checkpoint, of 16 at most, a proof is attempted."""
+    found = trial(returns(gaps), **more)
+    found.run(one or body())
+    asked = [(sample - 33) // 2 for sample, _ in found.certified]
+    assert [2 * (k + 1) for k in asked] == [period for _, period in found.certified]
+    return [k in asked for k in range(len(gaps))]
+
+
+# Returns.
+
+
+def test_the_checkpoint_moves_on_after_1_2_4_and_8_steps_deeper(trial: Callable[..., Trial]) -> None:
+    found = trial([(0.5, 0.0), (-0.5, 0.0)] * 9 + [(0.5, 0.0)])
+    assert found.run() == (UNSETTLED, 0, 18)
+    assert found.certified == [(2 * k + 1, period) for k, period in enumerate([2, 2, 4, 2, 4, 6, 8, 2], start=1)]
+
+
+def test_a_return_is_worth_an_attempt_below_its_tolerance(trial: Callable[..., Trial]) -> None:
+    """At first; then half of it, or until the orbit captures; from the first again after one to the last bit."""
+    near, gap, half = nextafter(FIRST, 0.0), 2.0**-6, 2.0**-7
+    assert tried([FIRST, near], trial) == [False, True]
+    for status in (DIFFERENT, ON_EDGE, AT_EVENT, AT_SWITCH, EXPANDS):
+        below = nextafter(half, 0.0)
+        assert tried([gap, half, below, below], trial, proofs=lambda _, s=status: s) == [True, False, True, False]
+    assert tried([0.0, near], trial) == [True, True]
+    assert tried([0.0, 1e-9, 0.0], trial, proofs=lambda _: ON_EDGE) == [True, False, False]
+    for orbit, margin, part in (
+        ([-0.75, gap], 0.125, 0.45),
+        ([-2.5, gap], 1.0, 0.45),
+        ([-0.75, gap], 0.1, 0.36),
+        ([-0.75, gap], 9.0, 1.0),
+        ([-0.5, gap], 0.125, 0.5),
+    ):
+        gaps = [gap, part * gap * (1.0 + 1e-12), part * gap * (1.0 - 1e-12), 0.0]
+        more = {"orbit": orbit, "margin": margin}
+        assert tried(gaps, trial, proofs=lambda _: NOT_CAPTURED, **more)[:3] == [True, False, True]
+
+
+def test_a_multiple_of_a_known_period_is_left_alone_twelve_times(trial: Callable[..., Trial]) -> None:
+    more = {"rows": [row(period=2)], "places": [(-99.0, 0.0)]}
+    gaps = [2.0**-6 * 0.25**k * (1.0 - 1e-9) ** k for k in range(PATIENCE + 2)]
+    assert tried(gaps, trial, **more) == [False] * PATIENCE + [True, True]
+    assert tried([gaps[0], gaps[0] / 4.0, *gaps[1:]], trial, **more) == [False] * (PATIENCE + 1) + [True, True]
+    later = [0.1 * gap for gap in gaps[:12]]
+    assert tried([gaps[0], 0.3 * gaps[0], *later], trial, **more) == [False] * 13 + [True]
+    assert trial(returns(gaps[:3]), **more).run() == (UNSETTLED, 0, 38)  # and is no end of its own
+    assert tried([0.0], trial, **more) == [True]
+    assert tried([2.0**-6], trial, **more | {"rows": [row(period=5)]}) == [True]
+
+
+def test_what_cannot_be_proven_must_come_back_to_eight_digits(trial: Callable[..., Trial]) -> None:
+    """Of one and where it was at first; it is reported at once. A known period makes no difference."""
+    within = REPEATS * 1.5
+    for gap, back in ((within, False), (nextafter(within, 0.0), True)):
+        law = law_of(provable=False)
+        more = {"rows": [row(period=2)], "places": [(-99.0, 0.0)]}
+        found = trial(returns([gap]), proofs=lambda _: EXPANDS, law=law, **more)
+        assert (found.run()[0] == CYCLE_NOT_AFFINE) == back
+        assert (found.z == ORBIT) == back
+    off = trial(returns([0.0, nextafter(within, 0.0)]), law=law_of(provable=False))
+    off.run()
+    assert len(off.certified) == 2
+
+
+def test_what_cannot_be_proven_is_looked_at_in_one_count_too(trial: Callable[..., Trial]) -> None:
+    """Every 64 samples of one reading."""
+    states = [(-2.5, 0.0)] * 260
+    found = trial(states, law=law_of(provable=False))
+    found.run()
+    assert LOOK_AGAIN == 64
+    assert found.certified == [(126, 64), (190, 64), (254, 128)]
+    provable = trial(states)
+    provable.run()
+    assert provable.certified == []
+
+
+# Verdicts on a candidate.
+
+
+def verdict(trial: Callable[..., Trial], proofs: Callable[[int], int], one: Any = None, **more: Any) -> Any:
+    """Of a trial that comes back exactly at samples 3 and 5."""
+    found = trial([(0.5, 0.0), (-0.5, 0.0)] * 3 + [(0.5, 0.0)], proofs=proofs, **more)
+    return found.run(one), found.z, found.past
+
+
+def test_a_proof_ends_a_trial_at_its_orbit(trial: Callable[..., Trial]) -> None:
+    for status, fate in ((PROVEN, CYCLE_PROVEN), (NEUTRAL, CYCLE_CONTINUUM)):
+        assert verdict(trial, lambda _, s=status: s) == ((fate, 2, 3), ORBIT, PERIODIC)
+    for friction in (0.25, 4.0):  # what friction holds is no cycle
+        assert verdict(trial, lambda _: NEUTRAL, body(friction=friction))[0] == (UNSETTLED, 0, 6)
+        assert verdict(trial, lambda _: PROVEN, body(friction=friction))[0][0] == CYCLE_PROVEN
+
+
+def test_what_is_not_proven_is_reported_when_samples_are_over(trial: Callable[..., Trial]) -> None:
+    for status, fate in (
+        (ON_EDGE, CYCLE_ON_EDGE),
+        (AT_EVENT, CYCLE_AT_EVENT),
+        (AT_SWITCH, CYCLE_AT_SWITCH),
+        (EXPANDS, CYCLE_EXPANDS),
+    ):
+        then = {3: status, 5: DIFFERENT}
+        assert verdict(trial, lambda at, t=then: t[at]) == ((fate, 2, 6), ORBIT, PERIODIC)
+        proven = {3: status, 5: PROVEN}
+        assert verdict(trial, lambda at, t=proven: t[at])[0] == (CYCLE_PROVEN, 2, 5)
+    for status in (DIFFERENT, NOT_CAPTURED):
+        assert verdict(trial, lambda _, s=status: s)[0] == (UNSETTLED, 0, 6)
+    found = trial([(0.5, 0.0), (-0.999, 0.0), (-1.001, 0.0), (-1.5, 0.0)], proofs=lambda _: ON_EDGE)
+    assert found.run()[:2] == (CYCLE_ON_EDGE, 1)
+
+
+def test_a_status_has_its_fate() -> None:
+    provable, speed = law_of(), law_of(provable=False, unproven=CYCLE_NOT_AFFINE)
+    for status, fate in (
+        (PROVEN, CYCLE_PROVEN), (NOT_CAPTURED, CYCLE_PROVEN), (NEUTRAL, CYCLE_CONTINUUM), (ON_EDGE, CYCLE_ON_EDGE),
+        (AT_EVENT, CYCLE_AT_EVENT), (AT_SWITCH, CYCLE_AT_SWITCH), (EXPANDS, CYCLE_EXPANDS), (DIFFERENT, UNSETTLED),
+    ):  # fmt: skip
+        assert fate_of(status, provable) == fate
+    assert fate_of(EXPANDS, speed) == CYCLE_NOT_AFFINE
+
+
+# Known orbits, limits, rest.
+
+
+def test_known_orbits_are_looked_through_within_their_margin_only(trial: Callable[..., Trial]) -> None:
+    rows = [row(margin=0.25), row(margin=0.25, fate=CYCLE_ON_EDGE), row(margin=0.25)]
+    places = [(-2.5, 0.0), (-4.5, 0.0), (-6.5, 0.0)]
+    at = [
+        (-2.25, False), (nextafter(-2.25, -3.0), True), (-2.75, False), (nextafter(-2.75, -2.0), True), (-4.5, False),
+        (-6.5, True), (-9.0, False), (2.5, False), (-2.5, True),
+    ]  # fmt: skip
+    states = [(x, 0.0) for x, _ in at] + [(-9.0, 0.0)]
+    found = trial(states, rows=rows, places=places)
+    found.run()
+    assert found.asked == [k for k, (_, near) in enumerate(at) if near]
+    for captor in (0, 1, 2):
+        assert trial(states, rows=rows, places=places, captor=captor).run() == (KNOWN, captor, 1)
+
+
+def test_a_trial_ends_at_its_limit_and_where_the_search_is_given_up(trial: Callable[..., Trial]) -> None:
+    for x, limit, fate in ((2.5, 2.5, GREW), (-2.5, 2.5, GREW), (2.5, 2.6, UNSETTLED), (-2.5, 2.6, UNSETTLED)):
+        found = trial([(0.5, 0.0), (x, 0.0), (0.5, 0.0)])
+        assert found.run(limit=limit)[0] == fate
+        assert found.at == (1 if fate == GREW else 2)
+    for halt in (1e-9, 1.0):
+        assert trial([(0.5, 0.0)] * 3).run(body()._replace(halt=[halt])) == (UNSETTLED, 0, 0)
+
+
+def looks(trial: Callable[..., Trial], places: list[float], watch: Any = WALL) -> list[int]:
+    found = trial([(x, 0.0) for x in [*places, places[-1]]], law=law_of(watch=watch))
+    found.run(final=False)
+    return found.settled
+
+
+def test_rest_is_looked_for_after_8_16_and_32_samples_of_one_reading(trial: Callable[..., Trial]) -> None:
+    """Outside the wall any two are one, unless the law tells them apart."""
+    for watch in (WALL, OUTSIDE):
+        assert looks(trial, [-2.5] * 70, watch) == [7, 15, 31, 63]
+        assert looks(trial, [-1.5] * 3 + [-2.5] * 40, watch) == [11, 19, 35]
+        assert looks(trial, [-2.5, -0.5] * 10, watch) == []
+    assert looks(trial, [0.0, 2.5] * 10) == [7, 15]
+    assert looks(trial, [0.0, 2.5] * 10, OUTSIDE) == []
+    assert looks(trial, [2.5] * 20, OUTSIDE) == [7, 15]
+
+
+@pytest.mark.parametrize(
+    ("answer", "stands", "found"),
+    [
+        (AT_REST, (9.0, 9.0), (REST_PROVEN, 1, 7)),
+        (SETTLING, (-2.5, 0.0), (REST_PROVEN, 1, 7)),
+        (SETTLING, (-2.4, 0.0), None),
+        (SETTLING, (-2.5, 0.1), None),
+        (RINGS, (-2.5, 0.0), (UNDAMPED, 0, 7)),
+        (MOVING, (-2.5, 0.0), None),
+        (REST_ON_EDGE, (-2.5, 0.0), (REST_EDGE, 1, 9)),
+    ],
+)
+def test_a_rest_ends_a_trial_where_it_is_proven(
+    trial: Callable[..., Trial], answer: int, stands: State, found: Any
+) -> None:
+    """Nine samples in level -3; they are looked at once."""
+    one = trial([(-2.5, 0.0)] * 10, rests={7: answer}, stands=stands)
+    assert one.run(final=False) == (found or (UNSETTLED, 0, 9))
+    assert one.z == (ORBIT if answer == AT_REST else [-2.5, 0.0])
+    assert one.beside == ([[-2.5, 0.0, 0.0]] if answer == SETTLING else [])
+
+
+def test_a_rest_is_forgotten_where_the_reading_changes(trial: Callable[..., Trial]) -> None:
+    for answer, fate in ((REST_ON_EDGE, REST_EDGE), (SETTLING, REST_PROVEN)):
+        stays = trial([(-2.5, 0.0)] * 12, rests={7: answer})
+        assert stays.run() == (fate, 1, 11)
+        moves = trial([(-2.5, 0.0)] * 9 + [(-1.5, 0.0)] * 2, rests={7: answer})
+        assert moves.run()[0] == UNSETTLED
+    later = trial([(-2.5, 0.0)] * 20, rests={7: REST_ON_EDGE, 15: MOVING})
+    assert later.run()[0] == UNSETTLED
+    for damped, fate in ((True, UNSETTLED), (False, UNDAMPED)):
+        assert trial([(-2.5, 0.0)] * 6).run(body()._replace(damped=damped))[0] == fate
+    assert trial([(-1e300, 0.0)] * 3).run(limit=inf)[0] == UNSETTLED
+
+
+# How far two motions part.
+
+
+def test_all_that_is_counted_must_be_the_same() -> None:
+    """But for what fades, and the torques, which come after it."""
+    past = [1.0, 2.0, 3.0, 9.0, 9.0]
+    for other, same in (
+        ([1.0, 2.0, 3.0, 8.0, 8.0], True),
+        ([1.0, 7.0, 3.0, 9.0, 9.0], True),
+        ([1.5, 2.0, 3.0, 9.0, 9.0], False),
+        ([1.0, 2.0, 3.5, 9.0, 9.0], False),
+    ):
+        assert same_count(past, other, FADING) == same
+    assert not same_count(past, [1.0, 7.0, 3.0, 9.0, 9.0], law_of(line=3))
+
+
+def test_nearly_the_same_is_so_much_of_one_and_its_size() -> None:
+    law = law_of(line=2)
+    assert nearly_same([4.0, 0.0], [3.0, 0.0], law, 0.25)
+    assert nearly_same([2.0, 0.0], [3.0, 0.0], law, 0.25)
+    assert not nearly_same([nextafter(4.0, 5.0), 0.0], [3.0, 0.0], law, 0.25)
+    assert nearly_same([-4.0, 0.0], [-3.0, 0.0], law, 0.25)
+    assert not nearly_same([4.0, 0.5], [3.0, 0.0], law, 0.25)
+    assert not nearly_same([4.0, float("nan")], [3.0, 0.0], law, 0.25)
+
+
+def test_torques_part_by_a_geometric_sum_and_by_those_under_way() -> None:
+    """A quarter of 0.5, over one half; the oldest torque no longer matters."""
+    past, other = [1.0, 2.0, 3.0, 7.0, 5.0, 6.0], [1.0, 2.5, 3.0, 9.0, 5.5, 5.75]
+    assert faded(past, other, FADING) == 0.5
+    assert faded(past, other, law_of(line=3, fading=0)) == 0.0
+    assert faded(past, other, law_of(line=3)) == 0.0
+    assert torques_apart(past, other, FADING) == 0.25 + 0.5 + 0.25
+    two = law_of(line=2, parts=2, ages=2, fading=1, fade=0.5, weight=0.25)
+    assert torques_apart([0.0, 1.0, 9.0, 9.0, 5.0, 6.0], [0.0, 1.0, 8.0, 8.0, 4.0, 4.0], two) == 3.0
+
+
+def test_torques_push_as_far_as_what_holds_the_knob_allows() -> None:
+    """A spring of a quarter; without one, a damper of one half; friction keeps to the spring."""
+    held, free = body(beta=0.25), body(alpha=0.5, beta=0.0)
+    assert pushed_apart(0.5, held) == 1.0
+    assert pushed_apart(0.5, free) == 1.0
+    assert pushed_apart(0.5, free._replace(alpha=0.0)) == inf
+    assert pushed_apart(0.0, free._replace(alpha=0.0)) == 0.0
+    assert pushed_apart(0.5, free._replace(friction=1.0)) == inf
+    assert pushed_apart(0.5, free._replace(order=3, reach=4.0)) == 2.0
+    past, other = [1.0, 2.0, 3.0, 7.0, 5.0, 6.0], [1.0, 2.5, 3.0, 9.0, 5.5, 5.75]
+    assert apart([0.75, 0.5], past, other, held, FADING) == 1.25 + 2.0
+    assert unlike([0.75, 0.5], past, other, held, FADING) == 1.25 + 2.0
+    assert unlike([0.75, 0.5], past, [2.0, *other[1:]], held, FADING) == inf
+    loose = law_of(line=1, provable=False)
+    assert unlike([0.75, 0.5], [1.0], [1.0 + 1e-9], held, loose) == 1.25
+    assert unlike([0.75, 0.5], [1.0], [1.0 + 1e-7], held, loose) == inf
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_known_orbit_captures_within_its_margin_and_guards(side: float) -> None:
+    """Margin 0.375 less its bound of 0.125, for position and torques together; what fades within the guard."""
+    one, here = body(beta=0.25), [-2.5, 0.5]
+    base = [1.0, 2.0, 3.0, 7.0, 5.0, 6.0]
+
+    def row_of(off: State, memory: list[float], law: Any = FADING, **more: Any) -> int:
+        rows, pasts = [row(fate=CYCLE_ON_EDGE), row(**more)], [*base, *base]
+        z = [here[0] + side * off[0], here[1] + side * off[1]]
+        return captured_with_law(
+            z, memory, one, law, [7.0] * 2, 2, [x for each in rows for x in each], [*here, *here], pasts
+        )
+
+    off_by = [1.0, 2.0 + side * 0.125, 3.0, 7.0, 5.0, 6.0]  # pushes by 0.0625 / 0.5
+    assert row_of((0.0, 0.0), base) == 1
+    assert row_of((0.2499, 0.0), base) == 1
+    assert row_of((0.25, 0.0), base) == -1
+    assert row_of((0.0, 0.125), base) == -1
+    assert row_of((0.0, 0.124), base) == 1
+    assert row_of((0.124, 0.0), off_by) == 1
+    assert row_of((0.125, 0.0), off_by) == -1
+    assert row_of((0.0, 0.0), [1.5, *base[1:]]) == -1
+    assert row_of((0.0, 0.0), base, fate=CYCLE_ON_EDGE) == -1
+    guarded = law_of(**(vars(FADING) | {"guarded": True}))
+    assert row_of((0.0, 0.0), off_by, guarded, before=0.126) == 1
+    assert row_of((0.0, 0.0), off_by, guarded, before=0.125) == -1
+    assert row_of((0.0, 0.0), off_by, before=0.125) == 1
