@@ -46,7 +46,7 @@ def test_the_norm_shrinks_in_every_direction_and_is_above_its_rows(name: str, ro
         size = float(np.linalg.norm(forms @ d))
         assert float(np.linalg.norm(forms @ a @ d)) <= fade * size
         assert max(abs(d[row]) for row in rows) <= size <= numbers[8]
-    # By Cauchy's inequality a row is largest, in this norm, by the length of its row of the inverse: no more than needed.
+    # By Cauchy, a row is largest in this norm by the length of its row of the inverse: no more than needed.
     largest = max(float(np.linalg.norm(np.linalg.inv(forms)[row])) for row in rows)
     assert largest == pytest.approx(1.0, rel=1e-9)
 

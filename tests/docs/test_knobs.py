@@ -1,9 +1,13 @@
 """The numbers of docs/explanation/knobs.md, from the experiments that it names."""
 
+from typing import Any
+
 import pandas as pd
 import pytest
 
+from hknob_cli.specs.load import load
 from hknob_cli.specs.preset import names
+from hknob_cli.stages.remedies.run import RemediesStage
 from tests.conftest import EXPERIMENTS, swept
 
 from .page import page, says, table
@@ -112,6 +116,24 @@ def test_the_modes_of_a_smartknob() -> None:
         found = [told(cell) for cell in (*free.to_dict("records"), held.to_dict("records")[1])]
         assert verdicts == found, detents
     says(PAGE, *(f"`--set '{HELD[0]}'", f"--set {HELD[1]}`"))
+
+
+def hums(row: dict[str, Any]) -> str:
+    """The largest cycle of a remedy's row, as the page has it: a star where some trials are not proven."""
+    if row["p2p_max_rad"] is None:
+        return "?"
+    text = f"{1e3 * row['p2p_max_rad']:#.3g} mrad, {row['frequency_at_max_hz'] or 0.0:.0f} Hz"
+    return ("rests" if row["at_rest_fraction"] == 1.0 else text) + ("*" if row["certified_fraction"] < 1.0 else "")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["smartknob", "moteus", "odrive", "idrive"])
+def test_the_estimates_of_a_speed(name: str) -> None:
+    printed = table(PAGE, "## Which estimate of the speed hums least")
+    column = ["smartknob", "moteus", "odrive", "idrive"].index(name)
+    with RemediesStage(load(EXPERIMENTS / f"speed_{name}.yaml")) as stage:
+        found = {row["remedy"]: row for row in stage.run()[1].to_pylist()}
+    assert {row[0]: row[1 + column] for row in printed} == {remedy: hums(row) for remedy, row in found.items()}
 
 
 def test_the_hapkit_report() -> None:
