@@ -10,6 +10,7 @@ from itertools import product
 from math import inf, isfinite, pi, prod, sqrt
 from typing import NamedTuple
 
+from hknob_cli.report.motor_numbers import cells_of_motor, told
 from hknob_cli.report.table import short
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Actuator, Axes, Bias, Cell, Hand, Scene, scene_at
@@ -55,10 +56,11 @@ class _Rule(NamedTuple):
 
 
 def body(scene: Scene) -> tuple[float, float, float]:
-    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of knob and hand as one body."""
+    """Inertia (kg·m²), damping (N·m·s/rad) and stiffness (N·m/rad) of knob and hand as one body, moving slowly."""
     hand = scene.hand or Hand()
     held = hand.finger or hand
-    return scene.knob.inertia + held.inertia, scene.knob.damping + held.damping, held.stiffness
+    wound = scene.coil.damping if scene.coil else 0.0
+    return scene.knob.inertia + held.inertia, scene.knob.damping + wound + held.damping, held.stiffness
 
 
 def push_of(scene: Scene, cell: Cell) -> float:
@@ -119,8 +121,8 @@ def _friction_in_steps(scene: Scene, cell: Cell) -> float | None:
     return _over(scene.knob.coulomb_torque, _step(scene, cell)) if scene.knob.coulomb_torque > 0.0 else None
 
 
-_BODY = ("knob.inertia", "knob.damping", "hand.")
-_WALL = ("wall.stiffness", "knob.inertia", "knob.damping", "hand.")
+_BODY = ("knob.inertia", "knob.damping", "hand.", "motor.", "eddy_brake.")
+_WALL = ("wall.stiffness", *_BODY)
 _STEP = (COUNTS, "wall.stiffness")
 _RULES = (
     _Rule("one count", "rad", (COUNTS,), lambda _s, c: 2.0 * pi / c[COUNTS], "least angle that is read", 1e3, "mrad"),
@@ -139,7 +141,8 @@ _RULES = (
     _Rule("pitch on the wall", "Hz", _WALL, _on_the_wall, "natural frequency on the springs of wall and hand, without "
           "sampling; a buzz may be slower or faster"),
     _Rule("damping ratio on the wall", "1", _WALL, _damping_ratio, "b / (2 sqrt((K + k) J)); above 1 nothing swings"),
-    _Rule("delay", "s", (RATE, "actuator."), _delay, "half a sample of the hold, transport delay and lag", 1e3, "ms"),
+    _Rule("delay", "s", (RATE, "actuator.", "motor."), _delay, "half a sample of the hold, transport delay and lag",
+          1e3, "ms"),
     _Rule("damping for passivity", "N*m*s/rad", (RATE, "wall.", "actuator.delay_samples"), _needed, "K T / 2, "
           "more with virtual damping or a delay (Colgate & Schenkel)"),
 )  # fmt: skip
@@ -147,7 +150,16 @@ _RULES = (
 
 def derived_numbers(scene: Scene, axes: Axes) -> list[Number]:
     """The numbers of a scene over a grid or within the ends of a design; those that do not exist are left out."""
-    return [number for rule in _RULES if (number := _number(rule, scene, axes))]
+    return [number for rule in _RULES if (number := _number(rule, scene, axes))] + _of_motor(scene, axes)
+
+
+def _of_motor(scene: Scene, axes: Axes) -> list[Number]:
+    found = []
+    for name, unit, value, means, scale, shown in told(scene):
+        values = [got for one, cell in cells_of_motor(scene, axes) if (got := value(one, cell)) is not None]
+        if values:
+            found.append(Number(name, unit, min(values), max(values), means, scale, shown))
+    return found
 
 
 def _number(rule: _Rule, scene: Scene, axes: Axes) -> Number | None:
@@ -190,7 +202,7 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
     """
     if not scene.sampled or RATE not in axes:
         return []
-    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples")
+    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples", "motor.", "eddy_brake.")
     own, held, margin = [], [], [inf, 0.0]
     for one, cell in cells_for(scene, axes, paths):
         needed = _needed(one, cell)
@@ -203,8 +215,10 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
     if not own:
         return []
     most = " to ".join(dict.fromkeys(short(one) for one in margin))
-    none = not any(one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping",)))
+    none = not any(one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping", "motor.", "eddy_brake.")))
     lines = [f"Is the knob's own damping more than passivity needs? {'No: it has none' if none else _how_many(own)}."]
+    if any(one.coil for one, _ in cells_for(scene, axes, ("motor.",))):
+        lines.append("A winding with inductance is left out of that: its damping fades above R/(2 pi L).")
     if scene.hand:
         lines.append(f"Is that of knob and hand? {_how_many(held)}: b is {most} times what is needed.")
     if scene.encoder:

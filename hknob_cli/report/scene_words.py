@@ -8,6 +8,11 @@ from hknob_cli.report.table import short
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene
 
 _UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
+_WINDINGS = {
+    "shorted": "a shorted winding beside the one that is driven",
+    "voltage": "a winding driven by a voltage",
+    "current": "a winding driven by a current",
+}
 _ROUNDING = {"floor": "down", "nearest": "to the nearest count", "ceil": "up", "truncate": "towards 0"}
 
 
@@ -44,6 +49,7 @@ class _Words:
         yield self._push()
         yield self._sensor()
         yield from self._clock()
+        yield from self._motor()
         if scene.controller:
             numbers = [f"{key} {self._plain(f'controller.{key}', value)}" for key, value in _keys(scene.controller)]
             yield f"Controller: {', '.join([scene.controller.kind, *numbers])}."
@@ -121,6 +127,22 @@ class _Words:
         found = [form.format(text) for form, (path, unit) in named.items() if (text := self._value(path, unit))]
         if found:
             yield f"Actuator: {', '.join(found)}."
+
+    def _motor(self) -> Iterator[str]:
+        if motor := self.scene.motor:
+            named = {
+                "Kt {}": ("torque_constant", "N*m/A"),
+                "R {}": ("resistance", "ohm"),
+                "L {}": ("inductance", "H"),
+                "a bandwidth of {}": ("bandwidth", "Hz"),
+                "at most {}": ("supply_voltage", "V"),
+            }
+            found = [
+                form.format(text) for form, (key, unit) in named.items() if (text := self._value(f"motor.{key}", unit))
+            ]
+            yield f"Motor: {_WINDINGS[motor.winding]}, {', '.join(found)}."
+        if self.scene.eddy_brake:
+            yield f"Eddy brake: {self._value('eddy_brake.flux_density', 'T')} through a disc that turns with the knob."
 
     def _over_angle(self) -> Iterator[str]:
         scene = self.scene

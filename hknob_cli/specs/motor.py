@@ -58,13 +58,13 @@ class Motor(NamedTuple):
 
 @declared()
 class EddyBrake(NamedTuple):
-    """A magnet over a disc of metal that turns with the knob: viscous damping share·σ·d·A·B²·r².
+    """A magnet over a disc of metal that turns with the knob: viscous damping share·s·d·A·B²·r².
 
-    Source: Heald, Magnetic braking: improved theory, Am. J. Phys. 56, 521 (1988), at speeds far below 2/(μ0 σ d).
+    Source: Heald, Magnetic braking: improved theory, Am. J. Phys. 56, 521 (1988), at speeds far below 2/(μ0 s d).
     """
 
     flux_density: Annotated[float, Quantity("T", gt=0, le=100), "B through the disc"]
-    conductivity: Annotated[float, Quantity("S/m", gt=0, le=1e9), "σ of the disc; 5.8e7 of copper"]
+    conductivity: Annotated[float, Quantity("S/m", gt=0, le=1e9), "s of the disc; 5.8e7 of copper"]
     thickness: Annotated[float, Quantity("m", gt=0, le=1), "d of the disc"]
     area: Annotated[float, Quantity("m^2", gt=0, le=1), "A of the magnet's pole"]
     radius: Annotated[float, Quantity("m", gt=0, le=1), "r from the axis to the middle of the pole"]

@@ -121,8 +121,8 @@ class Hand(NamedTuple):
 class Scene(NamedTuple):
     """What exists; None where it does not.
 
-    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. ``coil``: no
-    key of a spec, but what `specs.electrical` makes of a motor whose winding has inductance.
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. ``coil``:
+    what `specs.electrical` makes of a motor whose winding has inductance, no key of a spec.
     """
 
     knob: Knob

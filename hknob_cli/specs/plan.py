@@ -185,6 +185,11 @@ Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | 
 
 def scene_at(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place, and with what its motor comes to (`specs.electrical.reduced`)."""
+    return reduced(placed(scene, cell))
+
+
+def placed(scene: Scene, cell: Cell) -> Scene:
+    """The scene with a cell's values in place, its motor as it is written."""
     if GRIP in cell and scene.hand:
         scene = scene._replace(hand=gripped(scene.hand, cell[GRIP]))
     if PERSON in cell and scene.hand:
@@ -192,7 +197,7 @@ def scene_at(scene: Scene, cell: Cell) -> Scene:
     for name, value in cell.items():
         if name not in (RATE, COUNTS, GRIP, PERSON):
             scene = _replaced(scene, name.split("."), value)
-    return reduced(scene)
+    return scene
 
 
 def gripped(hand: Hand, grip_n: float) -> Hand:

@@ -19,6 +19,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 from .general_reference import (
     BITS,
     COMMAND,
+    CURRENT,
     FINGER_SPEED,
     KNOB,
     ONE,
@@ -143,7 +144,7 @@ def run(
     return made
 
 
-def to_si(knob: GeneralKnob, control: Control, state: list[float]) -> list[Any]:
+def to_si(knob: GeneralKnob, control: Control, state: list[float], bodies: Bodies | None = None) -> list[Any]:
     """The package's state as the model's."""
     unit = control.quantum or mp.mpf(knob.quantum_rad)
     pace = unit / control.period
@@ -152,20 +153,31 @@ def to_si(knob: GeneralKnob, control: Control, state: list[float]) -> list[Any]:
     if knob.body.ratio:
         finger, finger_speed = theta - mp.mpf(state[2]) * unit, omega - mp.mpf(state[3]) * pace
     torque = mp.mpf(state[-1]) * mp.mpf(knob.torque_nm) if knob.body.lag else mp.zero
-    return [theta, omega, finger, finger_speed, torque, mp.zero, mp.one]
+    current = mp.zero
+    if bodies and knob.body.coil:  # a spring of Kt^2 / L turned by y has the torque -Kt i
+        current = -mp.mpf(state[4 if knob.body.ratio else 2]) * unit * bodies.torque_constant / bodies.inductance
+    if bodies and bodies.driven:  # the package has what the voltage drives apart from what the speed does
+        current += mp.mpf(state[-1]) * mp.mpf(knob.torque_nm) / bodies.torque_constant
+        torque = mp.zero
+    return [theta, omega, finger, finger_speed, torque, mp.zero, mp.one, current]
 
 
-def unknowns(knob: GeneralKnob) -> list[int]:
+def unknowns(knob: GeneralKnob, bodies: Bodies | None = None) -> list[int]:
     """Which entries of the model's state are free."""
-    return [0, 1, *([2, 3] if knob.body.ratio else []), *([TORQUE] if knob.body.lag else [])]
+    found = [0, 1, *([2, 3] if knob.body.ratio else []), *([TORQUE] if knob.body.lag else [])]
+    if bodies and bodies.torque_constant:
+        return [*(i for i in found if i != TORQUE or not bodies.driven), CURRENT]
+    return found
 
 
 def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: GeneralKnob, one: Attractor) -> Solved:
     """The orbit near the package's."""
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     unit = control.quantum or mp.mpf(knob.quantum_rad)
-    units = [unit, unit / control.period, unit, unit / control.period, mp.mpf(knob.torque_nm)]
-    z = to_si(knob, control, [one.x, one.v, *one.state])
+    torque = mp.mpf(knob.torque_nm)
+    current = torque / bodies.torque_constant if bodies.torque_constant else mp.one
+    units = [unit, unit / control.period, unit, unit / control.period, torque, mp.zero, mp.one, current]
+    z = to_si(knob, control, [one.x, one.v, *one.state], bodies)
     line = [mp.mpf(u) * mp.mpf(knob.torque_nm) for u in one.line]
     analog = counts is None
     before = (mp.mpf(one.before) + mp.mpf(knob.shift)) * unit if analog else None
@@ -175,7 +187,7 @@ def solve(scene: dict[str, Any], rate_hz: float, counts: int | None, knob: Gener
         found = run(bodies, control, z, line, first, one.period)
         before = found.readings[-1]
         line = [found.emitted[-1 - k % one.period] for k in reversed(range(len(line)))]
-    free = unknowns(knob)
+    free = unknowns(knob, bodies)
     extra = len(line) + 1 if analog else 0
 
     def pack(state: Any, under_way: list[Any], last: Any) -> list[Any]:
@@ -258,6 +270,8 @@ def measure(solved: Solved) -> dict[str, Any]:
         for node, weight in RULE:
             w, z = weight * part.length, part.at(node)
             v, torque = z[SPEED], z[TORQUE] if bodies.lag else part.command
+            if bodies.driven:  # all of it, of which the resistance takes nothing
+                torque = bodies.torque_constant * z[CURRENT]
             total["x"] += w * z[KNOB]
             total["xx"] += w * z[KNOB] ** 2
             total["work"] += w * torque * v
@@ -265,6 +279,8 @@ def measure(solved: Solved) -> dict[str, Any]:
             if bodies.finger:
                 loss += bodies.pad_damping * (v - z[FINGER_SPEED]) ** 2
                 loss += bodies.finger_damping * z[FINGER_SPEED] ** 2
+            if bodies.torque_constant and not bodies.driven:
+                loss += bodies.resistance * z[CURRENT] ** 2
             total["loss"] += w * loss
             total["rub"] += w * bodies.friction * abs(v)
     duration = control.period * (len(solved.run.states) - 1)

@@ -1,8 +1,9 @@
 """A 60-digit model of the whole scene: friction with stick, finger, lag, delay, torque step, limit, virtual damping.
 
 It shares no formula with the package and imports nothing from it: both are built from the ``scene`` of a spec, a plain
-dictionary. The state is z = (theta_b, omega_b, theta_a, omega_a, tau, u, 1): knob, finger (absent from a hand of second
-order), torque on the knob, command, and the constant that carries bias and friction. Within a hold, and between the
+dictionary. The state is z = (theta_b, omega_b, theta_a, omega_a, tau, u, 1, i): knob, finger (absent from a hand of
+second order), torque on the knob, command, the constant that carries bias and friction, and the current of a winding
+(absent from most scenes; L di/dt + R i = V - Kt omega_b, V = u R / Kt where it is driven). Within a hold, between the
 events of friction, dz/dt = A z; exp(A t) is one matrix exponential (kept for durations that recur) or, for a short
 time to or from an event, its Taylor series.
 
@@ -25,7 +26,7 @@ from .reference import mp
 
 Vector = tuple[Any, ...]
 
-KNOB, SPEED, FINGER, FINGER_SPEED, TORQUE, COMMAND, ONE = range(7)
+KNOB, SPEED, FINGER, FINGER_SPEED, TORQUE, COMMAND, ONE, CURRENT = range(8)
 UP, DOWN, STUCK = 1, -1, 0
 BITS = 400  # after the point of the whole numbers that a Taylor series is summed in: 120 digits of an angle in radians
 CLOCK = 1e-3  # time unit of that sum [s]: with it all of a state is of the order of its angles
@@ -44,6 +45,10 @@ def _horner(coefficients: list[int], x: int) -> int:
     return value
 
 
+class NotHandledError(Exception):
+    """A motion that is not generic, which this model does not follow."""
+
+
 @dataclass(frozen=True)
 class Bodies:
     """Knob, hand and actuator, in SI units; ``lag`` 0: the torque is the command. Finger terms 0 without a finger."""
@@ -60,6 +65,10 @@ class Bodies:
     finger_stiffness: Any = 0
     pad_damping: Any = 0
     pad_stiffness: Any = 0
+    torque_constant: Any = 0  # of a winding with inductance; 0 without one
+    resistance: Any = 1
+    inductance: Any = 1
+    driven: bool = False  # by a voltage; else it is shorted
     _kept: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @cached_property
@@ -69,8 +78,9 @@ class Bodies:
             (KNOB, -(self.stiffness + self.pad_stiffness)),
             (FINGER, self.pad_stiffness),
             (FINGER_SPEED, self.pad_damping),
-            (TORQUE, mp.mpf(1)),
+            (TORQUE, mp.mpf(0 if self.driven else 1)),
             (ONE, -self.bias),
+            (CURRENT, self.torque_constant),
         ]
 
     @cached_property
@@ -89,12 +99,18 @@ class Bodies:
                     (FINGER_SPEED, -(self.finger_damping + self.pad_damping) / j),
                 ],
             ]
-        made: dict[int, list[list[tuple[int, Any]]]] = {STUCK: [[], [], *finger, lag, [], []]}
+        own: list[tuple[int, Any]] = []
+        if self.torque_constant:
+            own = [(CURRENT, -self.resistance / self.inductance)]
+        if self.driven:
+            own.append((COMMAND, self.resistance / self.torque_constant / self.inductance))
+        made: dict[int, list[list[tuple[int, Any]]]] = {STUCK: [[], [], *finger, lag, [], [], own]}
+        own = [*own, (SPEED, -self.torque_constant / self.inductance)]
         for sign in (UP, DOWN):
             speed = [(j, value / self.inertia) for j, value in self.torque_sum]
             speed.append((SPEED, -(self.damping + self.pad_damping) / self.inertia))
             speed.append((ONE, -sign * self.friction / self.inertia))
-            made[sign] = [[(SPEED, mp.mpf(1))], speed, *finger, lag, [], []]
+            made[sign] = [[(SPEED, mp.mpf(1))], speed, *finger, lag, [], [], own]
         return {mode: [[(j, v) for j, v in row if v != 0] for row in table] for mode, table in made.items()}
 
     def rate(self, mode: int, z: Vector) -> Vector:
@@ -114,6 +130,9 @@ class Bodies:
             own.append(self.pad_damping / mp.sqrt(self.inertia * self.finger_inertia))
         if self.lag:
             own.append(1 / self.lag)
+        if self.torque_constant:
+            own.append(self.resistance / self.inductance)
+            roots.append(self.torque_constant**2 / self.inductance / self.inertia)
         return float(2 * (mp.fsum(mp.sqrt(root) for root in roots) + mp.fsum(own)))
 
     def move(self, mode: int, z: Vector, duration: Any, *, recurs: bool) -> Vector:
@@ -132,18 +151,19 @@ class Bodies:
 
     def _exponential(self, mode: int, duration: Any) -> list[list[tuple[int, Any]]]:
         with mp.extradps(30):  # squaring loses digits when a hold is many time constants
-            a = mp.matrix(7, 7)
+            a = mp.matrix(8, 8)
             for i, row in enumerate(self.rows[mode]):
                 for j, value in row:
                     a[i, j] += value * duration
             e = mp.expm(a)
-        return [[(j, +e[i, j]) for j in range(7) if e[i, j] != 0] for i in range(7)]
+        return [[(j, +e[i, j]) for j in range(8) if e[i, j] != 0] for i in range(8)]
 
     @cached_property
     def units(self) -> Vector:
         """Factors that turn a state into angles, for sums in fixed point."""
         turn = mp.mpf(CLOCK) ** 2 / self.inertia
-        return (mp.one, mp.mpf(CLOCK), mp.one, mp.mpf(CLOCK), turn, turn, mp.one)
+        current = turn * self.torque_constant if self.torque_constant else mp.one
+        return (mp.one, mp.mpf(CLOCK), mp.one, mp.mpf(CLOCK), turn, turn, mp.one, current)
 
     @cached_property
     def _whole_rows(self) -> dict[int, list[list[tuple[int, int]]]]:
@@ -172,8 +192,9 @@ class Bodies:
 
     def _sum(self, z: Vector, terms: list[list[int]], x: int) -> Vector:
         """State at the part ``x`` of a series' step, with the constants of ``z``."""
-        sums = [mp.ldexp(mp.mpf(_horner([term[i] for term in terms], x)), -BITS) / self.units[i] for i in range(5)]
-        return (*sums, *z[5:])
+        moving = (*range(5), CURRENT)
+        sums = [mp.ldexp(mp.mpf(_horner([term[i] for term in terms], x)), -BITS) / self.units[i] for i in moving]
+        return (*sums[:5], *z[5:CURRENT], sums[5])
 
     def energy_root(self, mode: int, w: Vector) -> float:
         """Root of twice the energy of a motion ``w`` without inputs; it does not grow while its torque is 0."""
@@ -185,6 +206,8 @@ class Bodies:
         if self.finger:
             twice += float(self.finger_inertia) * x[3] ** 2 + pad * (x[2] - x[0]) ** 2
             twice += float(self.finger_stiffness) * x[2] ** 2
+        if self.torque_constant:
+            twice += float(self.inductance) * float(w[CURRENT]) ** 2
         return sqrt(twice)
 
     def speed_bound(self, mode: int, w: Vector, duration: float) -> float:
@@ -198,7 +221,8 @@ class Bodies:
         by_speed = float(self.pad_damping) / sqrt(float(self.finger_inertia))
         springs = float(self.pad_stiffness + self.finger_stiffness)
         by_angle = float(self.pad_stiffness) / sqrt(springs) if springs > 0 else 0.0
-        return 1.0001 * (abs(float(w[TORQUE])) + (by_speed + by_angle) * root)
+        wound = abs(float(self.torque_constant) * float(w[CURRENT]))
+        return 1.0001 * (abs(float(w[TORQUE])) + wound + (by_speed + by_angle) * root)
 
 
 @dataclass
@@ -225,7 +249,7 @@ class Friction:
         """Move through one hold of ``command``."""
         bodies = self.bodies
         torque = self.z[TORQUE] if bodies.lag else command
-        self.z = (*self.z[:4], torque, command, mp.one)
+        self.z = (*self.z[:4], torque, command, mp.one, self.z[CURRENT])
         if bodies.friction == 0 and not self.find_turns:
             self.mode = UP
             self.z = bodies.move(UP, self.z, duration, recurs=True)
@@ -286,7 +310,7 @@ class Friction:
     def _to_event(self, left: Any, whole: bool) -> Any:
         """Move to the next event and give the time that takes; None where there is none, having moved all ``left``."""
         bodies, mode = self.bodies, self.mode
-        if mode == STUCK and not bodies.finger and not bodies.lag:
+        if mode == STUCK and not (bodies.finger or bodies.lag or bodies.torque_constant):
             return None
         grid = self.period / 2 ** int(mp.ceil(mp.log(self.period / left, 2))) if not whole else left
         pieces = [(self.z, left, True)] if whole else [(self.z, min(grid, left), grid <= left)]
@@ -295,7 +319,8 @@ class Friction:
             z, length, recurs = pieces.pop()
             found, end = self._look(z, length, recurs)
             if found == "halve":
-                assert length > left * mp.mpf(10) ** -25, "velocity and acceleration vanish together: not handled"
+                if not length > left * mp.mpf(10) ** -25:
+                    raise NotHandledError("velocity and acceleration vanish together")
                 middle = bodies.move(mode, z, length / 2, recurs=recurs)
                 pieces += [(middle, length / 2, recurs), (z, length / 2, recurs)]
                 continue
@@ -488,7 +513,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
     quantum = None if encoder == "none" or counts_per_rev is None else 2 * mp.pi / counts_per_rev
     shape = encoder if isinstance(encoder, dict) else {}
     limit = actuator.get("torque_limit")
-    parts = {}
+    parts: dict[str, Any] = {}
     if finger is not None:
         parts = {
             "finger": True,
@@ -498,13 +523,30 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
             "pad_damping": number(pad, "damping"),
             "pad_stiffness": number(pad, "stiffness"),
         }
+    motor, brake = scene.get("motor"), scene.get("eddy_brake")
+    magnetic, lag, limit_of_supply = mp.zero, number(actuator, "time_constant"), None
+    if brake:
+        density, radius = number(brake, "flux_density"), number(brake, "radius")
+        magnetic = number(brake, "share") * number(brake, "conductivity") * number(brake, "thickness")
+        magnetic *= number(brake, "area") * density**2 * radius**2
+    if motor:
+        kt, r, inductance = (number(motor, name) for name in ("torque_constant", "resistance", "inductance"))
+        if motor["winding"] != "current" and inductance:
+            driven = motor["winding"] == "voltage"
+            parts |= {"torque_constant": kt, "resistance": r, "inductance": inductance, "driven": driven}
+        elif motor["winding"] != "current":
+            magnetic += kt**2 / r
+        if motor.get("bandwidth"):
+            lag = 1 / (2 * mp.pi * number(motor, "bandwidth"))
+        if motor.get("supply_voltage"):
+            limit_of_supply = kt / r * number(motor, "supply_voltage")
     bodies = Bodies(
         inertia=number(knob, "inertia") + number(hand, "inertia"),
-        damping=number(knob, "damping") + number(hand, "damping"),
+        damping=number(knob, "damping") + number(hand, "damping") + magnetic,
         stiffness=number(hand, "stiffness"),
         friction=number(knob, "coulomb_torque"),
         bias=mp.mpf(wall["stiffness"]) * quantum / 2 if bias.get("half_quantum") else number(bias, "torque"),
-        lag=number(actuator, "time_constant"),
+        lag=lag,
         **parts,
     )
     control = Control(
@@ -515,7 +557,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         rounding=shape.get("rounding", "floor"),
         offset=number(shape, "offset_counts"),
         step=number(actuator, "torque_step"),
-        limit=None if limit is None else mp.mpf(limit),
+        limit=limit_of_supply if limit is None else mp.mpf(limit),
         delay=number(actuator, "delay_samples"),
         over_angle=over_angle(scene, counts_per_rev) if counts_per_rev else None,
     )
@@ -541,8 +583,8 @@ def simulate(
     bodies, control = build(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
     angle, velocity = mp.mpf(angle_rad), mp.mpf(velocity_rad_s)
     zero = mp.zero
-    start = (angle, velocity, angle, velocity, zero, zero, mp.one) if bodies.finger else None
-    state = start or (angle, velocity, zero, zero, zero, zero, mp.one)
+    start = (angle, velocity, angle, velocity, zero, zero, mp.one, zero) if bodies.finger else None
+    state = start or (angle, velocity, zero, zero, zero, zero, mp.one, zero)
     friction = Friction(bodies, control.period, state, find_turns=find_turns)
     trial = Trial(friction, control)
     friction.hold(zero, mp.mpf(phase) * control.period)

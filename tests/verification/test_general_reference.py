@@ -54,14 +54,14 @@ def test_all_reversals_of_a_hold_are_found() -> None:
         pad_damping=mp.mpf(2e-5),
         pad_stiffness=mp.mpf(20.0),
     )
-    start = tuple(map(mp.mpf, (0.01, 0.05, 0.0102, 1.0, 0.0, 0.0, 1.0)))
+    start = tuple(map(mp.mpf, (0.01, 0.05, 0.0102, 1.0, 0.0, 0.0, 1.0, 0.0)))
     duration = mp.mpf(1) / 8
     motion = Friction(bodies, duration, start, find_turns=True)
     motion.hold(mp.mpf(0.003), duration)
-    direct = bodies.move(1, (*start[:4], mp.mpf(0.003), mp.zero, mp.one), duration, recurs=True)
+    direct = bodies.move(1, (*start[:4], mp.mpf(0.003), mp.zero, mp.one, mp.zero), duration, recurs=True)
     assert abs(motion.z[0] - direct[0]) < mp.mpf(10) ** -48
     steps = 20_000
-    z, signs = (*start[:4], mp.mpf(0.003), mp.zero, mp.one), []
+    z, signs = (*start[:4], mp.mpf(0.003), mp.zero, mp.one, mp.zero), []
     for _ in range(steps):
         signs.append(z[1] > 0)
         z = bodies.move(1, z, duration / steps, recurs=True)

@@ -44,6 +44,8 @@ def bounds(trial: reference.Trial, case: Case) -> Bounds:
     bodies, control = trial.friction.bodies, trial.control
     j, b, k = float(bodies.inertia), float(bodies.damping), float(bodies.stiffness)
     lag, period = float(bodies.lag), float(control.period)
+    if bodies.driven:
+        lag = float(bodies.inductance / bodies.resistance)
     local, n = LOCAL * EPS, case.samples + 2
     angle = max(trial.largest_angle, abs(case.angle))
     # Terms of a sum may exceed it: velocity by torque / inertia * time, angle by that times the period, and by a count,
@@ -57,10 +59,11 @@ def bounds(trial: reference.Trial, case: Case) -> Bounds:
     if bodies.finger:
         springs = [float(bodies.finger_stiffness), float(bodies.pad_stiffness)]
         inertias.append(float(bodies.finger_inertia))
+    wound = float(bodies.torque_constant**2 / bodies.inductance)
     torque = local * load
     if lag:  # an error of a hold's end by a rounding of the sample period, and the sum of what has not decayed yet
         torque = (torque + 4 * EPS * period / lag * load) / -np.expm1(-period / lag)
-    step = sqrt(sum(springs) * (local * angle) ** 2 + sum(inertias) * (local * speed) ** 2)
+    step = sqrt((sum(springs) + wound) * (local * angle) ** 2 + sum(inertias) * (local * speed) ** 2)
     step += torque * period / sqrt(j)
     root = n * step
     velocity = root / sqrt(j)

@@ -1,9 +1,10 @@
 """The body that the torque moves: knob and hand, with or without a finger of its own, lag and Coulomb friction.
 
 State ``z``, in counts and sample periods: (x, v) of the knob; with a finger also (d, w), angle and speed of the knob
-*relative* to it (Hasser, eq. 1; a stiff fingerpad leaves no difference of large numbers); with a shorted winding that has
-inductance also y, the turn that it remembers, y' = v - R/L y, which it answers as a spring of Kt²/L; with lag also the
-torque that acts, as an acceleration of the knob. ``order`` counts them: 2 to 6. Between events the motion is linear,
+*relative* to it (Hasser, eq. 1; a stiff fingerpad leaves no difference of large numbers); with a shorted winding that
+has inductance also y, the turn that it remembers, y' = v - R/L y, which it answers as a spring of Kt^2/L; with lag also
+the torque that acts, as an acceleration of the knob. ``order`` counts them: 2 to 6. Between events, the motion being
+linear,
 
     z' = A z + c + p u,   z(t) = z + D(t) (A z + c + p u),   D(t) = integral of exp(A s) over [0, t],
 
