@@ -13,7 +13,7 @@ from hknob_cli.controllers.controller import ControlLaw, Differencing, make_cont
 from hknob_cli.controllers.plant_batch import PlantBatch
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
-from hknob_cli.engine.general.laws.law import CYCLE_NOT_AFFINE, PIECE, Law
+from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller_plan import Controller
@@ -21,6 +21,7 @@ from hknob_cli.specs.plan import Scene
 
 LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
 LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
+KALMAN = 4.0  # units in the last place of an estimate, at most, by the roundings of its updates, times a turn
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -67,6 +68,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     body = add_spans(knob.body, [piece[0] for piece in pieces])
     outside = control.reads_outside or knob.wall.damping > 0.0
     stepped = knob.wall.step > 0.0 and fading.weight > 0.0
+    known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
         act=plan.kind,
         fixed=[float(one) for one in fixed],
@@ -85,13 +87,18 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         coarse=_coarseness(plan, fixed, fading),
         guarded=fading.guarded or stepped,
         anchor=3 if plan.kind == "passivity" else -1,
-        provable=control.provable and not control.senses_speed,
+        drifts=2 if plan.kind == "passivity" else -1,
+        senses=control.senses_speed,
+        provable=not (control.senses_speed and body.friction > 0.0),
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),
-        out=[0.0] * parts,
+        out=[0.0] * (2 * parts),
         room=[0.0],
         beside=[0.0] * (line + ages * parts),
         periodic=[0.0] * (line + ages * parts),
+        affine=[0.0] * ((known + 1) * known),
+        slopes=[0.0] * BLOCK,
+        noise=[0.0] * (3 * known),
     )
     settling = float(control.settling(lane)[0])
     rate = min(knob.rate, 1.0 / settling) if settling > 0.0 else knob.rate
@@ -154,6 +161,8 @@ def _coarseness(plan: Controller, fixed: list[float], fading: _Fading) -> float:
     """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
     if plan.kind == "impulse_damping":
         return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
+    if plan.kind == "phase_damping" and plan.estimate == "kalman":
+        return 1.0 + KALMAN * plan.height
     if plan.kind == "velocity_damping":  # a filter adds up what its updates round
         return 1.0 + abs(fixed[1]) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)
     return 1.0 + abs(fixed[1]) + abs(fixed[2]) if plan.kind == "matched_wall" else 1.0

@@ -6,17 +6,17 @@ from hknob_cli.engine.general.body import distance
 
 
 def same_count(past, other, law):
-    """Whether all that is remembered is the same, but for the row that fades and the torques under way."""
+    """Whether all that is remembered is the same, but for what fades or drifts and the torques under way."""
     for j in range(law.line):
-        if j != law.fading and past[j] != other[j]:
+        if j != law.fading and j != law.drifts and past[j] != other[j]:
             return False
     return True
 
 
 def nearly_same(past, other, law, within):
-    """Whether all that is remembered differs by at most ``within``, relatively."""
+    """Whether all that is remembered differs by at most ``within``, relatively, but for what drifts."""
     for j in range(law.line):
-        if not abs(past[j] - other[j]) <= within * (1.0 + abs(other[j])):
+        if j != law.drifts and not abs(past[j] - other[j]) <= within * (1.0 + abs(other[j])):
             return False
     return True
 
@@ -24,6 +24,16 @@ def nearly_same(past, other, law, within):
 def faded(past, other, law):
     """Difference of two motions in the row that fades."""
     return abs(past[law.fading] - other[law.fading]) if law.fading >= 0 else 0.0
+
+
+def sums_agree(past, other, room, law):
+    """Whether a sum that drifts is in two motions the same, or decides nothing in either.
+
+    ``room``: by how much the sum of ``other`` may rise before the law acts by it, at any time to come.
+    """
+    if law.drifts < 0 or past[law.drifts] == other[law.drifts]:
+        return True
+    return past[law.drifts] - other[law.drifts] < room
 
 
 def torques_apart(past, other, law):
