@@ -14,12 +14,13 @@ from hknob_cli.controllers.estimated_velocity import LEAST, LONGEST, EstimatedVe
 from hknob_cli.controllers.plant_batch import PlantBatch
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
-from hknob_cli.engine.general.laws.law import CYCLE_NOT_AFFINE, PIECE, Law
+from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Scene
 
+KALMAN = 4.0  # units in the last place of an estimate, at most, by the roundings of its updates, times a turn
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -57,6 +58,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     body = add_spans(knob.body, [piece[0] for piece in pieces])
     outside = control.reads_outside or knob.wall.damping > 0.0
     stepped = knob.wall.step > 0.0 and fading.weight > 0.0
+    known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
         act=control.law if isinstance(control, EstimatedVelocity) else plan.kind,
         fixed=[float(one) for one in fixed],
@@ -75,13 +77,18 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         coarse=_coarseness(plan, fixed, fading),
         guarded=fading.guarded or stepped,
         anchor=3 if plan.kind == "passivity" else -1,
-        provable=control.provable and not control.senses_speed and fading.fade < 1.0,
+        drifts=2 if plan.kind == "passivity" else -1,
+        senses=control.senses_speed,
+        provable=fading.fade < 1.0 and not (control.senses_speed and body.friction > 0.0),
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),
-        out=[0.0] * parts,
+        out=[0.0] * (2 * parts),
         room=[0.0],
         beside=[0.0] * (line + ages * parts),
         periodic=[0.0] * (line + ages * parts),
+        affine=[0.0] * ((known + 1) * known),
+        slopes=[0.0] * BLOCK,
+        noise=[0.0] * (3 * known),
         pair=list(fading.pair),
     )
     settling = float(control.settling(lane)[0])
@@ -147,6 +154,8 @@ def _coarseness(plan: Controller, fixed: list[float], fading: Fading) -> float:
     """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
     if plan.kind == "impulse_damping":
         return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
+    if plan.kind == "phase_damping" and plan.estimate == "kalman":
+        return 1.0 + KALMAN * plan.height
     if plan.kind == "velocity_damping":  # a filter adds up what its updates round
         return 1.0 + abs(fixed[1]) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)
     return 1.0 + abs(fixed[1]) + abs(fixed[2]) if plan.kind == "matched_wall" else 1.0

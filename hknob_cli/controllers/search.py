@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.controllers.batch_stepper import BatchStepper, State, take
-from hknob_cli.controllers.controller import ControlLaw
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.controllers.plant_batch import Array
 from hknob_cli.controllers.proof import Orbits, prove
 from hknob_cli.controllers.repeat import SearchBudget, find_repeats
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -43,27 +42,6 @@ class Settled(NamedTuple):
     v: Array = np.empty(0)
     drive: Array = np.empty(0)
     begin: tuple[Array, Array | None] = (np.empty(0), None)
-
-
-def search(
-    remedy: ControlLaw,
-    lanes: PlantBatch,
-    x: Array,
-    v: Array,
-    cell: np.ndarray,
-    over: Callable[[], bool] = lambda: False,
-) -> tuple[dict[int, list[Settled]], int]:
-    """Ends of trials from (``x``, ``v``) at their first sample, by ``cell``, a number a lane; trial-samples taken.
-
-    ``over``: whether the time is over, after which the trials that are left are undecided.
-    """
-    mover = BatchStepper(remedy, lanes)
-    ends: dict[int, list[Settled]] = {int(one): [] for one in np.unique(cell)}
-
-    def enter(one: Settled) -> None:
-        count_end(ends[int(cell[one.lane])], one)
-
-    return ends, settle(mover, mover.start(x, v), enter, over)
 
 
 def settle(

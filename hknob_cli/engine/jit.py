@@ -45,7 +45,10 @@ GENERAL = (
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(f"general.laws.{name}" for name in ("kinds", "speeds", "step", "cascade", "period", "rest", "follow", "trials")),
+    *(
+        f"general.laws.{name}"
+        for name in ("kinds", "speeds", "step", "cascade", "sensed", "period", "rest", "follow", "trials")
+    ),
 )
 SETS = (
     *MOTION,

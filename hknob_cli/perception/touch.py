@@ -14,7 +14,7 @@ RADII_M = {"small": 8.9e-3, "medium": 14.95e-3}  # of the dissertation's knobs, 
 
 
 class Thresholds(NamedTuple):
-    """A published set: ``points`` (n, 2) of frequency (Hz) and peak displacement (m), where they hold, and its source."""
+    """A published set: ``points`` (n, 2) of frequency (Hz) and peak displacement (m), its range, and its source."""
 
     name: str
     points: Array

@@ -57,10 +57,9 @@ COLUMNS = {
     "unsampled": Column(
         "without a clock", "{what} is not in a continuous controller", "where sampling is continuous", "unsampled"
     ),
-    "controllers": Column(
-        "controllers", "{what} is not built beside controllers", "where a controller is given", "remedied"
+    "laws": Column(
+        "general loop, controllers", "{what} is not built beside controllers", "where a controller is given", "laws"
     ),
-    "laws": Column("general loop, controllers", "it reads counts at a clock", group="laws"),
     "phases": Column("sets: all phases", _SETS, group="sets"),
     "ranges": Column("sets: ranges", _SETS, group="sets"),
     "anywhere": Column(
@@ -84,7 +83,7 @@ COLUMNS = {
     "bench": Column("bench", "bench has no rival with {what}"),
     "device": Column("hw-run", "the spec of a device has no such key"),
 }  # fmt: skip
-ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:12], tuple(COLUMNS)[12:16], tuple(COLUMNS)[16:]
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
 
 PARTS = {
     "bias": Part("a bias torque", "bias.torque"),
@@ -128,45 +127,45 @@ PARTS = {
 
 # Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
 _TABLE = {
-    #                   plain, bounces, general, unsampled, controllers, laws
+    #                   plain, bounces, general, unsampled, laws
     #                   |      phases, ranges, anywhere, general_sets, friction_sets, controller_sets
     #                   |      |      basins, record, pulse, perceive
     #                   |      |      |    describing, relay, formulas, bench, device
-    "bias":            "PEPPPP PPPPPP PEE~ ~P~E~",
-    "hand":            "PEPPPP PPPPPP PEE~ ~P~E~",
-    "grip":            "PEPPPP PPPPPP PEE~ ~P~E~",
-    "people":          "P-PPPP PPPPPP PEE~ -----",
-    "knob_damping":    "P-PPPP PPPPPP PEE~ ~P~E~",
-    "friction":        "--PP-P ----P- -EE~ --~E~",
-    "hand_damping":    "P-PPPP PPPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PPPP PPPPPP PEE~ ~P~E~",
-    "finger":          "--P--P ---P-- -EE~ ---E-",
-    "virtual_damping": "--P--P ---PP- -EE~ --~E~",
-    "delay":           "PEP--P P--PP- -EE~ ~P~E-",
-    "lag":             "--P--P ---P-- -EE~ ---E~",
-    "torque_limit":    "--P-PP ---PPP -EE~ ---E-",
-    "torque_step":     "--P--P ---PP- -EE~ ---E-",
-    "rounding":        "PEPPPP PPPPPP PEE~ ~P~E-",
-    "offset":          "PEPPPP PPPPPP PEE~ ~P~E-",
-    "bare":            "--PP-- ------ -EE~ ---E-",
-    "unsampled":       "---P-- ------ -E-- ---E-",
-    "controller":      "----PP -----P -E-~ -----",
-    "speed_sensor":    "----PE ------ -E-~ -----",
-    "estimated_speed": "-----P ------ -E-~ -----",
-    "kalman":          "----EE ------ -E-~ -----",
-    "profile":         "--P--- ------ -EE~ -----",
-    "detents":         "--P--- ------ -EE~ -----",
-    "end_stops":       "--P--- ------ -EE~ -----",
-    "dead_zone":       "--P--- ------ -EE~ -----",
-    "motor":           "P-PPPP PPPPPP PEE~ ~P~E-",
-    "coil":            "--P--P ---P-- -EE~ -----",
-    "current_loop":    "--P--P ---P-- -EE~ ---E-",
-    "supply":          "--P-PP ---PPP -EE~ ---E-",
-    "eddy_brake":      "P-PPPP PPPPPP PEE~ ~P~E-",
-    "undamped":        "EEEEEE --E--- EEE~ ~E~E-",
-    "unheld":          "EEEPEE --E--- EEE~ ~E~E-",
-    "unpushed":        "P-PPPE PEEEPP EEE~ ~P~E~",
-    "handless":        "EEEPEE ------ -EE~ ~E~E-",
+    "bias":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "friction":        "--PPP ----P- -EE~ --~E~",
+    "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
+    "finger":          "--P-P ---P-- -EE~ ---E-",
+    "virtual_damping": "--P-P ---PP- -EE~ --~E~",
+    "delay":           "PEP-P P--PP- -EE~ ~P~E-",
+    "lag":             "--P-P ---P-- -EE~ ---E~",
+    "torque_limit":    "--P-P ---PPP -EE~ ---E-",
+    "torque_step":     "--P-P ---PP- -EE~ ---E-",
+    "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
+    "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
+    "bare":            "--PP- ------ -EE~ ---E-",
+    "unsampled":       "---P- ------ -E-- ---E-",
+    "controller":      "----P -----P -E-~ -----",
+    "speed_sensor":    "----P ------ -E-~ -----",
+    "estimated_speed": "----P ------ -E-~ -----",
+    "kalman":          "----P ------ -E-~ -----",
+    "profile":         "--P-- ------ -EE~ -----",
+    "detents":         "--P-- ------ -EE~ -----",
+    "end_stops":       "--P-- ------ -EE~ -----",
+    "dead_zone":       "--P-- ------ -EE~ -----",
+    "motor":           "P-PPP PPPPPP PEE~ ~P~E-",
+    "coil":            "--P-P ---P-- -EE~ -----",
+    "current_loop":    "--P-P ---P-- -EE~ ---E-",
+    "supply":          "--P-P ---PPP -EE~ ---E-",
+    "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E-",
+    "undamped":        "EEEEE --E--- EEE~ ~E~E-",
+    "unheld":          "EEEPE --E--- EEE~ ~E~E-",
+    "unpushed":        "P-PPE PEEEPP EEE~ ~P~E~",
+    "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
 
@@ -191,8 +190,8 @@ WHY = {
     **{(name, "bounces"): "the ball bounces on a wall" for name in OVER_ANGLE},
     **{(name, "unsampled"): "its events are those of a wall" for name in OVER_ANGLE},
     ("unsampled", "bounces"): "energy does not grow",
-    ("unsampled", "controllers"): "it has a sample clock",
-    ("bare", "controllers"): "it reads counts",
+    ("unsampled", "laws"): "it has a sample clock",
+    ("bare", "laws"): "it reads counts",
     ("bare", "bounces"): "its engine reads counts",
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",
@@ -212,7 +211,6 @@ WHY = {
     ("people", "relay"): "its spec has no population",
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
-    ("estimated_speed", "controllers"): "its law is in the general loop alone",
     ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
     ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
     **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
@@ -228,6 +226,7 @@ AT = {
 # Pairs of parts whose verdict in a column is lower than that of each of them.
 EXCEPTIONS = {
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
+    ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     **{("bare", name, "general"): (REFUSED, "its torque is a table over counts") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
@@ -241,9 +240,9 @@ APART = (
 SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where starts are anywhere"}
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
-TRIALS = ("bounces", "plain", "general", "unsampled", "controllers", "laws")
+TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
 PHASES = ("bounces", "phases", "general_sets", "friction_sets", "controller_sets", *TRIALS[1:])
-RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "controller_sets", "general", "controllers", "laws")
+RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "controller_sets", "general", "laws")
 ANYWHERE = ("bounces", "anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 

@@ -110,7 +110,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += motor_contradictions(scene, axes)
     if scene.controller:
         found += _of_another_kind(scene.controller, scene.given, axes)
-        found += refusals(scene, axes, ["controllers", "laws"])
+        found += refusals(scene, axes, ["laws"])
         if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
             found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
     elif scene.sampling == "continuous":

@@ -1,4 +1,4 @@
-"""Trials under a controller: the compiled general loop against the array engine, in the same run.
+"""Trials under a controller: the compiled general loop against the arrays of the sets of starts, in the same run.
 
     python tests/benchmarks/laws.py [PHASES]
 
@@ -10,15 +10,14 @@ import sys
 from time import perf_counter
 from typing import Any
 
-from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.scalar_law import make_law
-from hknob_cli.controllers.search import search
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Reason
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
+from tests.controllers.batches import make_batch, search
 from tests.controllers.laws import CONTROLLERS
 
 SCENE: dict[str, Any] = {
@@ -36,8 +35,8 @@ def by_arrays(scene: Any, phases: int) -> tuple[float, float]:
     proven = 0.0
     for cell in CELLS:  # of one rate at a time; a sweep puts cells of one rate side by side
         batch = make_batch(scene, [cell], Starts(angle=0.02, velocity=0.0, phases=phases))
-        ends, _ = search(make_control_law(scene.controller), batch.lanes, batch.x, batch.v, batch.cell)
-        proven += sum(one.trials for one in ends[0] if one.reason in (Reason.NONE, Reason.GREW))
+        ends = search(make_control_law(scene.controller), batch)
+        proven += sum(one.trials for one in ends if one.reason in (Reason.NONE, Reason.GREW))
     return perf_counter() - begin, proven / (phases * len(CELLS))
 
 

@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper, take
-from hknob_cli.controllers.cells import Batch, make_batch
 from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.period_run import run_lap, trace_lap
 from hknob_cli.controllers.plant_batch import count_at, flow_over, moved
 from hknob_cli.controllers.proof import prove
 from hknob_cli.controllers.repeat import SearchBudget, find_repeats
-from hknob_cli.controllers.search import search
-from hknob_cli.controllers.trajectory import follow
+from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
+from hknob_cli.stages.sweep.law_record import follow_law
+from tests.controllers.batches import Batch, make_batch, search
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of
 
@@ -103,12 +103,11 @@ def test_a_trial_far_from_its_orbit_is_not_captured_by_it() -> None:
     assert not prove(mover, near, found.period).proven.any()
 
 
-def test_trials_are_counted_once() -> None:
+def test_each_trial_comes_to_its_end() -> None:
     remedy, batch = setting("half sample", phases=8)
-    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
-    assert sum(end.trials for end in ends[0]) == 8
-    assert samples >= 8
-    for end in ends[0]:
+    ends = search(remedy, batch)
+    assert sorted(end.lane for end in ends) == list(range(8))
+    for end in ends:
         assert end.outcome is Outcome.CYCLE
         assert end.reason is Reason.NONE
         assert end.closure < 1e-12 * np.abs(end.x).max()
@@ -116,18 +115,18 @@ def test_trials_are_counted_once() -> None:
 
 @pytest.mark.parametrize("name", ["impulse, short", "phase, both"])
 def test_a_recording_is_the_references_motion(name: str) -> None:
-    remedy, batch = setting(name)
-    knob = batch.knobs[0]
-    every = follow(remedy, batch, 1, start=(knob.position(0.02), 0.0), until=40.0, every=0.3)
-    points = list(every)
+    plan = SceneSpec.model_validate({**SCENE, "controller": CONTROLLERS[name]}).plain()
+    made = make_law(plan, sample_rate_hz=1000.0, counts_per_rev=360)
+    knob = made.knob
+    points = list(follow_law(made, knob.start(0.02, 0.0), phase=0.375, until=40.0, every=0.3))
     rig = Rig(SCENE, 1000.0, 360)
     trial = list(islice(rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, 0.0, 1.5 / 4), 41))
     samples = [point for point in points if point.event == "sample"]
     assert len(samples) == 40
     for point, (theta, _, pieces) in zip(samples, trial, strict=False):
         # floats against floats: some roundings a sample
-        assert knob.angle_rad(point.x) == pytest.approx(theta, abs=1e-12)
-        assert point.torque * 0.27 * knob.quantum_rad == pytest.approx(pieces[0][0], abs=1e-10)
+        assert knob.angle_rad(point.state[0]) == pytest.approx(theta, abs=1e-12)
+        assert point.torque * knob.torque_nm == pytest.approx(pieces[0][0], abs=1e-10)
     times = [point.time for point in points]
     assert times == sorted(times)
     between = [point for point in points if not point.event and point.time > 10.0]
@@ -138,4 +137,4 @@ def test_a_recording_is_the_references_motion(name: str) -> None:
         state, left = (theta, omega), (point.time - 0.375 - n) * 1e-3
         for torque, duration in pieces:
             state, left = rig.move(state, torque, min(left, duration)), left - min(left, duration)
-        assert knob.angle_rad(point.x) == pytest.approx(state[0], abs=1e-12)
+        assert knob.angle_rad(point.state[0]) == pytest.approx(state[0], abs=1e-12)

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
+from tests.controllers.batches import make_batch
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of, mp
 

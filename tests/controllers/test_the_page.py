@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.cells import make_batch
 from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.controller import read
@@ -20,6 +19,7 @@ from hknob_cli.specs.controller import KINDS
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
 from tests.conftest import ROOT
+from tests.controllers.batches import make_batch
 from tests.controllers.laws import LAWS, LOOP_ONLY
 from tests.controllers.page_blocks import SCENE, K
 

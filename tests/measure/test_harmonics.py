@@ -133,18 +133,16 @@ CONTROLLERS = {
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
-    from hknob_cli.controllers.cells import make_batch
     from hknob_cli.controllers.controller import make_control_law
-    from hknob_cli.controllers.search import search
     from hknob_cli.measure.orbit import measure_settled, settled_harmonics
     from hknob_cli.specs.plan import Starts
+    from tests.controllers.batches import make_batch, search
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
     assert spec.controller
     remedy = make_control_law(spec.controller)
     batch = make_batch(spec, [{"sample_rate_hz": 1000.0, "counts_per_rev": 1024}], Starts(0.02, 0.0, 4))
-    ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
-    some = [one for one in ends[0] if one.outcome is Outcome.CYCLE]
+    some = [one for one in search(remedy, batch) if one.outcome is Outcome.CYCLE]
     assert some
     knob = batch.knobs[0]
     for one in some:

@@ -59,6 +59,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_box.py": FRICTION,
     "general/sets/friction_phases.py": FRICTION,
     "general/sets/convex.py": (f"{GENERAL_SETS}test_convex.py",),
+    "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
     "controllers/proof.py": (f"{CONTROLLER_SETS}test_captors.py", "tests/controllers/test_contraction.py"),
     "controllers/sets/captors.py": (f"{CONTROLLER_SETS}test_captors.py",),
     "controllers/sets/arcs.py": (f"{CONTROLLER_SETS}test_arcs.py",),

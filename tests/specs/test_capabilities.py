@@ -246,11 +246,8 @@ def test_growth_refuses_what_the_table_says(part: str) -> None:
             "ranges",
             ["some starts will be followed, not all: sets of states are not followed with a continuous sensor"],
         ),
-        (
-            "kalman",
-            "phases",
-            ["what is found will not be proven: the scene has a controller with a Kalman filter"],
-        ),
+        ("kalman", "phases", []),
+        ("speed_sensor", "phases", []),
     ],
 )
 def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]) -> None:
@@ -274,3 +271,14 @@ def test_every_column_has_a_title_of_its_own() -> None:
 
 def test_stored_page_is_current() -> None:
     assert (ROOT / "docs" / "reference" / "capabilities.md").read_text() == page(), "make schemas"
+
+
+def test_a_velocity_sensor_beside_friction_is_labelled() -> None:
+    source = Source("spec.yaml")
+    source.value = merged(merged(deepcopy(BASE), CHANGES["friction"]), CHANGES["speed_sensor"])
+    source.value["starts"] = KINDS["phases"]
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    what = "Coulomb friction with a controller that reads a velocity sensor"
+    assert not_proven(plan) == [f"what is found will not be proven: the scene has {what}"]
+    assert SweepStage(plan, jobs=1).run().cells.to_pylist()[0]["certified_fraction"] == 0.0

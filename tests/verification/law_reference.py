@@ -135,6 +135,26 @@ def periodic_wave(
     raise AssertionError("the controller's memory does not settle")
 
 
+def run_closed(
+    motion: Friction, firmware: Firmware, last: Any, under_way: list[Any], samples: int
+) -> tuple[list[Any], list[Any]]:
+    """Run samples of a controller that senses the velocity: angles at them and one more, and all torques.
+
+    ``last``: what the sensor showed before; ``under_way``: torques of the intervals before, the oldest first.
+    """
+    control = firmware.control
+    firmware.before = firmware.law.before = last
+    wave: list[Pieces] = [[(u, control.period)] for u in under_way]
+    thetas = []
+    for i in range(samples):
+        thetas.append(motion.z[KNOB])
+        wave.append(firmware.command(control.measured(motion.z[KNOB]), motion.z[SPEED], []))
+        begin = (len(under_way) + i - control.delay) * control.period
+        move(motion, window(wave, begin, begin + control.period, control.period), control, 1)
+    thetas.append(motion.z[KNOB])
+    return thetas, [torque for pieces in wave for torque, _ in pieces]
+
+
 def run_period(
     motion: Friction, wave: list[Pieces], control: Control, detections: int
 ) -> tuple[list[Any], list[list[Any]]]:

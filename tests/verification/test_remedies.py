@@ -6,16 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.cells import make_batch
-from hknob_cli.controllers.controller import make_control_law
-from hknob_cli.controllers.search import search
-from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.specs.plan import Starts
+from hknob_cli.controllers.scalar_law import LawKnob, make_law
+from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.general.laws.search import LawEngine
+from hknob_cli.engine.jit import compiled
+from hknob_cli.engine.outcome import Outcome
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import loaded
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of
+
+from .test_laws_in_the_general_loop import run
 
 GRID = """\
 kind: sweep
@@ -99,6 +101,21 @@ def draw(rng: np.random.Generator) -> tuple[dict[str, Any], float, int, str]:
     return scene, 10 ** rng.uniform(2.0, 3.7), int(10 ** rng.uniform(2.0, 3.7)), name
 
 
+def trial_ends(
+    made: LawKnob, engine: LawEngine, velocity: float, *, angle: float = 0.02, max_samples: int | None = None
+) -> tuple[Attractor, ...]:
+    """The end of one trial, whose first sample comes in the middle of an interval."""
+    return engine.search(
+        made.knob.body,
+        made.knob.wall,
+        made.knob.start(angle, velocity),
+        rate=made.rate,
+        phases=1,
+        delay_line=engine.past_length,
+        max_samples=max_samples,
+    ).attractors
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_what_is_proven_is_what_the_reference_does_for_ever_after(seed: int) -> None:
     """The trial of a proven end, from its own start by the reference, comes to the orbit and stays there."""
@@ -108,21 +125,20 @@ def test_what_is_proven_is_what_the_reference_does_for_ever_after(seed: int) -> 
         scene, rate, counts, name = draw(rng)
         plan = SceneSpec.model_validate(scene).plain()
         assert plan.controller
-        key = {"sample_rate_hz": rate, "counts_per_rev": counts}
+        made = make_law(plan, sample_rate_hz=rate, counts_per_rev=counts)
         velocity = rng.uniform(-1.0, 1.0)
-        batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=2))
-        remedy, knob = make_control_law(plan.controller), batch.knobs[0]
-        ends, _ = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)
-        for end in ends[0]:
-            if end.reason is not Reason.NONE or end.outcome not in (Outcome.CYCLE, Outcome.REST) or end.period > 400:
+        knob, engine = made.knob, LawEngine(made.law, compiled("laws"))
+        for end in trial_ends(made, engine, velocity):
+            if not end.certified or end.outcome not in (Outcome.CYCLE, Outcome.REST) or end.period > 400:
                 continue
             compared += 1
             rig = Rig(scene, rate, counts)
-            trial = rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, (end.lane + 0.5) / 2)
+            trial = rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, 0.5)
             settling = float(np.max(1.0 / -np.log(np.abs(eigenvalues(scene, rate, counts)))))
-            transient = int(40.0 * max(settling, float(remedy.settling(batch.lanes)[0]))) + 200
+            transient = int(40.0 * max(settling, 1.0 / made.rate)) + 200
             late = np.array([state[0] for state in islice(trial, transient, transient + 2 * end.period)])
-            orbit = np.array([knob.angle_rad(x) for x in end.x[: -1 : len(remedy.parts)]])
+            states, _ = run(engine, made, [end.x, end.v, *end.state], end.line, end.period)
+            orbit = np.array([knob.angle_rad(x) for x in states[:-1, 0]])
             size = np.abs(orbit).max() + knob.quantum_rad
             off = min(np.abs(np.roll(np.tile(orbit, 2), shift) - late).max() for shift in range(end.period))
             # 40 time constants leave 1e-17 of the start; rounding of both sides is 1e-12, the matrices' included.
@@ -138,20 +154,14 @@ def eigenvalues(scene: dict[str, Any], rate: float, counts: int) -> Any:
 
 
 @pytest.mark.parametrize("name", ["stiffening", "half sample"])
-def test_nothing_is_proven_without_damping(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_proven_without_damping(name: str) -> None:
     """An undamped knob keeps the energy of its start: no nearby motion approaches, whatever rounding says."""
-    monkeypatch.setattr("hknob_cli.controllers.repeat.MOST", 4096)  # samples, in place of a time without end
     scene = {
         "knob": {"inertia": 2.2e-6},
         "hand": {"damping": 0.0, "stiffness": 0.04},
         "wall": {"stiffness": 0.27},
         "controller": CONTROLLERS[name],
     }
-    plan = SceneSpec.model_validate(scene).plain()
-    assert plan.controller
-    batch = make_batch(
-        plan, [{"sample_rate_hz": 1000.0, "counts_per_rev": 64}], Starts(angle=0.5, velocity=0.0, phases=1)
-    )
-    remedy = make_control_law(plan.controller)
-    found = search(remedy, batch.lanes, batch.x, batch.v, batch.cell)[0][0]
-    assert all(end.reason is not Reason.NONE for end in found)
+    made = make_law(SceneSpec.model_validate(scene).plain(), sample_rate_hz=1000.0, counts_per_rev=64)
+    found = trial_ends(made, LawEngine(made.law, compiled("laws")), 0.0, angle=0.5, max_samples=4096)
+    assert not any(end.certified for end in found)

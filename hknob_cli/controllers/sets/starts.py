@@ -18,13 +18,6 @@ ARCS = Limits(samples=20_000_000, unproven=16_384, seekers=4096)
 BOXES = Limits(samples=100_000_000, unproven=256, seekers=64)
 
 
-def followable(remedy: ControlLaw, lanes: PlantBatch) -> np.ndarray:
-    """Lanes of which sets of starts can be followed: counts alone are read, all is affine, the knob damped and held."""
-    if not remedy.provable or remedy.senses_speed:
-        return np.empty(0, dtype=np.int64)
-    return np.flatnonzero((lanes.alpha > 0.0) & (lanes.beta > 0.0))
-
-
 def follow_starts(
     remedy: ControlLaw,
     lanes: PlantBatch,

@@ -13,7 +13,7 @@ from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTUR
 from hknob_cli.engine.general.body import distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.interval import advance_columns
-from hknob_cli.engine.general.powers import GONE, dissipates, ellipse_bound, growth_bound, invert
+from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
@@ -211,21 +211,7 @@ def certify(z, before, ring, head, period, body, wall, space):
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
     space.residual[width - 1] = before - start
-    if growth_bound(space.cols, width, space.power, space.spare, space.total, m, scale):
-        largest = 0.0
-        for i in range(m):
-            space.power[i] = space.away[i]
-            space.residual[i] = abs(space.residual[i]) + space.away[i]
-            largest = max(largest, space.residual[i] / (scale if i % 2 == 1 else 1.0))
-        for i in range(m):
-            # What is left of the difference when the powers end counts, too.
-            space.residual[i] = max(space.residual[i], GONE * largest * (scale if i % 2 == 1 else 1.0))
-        for i in range(m):
-            total = space.power[i]
-            for j in range(m):
-                total += space.total[i * m + j] * space.residual[j]
-            space.away[i] = total
-    elif not ellipse_bound(
+    if not bound_growth(
         space.cols,
         width,
         space.power,

@@ -219,3 +219,27 @@ def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale, sa
         power[i] = away[i]
         away[i] += unit(i, scale) * root * sqrt(entry)
     return True
+
+
+def bound_growth(cols, stride, power, spare, total, a, residual, away, m, scale, samples):
+    """Bound what a difference ``residual``, known to within ``away``, can ever grow to, from turn to turn.
+
+    True, and the bound in ``away``, its former self in ``power``, where there is one. Overwrites ``residual``,
+    ``spare`` and ``total`` (m, m) and ``a`` (m, 2 m).
+    """
+    if not growth_bound(cols, stride, power, spare, total, m, scale):
+        return ellipse_bound(cols, stride, power, spare, total, a, residual, away, m, scale, samples)
+    largest = 0.0
+    for i in range(m):
+        power[i] = away[i]
+        residual[i] = abs(residual[i]) + away[i]
+        largest = max(largest, residual[i] / unit(i, scale))
+    for i in range(m):
+        # What is left of the difference when the powers end counts, too.
+        residual[i] = max(residual[i], GONE * largest * unit(i, scale))
+    for i in range(m):
+        entry = power[i]
+        for j in range(m):
+            entry += total[i * m + j] * residual[j]
+        away[i] = entry
+    return True

@@ -18,6 +18,7 @@ from hknob_cli.results.parted import Parting, as_file, is_written, part_numbers,
 from hknob_cli.results.staging import Staging
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import SweepPlan
+from hknob_cli.stages.sweep.cell import follows_sets
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
@@ -69,7 +70,7 @@ class PieceFinder:
 
 def unit_of(plan: SweepPlan) -> int:
     """Cells that stay together, however a sweep is cut."""
-    if plan.scene.controller is None:
+    if not follows_sets(plan):
         return 1
     from hknob_cli.stages.sweep.controlled import block_of
 

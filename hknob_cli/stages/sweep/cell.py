@@ -17,6 +17,7 @@ from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepP
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
+REMEDIED = "remedied"  # group of sets of starts under a controller, which nothing compiles
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
 BOXED = 8e6  # samples of the plain loop that take as long as a cell whose starts fill a box, at least, roughly
@@ -65,6 +66,11 @@ def may_bounce(plan: SweepPlan) -> bool:
     }
     hands = [{GRIP: grip} for grip in plan.axes.get(GRIP, [])] or [{PERSON: who} for who in plan.axes.get(PERSON, [])]
     return any(takes("bounces", parts_of(scene_at(plan.scene, {**cell, **hand}))) for hand in hands or [{}])
+
+
+def follows_sets(plan: SweepPlan) -> bool:
+    """Whether a sweep may have cells of which sets of starts are followed under a controller."""
+    return plan.scene.controller is not None and kind_of_starts(plan.starts) in ("one", "ranges")
 
 
 def group_of(scene: Scene) -> str:

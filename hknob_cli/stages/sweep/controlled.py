@@ -1,4 +1,4 @@
-"""Cells of a sweep whose wall has a controller: all starts of one sample rate and one controller side by side."""
+"""Cells of a sweep under a controller from sets of starts: those of one sample rate and one controller side by side."""
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.cells import make_batch
-from hknob_cli.controllers.controller import ControlLaw, make_control_law
-from hknob_cli.controllers.search import Settled, search
-from hknob_cli.controllers.sets.starts import follow_starts, followable
+from hknob_cli.controllers.cells import make_lanes
+from hknob_cli.controllers.controller import make_control_law
+from hknob_cli.controllers.search import Settled
+from hknob_cli.controllers.sets.starts import follow_starts
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
@@ -18,7 +18,7 @@ from hknob_cli.measure.orbit import OrbitMeasures, measure_settled, settled_harm
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import RATE, Cell, SweepPlan, scene_at
-from hknob_cli.stages.sweep.cell import CellResult, engine_group
+from hknob_cli.stages.sweep.cell import REMEDIED, CellResult, engine_group
 from hknob_cli.stages.sweep.every_start import why_open
 
 MOST_LANES = 4096  # side by side
@@ -35,7 +35,7 @@ def remedied_results(
 ) -> Iterator[CellResult]:
     """Results of ``some`` cells, by default all of the grid, in order; those of one rate are found together.
 
-    ``find``: finds a cell that has more in it than array programs take.
+    ``find``: finds a cell whose starts are not followed as sets.
     """
     if some is None:
         grid, block = cells_of(plan), block_of(plan)
@@ -44,7 +44,7 @@ def remedied_results(
         return
     every = list(some)
     alike: dict[tuple[object, ...], deque[int]] = {}
-    alone = {i for i, cell in enumerate(every) if engine_group(plan, scene_at(plan.scene, cell)) == "laws"}
+    alone = {i for i, cell in enumerate(every) if engine_group(plan, scene_at(plan.scene, cell)) != REMEDIED}
     for i, cell in enumerate(every):
         if i in alone:
             continue
@@ -70,33 +70,18 @@ def _found(plan: SweepPlan, some: list[Cell]) -> list[CellResult]:
     assert controller
     remedy = make_control_law(controller)
     alarm = Alarm(None if plan.seconds_per_cell is None else plan.seconds_per_cell * len(some))
-    found: dict[int, CellResult] = {}
-    if not plan.starts.sampled:
-        batch = make_batch(plan.scene, some, plan.starts._replace(phases=1, span=None))
-        at = followable(remedy, batch.lanes)
-        if at.size:
-            knobs = [batch.knobs[i] for i in at]
-            ends = follow_starts(remedy, batch.lanes.take(at), knobs, plan.starts, lambda: alarm.over)
-            for i, knob, one in zip(at.tolist(), knobs, ends, strict=True):
-                result = _result(plan, some[i], knob, remedy.parts, one.ends, one.samples)
-                bound = one.undecided if plan.starts.span else None
-                found[i] = result._replace(
-                    complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound, why=why_open(result.attractors)
-                )
-    left = [i for i in range(len(some)) if i not in found]
-    if left:
-        found.update(zip(left, _sampled(plan, remedy, [some[i] for i in left], lambda: alarm.over), strict=True))
-    return [found[i] for i in range(len(some))]
-
-
-def _sampled(plan: SweepPlan, remedy: ControlLaw, some: list[Cell], over: Callable[[], bool]) -> list[CellResult]:
-    """Results of cells by trials: from phases of one start, or from random starts in a box."""
-    batch = make_batch(plan.scene, some, plan.starts._replace(random=plan.starts.phases))
-    ends, samples = search(remedy, batch.lanes, batch.x, batch.v, batch.cell, over)
-    return [
-        _result(plan, cell, knob, remedy.parts, ends[i], samples // len(some))
-        for i, (cell, knob) in enumerate(zip(some, batch.knobs, strict=True))
-    ]
+    knobs, lanes = make_lanes(plan.scene, some)
+    ends = follow_starts(remedy, lanes, knobs, plan.starts, lambda: alarm.over)
+    found = []
+    for cell, knob, one in zip(some, knobs, ends, strict=True):
+        result = _result(plan, cell, knob, remedy.parts, one.ends, one.samples)
+        bound = one.undecided if plan.starts.span else None
+        found.append(
+            result._replace(
+                complete=one.undecided == 0.0, pieces=one.pieces, undecided=bound, why=why_open(result.attractors)
+            )
+        )
+    return found
 
 
 def _result(
@@ -116,7 +101,7 @@ def _result(
         attractors=tuple(row[0] for row in rows),
         measures=tuple(row[1] for row in rows),
         samples=samples,
-        group="remedied",
+        group=REMEDIED,
         perceived=tuple(row[2] for row in rows) if plan.perceive else (),
     )
 

@@ -89,7 +89,7 @@ def _instants(plan: SweepPlan, scene: Scene, cell: Cell, trial: int, angle: floa
     if not scene.sampled:
         return _unsampled(plan, scene, counts, angle)
     if scene.controller:
-        return _controlled(plan, cell, trial, angle)
+        return _with_law(plan, cell, trial, angle)
     knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=counts)
     phase = (trial + 0.5) / plan.starts.phases
     return record_trial(knob, plan.record, angle=angle, velocity=plan.starts.velocity, phase=phase)
@@ -182,37 +182,8 @@ def record_trial(
         yield _instant(knob, time, event, z, z[n - 1] if body.lag > 0.0 else acting)
 
 
-def _controlled(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
-    """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
-    from hknob_cli.specs.capabilities import TRIALS, engine_of
-
-    if engine_of(scene_at(plan.scene, cell), TRIALS) == "laws":
-        yield from _with_law(plan, cell, trial, angle_rad)
-        return
-    from hknob_cli.controllers.cells import make_batch
-    from hknob_cli.controllers.controller import make_control_law
-    from hknob_cli.controllers.trajectory import follow
-
-    scene, record = scene_at(plan.scene, cell), plan.record
-    assert record
-    assert scene.controller
-    batch = make_batch(plan.scene, [cell], plan.starts._replace(angle=angle_rad))
-    knob, period_s = batch.knobs[0], batch.knobs[0].period_s
-    points = follow(
-        make_control_law(scene.controller),
-        batch,
-        trial,
-        start=(knob.position(angle_rad), knob.speed(plan.starts.velocity)),
-        until=record.duration / period_s,
-        every=record.interval / period_s,
-    )
-    speed, step = knob.quantum_rad / period_s, scene.wall.stiffness * knob.quantum_rad
-    for one in points:
-        yield Instant(one.time * period_s, one.event, knob.angle_rad(one.x), one.v * speed, one.torque * step)
-
-
 def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:
-    """The same in the general loop."""
+    """Motion under a controller: every sample, every change of its torque, and between them at the interval asked."""
     from hknob_cli.controllers.scalar_law import make_law
     from hknob_cli.stages.sweep.law_record import follow_law
 

@@ -13,6 +13,7 @@ CONTROLLERS: dict[str, dict[str, Any]] = {
     "phase, 360": {"kind": "phase_damping"},
     "phase, 90": {"kind": "phase_damping", "degrees": 90.0, "height": 0.8},
     "phase, both": {"kind": "phase_damping", "degrees": 90.0, "crossings": "both"},
+    "phase, Kalman": {"kind": "phase_damping", "degrees": 90.0, "crossings": "both", "estimate": "kalman"},
 }
 VARIANTS: list[dict[str, Any]] = [
     {"kind": "phase_damping"},
@@ -29,8 +30,20 @@ class Source(Law):
         self.sample = -1
         self.crossed: dict[bool, int] = {}  # sample of the last way in (True) and out
         self.last: bool | None = None
-        self.times: dict[bool, int] = {}
+        self.times: dict[bool, Any] = {}
+        self.spread: dict[bool, Any] = {}
         self.was_in = False
+
+    def learn(self, side: bool, time: int) -> None:
+        """A time as it is, or into a Kalman filter of a constant that drifts: in information, not in variance."""
+        if self.numbers.get("estimate", "last") == "last":
+            self.times[side] = time
+            return
+        one = self.rig.number(1)
+        known = one / (self.spread.get(side, 1000 * one) + one / 20)  # of what was predicted
+        more = known + 6 * one  # a time between samples is uniform to within one: a sixth
+        self.times[side] = (known * self.times.get(side, self.zero) + 6 * time) / more
+        self.spread[side] = one / more
 
     def act(self, shown: Any, speed: Any, before: Any, looks: list[Any]) -> Any:
         both = self.numbers.get("crossings", "in") == "both"
@@ -40,9 +53,9 @@ class Source(Law):
         is_in = now > self.mean
         if is_in != self.was_in and (is_in or both):
             if both and self.last is not None:
-                self.times[not is_in] = self.sample - self.crossed[self.last]  # time spent on the side that is left
+                self.learn(not is_in, self.sample - self.crossed[self.last])  # time spent on the side that is left
             elif not both and is_in in self.crossed:
-                self.times[is_in] = self.sample - self.crossed[is_in]
+                self.learn(is_in, self.sample - self.crossed[is_in])
             self.crossed[is_in], self.last = self.sample, is_in
         self.was_in = is_in
         if self.last is None or self.last not in self.times:

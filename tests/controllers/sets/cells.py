@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.cells import Batch, make_batch
 from hknob_cli.controllers.controller import ControlLaw, make_control_law
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
+from tests.controllers.batches import Batch, make_batch
 from tests.controllers.laws import CONTROLLERS
 
 SCENE: dict[str, Any] = {
@@ -18,8 +18,10 @@ SCENE: dict[str, Any] = {
 }
 PHASES = Starts(angle=0.02, velocity=-0.3, phases=1, sampled=False)
 BOX = Starts(angle=0.0, velocity=0.0, phases=1, sampled=False, span=(-0.02, 0.02, -1.0, 1.0))
-# Controllers whose memory is a function of the counts alone.
-COUNTING = [name for name, one in CONTROLLERS.items() if one.get("velocity") != "sensor"]
+# Controllers whose memory is a function of the counts alone, and piecewise affine.
+COUNTING = [
+    name for name, one in CONTROLLERS.items() if one.get("velocity") != "sensor" and one.get("estimate") != "kalman"
+]
 # Encoders and limits under which they are tried.
 CHANGES: list[dict[str, Any]] = [
     {},

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from hknob_cli.controllers.cells import make_batch
-from hknob_cli.controllers.controller import make_control_law
-from hknob_cli.controllers.search import search
+from hknob_cli.controllers.scalar_law import make_law
+from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.sets.search import Box, SetEngine
@@ -70,7 +69,18 @@ def test_the_general_loop_follows_each_from_its_state_at_a_sample() -> None:
 def test_controllers_follow_each_from_its_state_at_a_sample() -> None:
     """A bounded lag that keeps all of the wall is the wall."""
     wall = Controller(kind="bounded_lag", keep=1.0, time_constant=0.05)
-    batch = make_batch(SceneSpec.model_validate(SCENE).plain()._replace(controller=wall), [CELL], STARTS)
-    assert len(batch.x) == 60
-    ends, _ = search(make_control_law(wall), batch.lanes, batch.x, batch.v, batch.cell)
-    assert {one.period: one.trials for one in ends[0]} == expected()
+    plan = SceneSpec.model_validate(SCENE).plain()._replace(controller=wall)
+    made = make_law(plan, sample_rate_hz=CELL[RATE], counts_per_rev=int(CELL[COUNTS]))
+    engine = LawEngine(made.law, compiled("laws"))
+    several = [made.knob.start(*one) for one in random_starts(STARTS)]
+    found = engine.search(
+        made.knob.body,
+        made.knob.wall,
+        [max(map(abs, values)) for values in zip(*several, strict=True)],
+        several=several,
+        rate=made.rate,
+        phases=len(several),
+        delay_line=engine.past_length,
+        max_samples=None,
+    )
+    assert {one.period: one.trials for one in found.attractors} == expected()

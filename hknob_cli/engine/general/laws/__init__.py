@@ -3,7 +3,7 @@
 - `kinds` the laws, a function each, compiled alone and called by address; `speeds` those that estimate a speed
 - `law` what the loop knows of one, `step` a sample interval under it, and a period written down
 - `cascade` how far two motions with the same readings part
-- `period` the proof, `rest`, `follow` a trial, `trials` a cell
+- `period` the proof, `sensed` that of a law that reads the velocity, `rest`, `follow` a trial, `trials` a cell
 
 What a controller remembers follows from the readings alone, so the loop is a cascade: readings, memory, torque, plant.
 Of the memory most is counted: a place, a time, a torque of the last samples, the same numbers in all motions with the
@@ -15,6 +15,11 @@ A repeating sequence of readings therefore has one periodic memory and one perio
 motion has these readings, by more than all errors, it is a limit cycle; where a trial's distance, with the sum, is less
 than the margin, and the number that fades is nearer to the orbit's than any guard is to 0, the trial stays with it.
 
-A controller that reads the velocity is no such cascade, and a Kalman filter's memory is not affine. Their motion is
-as exact, and what repeats is labelled as not proven.
+What a Kalman filter estimates follows from the readings as well, and comes to numbers that repeat to the last bit. The
+sum of energy of a passivity controller may drift. Where the controller owes more than its damper can give back at any
+sample, and owes more after each period, its torques no longer depend on how much it is.
+
+A controller that reads the velocity is no such cascade: two motions with the same readings get other torques. Without
+friction a period is an affine map between edges, and its powers bound how far two motions part. With friction what
+repeats is labelled as not proven.
 """

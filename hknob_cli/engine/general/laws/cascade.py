@@ -7,18 +7,18 @@ from hknob_cli.engine.general.laws.law import PAIR_ACROSS, PAIR_NORM
 
 
 def same_count(past, other, law):
-    """Whether all that is remembered is the same, but for what fades and the torques under way."""
+    """Whether all that is remembered is the same, but for what fades or drifts and the torques under way."""
     for j in range(law.line):
-        fades = j == law.fading or (len(law.pair) > 0 and j == law.fading + 1)
-        if not fades and past[j] != other[j]:
+        moves = j == law.fading or j == law.drifts or (len(law.pair) > 0 and j == law.fading + 1)
+        if not moves and past[j] != other[j]:
             return False
     return True
 
 
 def nearly_same(past, other, law, within):
-    """Whether all that is remembered differs by at most ``within``, relatively."""
+    """Whether all that is remembered differs by at most ``within``, relatively, but for what drifts."""
     for j in range(law.line):
-        if not abs(past[j] - other[j]) <= within * (1.0 + abs(other[j])):
+        if j != law.drifts and not abs(past[j] - other[j]) <= within * (1.0 + abs(other[j])):
             return False
     return True
 
@@ -64,6 +64,16 @@ def size_faded(past, law):
     if len(law.pair) == 0:
         return abs(past[law.fading]), 1.0
     return abs(past[law.fading]) + abs(past[law.fading + 1]), law.pair[PAIR_ACROSS]
+
+
+def sums_agree(past, other, room, law):
+    """Whether a sum that drifts is in two motions the same, or decides nothing in either.
+
+    ``room``: by how much the sum of ``other`` may rise before the law acts by it, at any time to come.
+    """
+    if law.drifts < 0 or past[law.drifts] == other[law.drifts]:
+        return True
+    return past[law.drifts] - other[law.drifts] < room
 
 
 def torques_apart(past, other, law):

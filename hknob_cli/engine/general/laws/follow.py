@@ -22,10 +22,11 @@ from hknob_cli.engine.general.laws.cascade import (
     nearly_same,
     pushed_apart,
     same_count,
+    sums_agree,
     torques_apart,
 )
-from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH
-from hknob_cli.engine.general.laws.period import AT_SWITCH, REPEATS, certify_with_law
+from hknob_cli.engine.general.laws.law import AT_SWITCH, CYCLE_AT_SWITCH
+from hknob_cli.engine.general.laws.period import REPEATS, certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
 from hknob_cli.engine.general.laws.step import advance_with_law, copy_to
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
@@ -55,9 +56,12 @@ def fate_of(status, law):
 def captured_with_law(z, past, body, law, away, rows, table, states, pasts):
     """Row of the proven orbit, at its deepest sample, so close to ``z`` that it is followed for ever; -1 if none.
 
-    The last number of a row is not a reading here, but by how much the orbit's guards clear all errors.
+    The last number of a row is not a reading here, but by how much the orbit's guards clear all errors, or by how much
+    a sum that drifts may rise.
     """
     n, length = body.order, len(past)
+    if law.senses:
+        return -1  # the torques of a motion beside the orbit are others: each trial has its own proof
     for row in range(rows):
         base = row * FIELDS
         margin = table[base + 2] - table[base + 5]
@@ -65,7 +69,7 @@ def captured_with_law(z, past, body, law, away, rows, table, states, pasts):
             continue
         for j in range(length):
             law.beside[j] = pasts[row * length + j]
-        if not same_count(past, law.beside, law):
+        if not same_count(past, law.beside, law) or not sums_agree(past, law.beside, table[base + 9], law):
             continue
         if law.guarded and not faded(past, law.beside, law) < table[base + 9]:
             continue
@@ -142,15 +146,16 @@ def follow_with_law(
         else:
             run, next_test = 0, FIRST_REST_TEST
             resting_on_edge, settling = False, False
-        if shown < last or (not law.provable and run % LOOK_AGAIN == LOOK_AGAIN - 1):
-            # What cannot be proven to rest may still come to a standstill within one count.
+        if shown < last or ((law.senses or not law.provable) and run % LOOK_AGAIN == LOOK_AGAIN - 1):
+            # What is not proven to rest by its readings may still come to a standstill within one count.
             if have:
                 for j in range(n):
                     space.away[j] = z[j] - check[j]
                 gap = unlike(space.away, past, checkpast, body, law)
                 if gap < tolerance:
                     status, margin = DIFFERENT, 0.0
-                    if law.provable and gap > 0.0 and left_alone < PATIENCE and has_period(since, rows, table):
+                    waits = law.provable and not law.senses and gap > 0.0 and left_alone < PATIENCE
+                    if waits and has_period(since, rows, table):
                         status, left_alone = WAIT, left_alone + 1
                         tolerance = 0.25 * gap
                     else:
@@ -171,7 +176,7 @@ def follow_with_law(
                             return kept_fate, since, i
                     if status != WAIT:
                         tolerance = 0.5 * gap
-                    if status == NOT_CAPTURED:
+                    if status == NOT_CAPTURED and not law.senses:
                         for j in range(n):
                             space.away[j] = z[j] - space.orbit[j]
                         away = apart(space.away, past, law.periodic, body, law)

@@ -2,8 +2,9 @@
 
 ``shown``: the encoder's count; ``speed``: of a velocity sensor, counts a sample; ``past``: memory, which a law rewrites
 in place, then the last reading and those at the looks into the last interval; ``fixed``: numbers of its own, first the
-offset of the counts; ``out``: takes the torques of the parts of the interval, in steps of the wall. What is returned
-is how far the number that fades may move before the law acts otherwise; inf where it may be anything.
+offset of the counts; ``out``: takes the torques of the parts of the interval, in steps of the wall, and of a law that
+senses the speed, which has one part, the torque's slope by it. What is returned is how far the number that fades, the
+sum that drifts, or the speed that is sensed may move before the law acts otherwise; inf where it may be anything.
 
 The sources of the laws are given in `controllers`, which has them over arrays of trials.
 """
@@ -46,8 +47,10 @@ def half_sample(shown, speed, past, fixed, out):
     pace = speed if fixed[4] > 0.0 else at - past[0]
     middle = (fixed[2] * at + fixed[1] * pace) * fixed[3]
     past[0] = at
+    slope = fixed[1] * fixed[3]
     out[0] = max(-middle, 0.0)
-    return inf
+    out[1] = -slope if middle < 0.0 else 0.0
+    return abs(middle) / slope
 
 
 def impulse_damping(shown, speed, past, fixed, out):
@@ -75,6 +78,7 @@ def matched_wall(shown, speed, past, fixed, out):
     pace = speed if fixed[3] > 0.0 else at - past[0]
     past[0] = at
     out[0] = -(fixed[1] * at + fixed[2] * pace) if shown < 0.0 else 0.0
+    out[1] = -fixed[2] if shown < 0.0 else 0.0
     return inf
 
 
@@ -82,7 +86,7 @@ def passivity(shown, speed, past, fixed, out):
     """Memory: place, torque, energy, and 1 where the energy begins anew. Fixed: offset, most damping, reset."""
     now, at = depth_of(shown, fixed[0]), shown + fixed[0]
     travel = at - past[0]
-    energy = past[2] - past[1] * travel
+    energy = owed = past[2] - past[1] * travel
     torque = now
     if energy < 0.0 and travel != 0.0:
         torque = now - min(-energy / (travel * travel), fixed[1]) * travel
@@ -92,7 +96,7 @@ def passivity(shown, speed, past, fixed, out):
         past[3] = 1.0
     past[0], past[1], past[2] = at, torque, energy
     out[0] = torque
-    return inf
+    return -owed - fixed[1] * travel * travel if travel != 0.0 else inf
 
 
 def take_time(past, row, variance, time, kalman):
@@ -170,10 +174,11 @@ def velocity_damping(shown, speed, past, fixed, out):
     if fixed[5] > 0.0:
         pace = past[window] + fixed[5] * (pace - past[window])
         past[window] = pace
+    if fixed[5] > 0.0 or fixed[2] > 0.0:
         room = abs(fixed[6] - abs(pace))
-    out[0] = depth_of(shown, fixed[0])
+    out[0], out[1] = depth_of(shown, fixed[0]), 0.0
     if fixed[3] > 0.0 or shown < 0.0:
-        out[0] = out[0] + fixed[1] * pace
+        out[0], out[1] = out[0] + fixed[1] * pace, fixed[1]
     if abs(pace) > fixed[6]:
-        out[0] = 0.0
+        out[0], out[1] = 0.0, 0.0
     return room

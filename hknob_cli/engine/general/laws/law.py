@@ -10,6 +10,9 @@ SPAN, S, G, F, TORQUE, LOOK, MATRIX = range(PIECE)
 # Numbers of a pair of rows that fades: the map of a sample, row by row; the norm in which it shrinks, two forms; and
 # by how much that norm is larger than the size of a difference.
 PAIR_NORM, PAIR_ACROSS, PAIR = 4, 8, 9
+BLOCK = 256  # samples over which rounding is followed one by one
+ROUNDINGS = 16.0  # of a torque, or of an update of what fades
+AT_SWITCH = 7  # status of a proof: a guard of the law lies within the error bound
 
 # Fates beside those of `general.follow`.
 CYCLE_AT_SWITCH = 12
@@ -42,11 +45,16 @@ class Law(NamedTuple):
     coarse: float  # times that a torque's rounding may be larger than that of the wall's own
     guarded: bool  # whether the law's guards are of that row
     anchor: int  # a row that is 1 where the others have just begun anew, which a proof needs; or -1
+    drifts: int  # a row that is a sum, and may grow for ever where the law no longer acts by it; or -1
+    senses: bool  # whether the law reads the velocity
     provable: bool
     unproven: int  # fate of what repeats under a law that is not provable
     watch: Controller  # the wall, with virtual damping where readings outside matter: which edges change a command
-    out: Any  # (parts)
+    out: Any  # (2 * parts), torques, and their slopes by the speed
     room: Any  # (1), by how much the guards of the last orbit tried clear all errors
     beside: Any  # like ``past``, of a motion beside the trial
     periodic: Any  # like ``past``, of the periodic orbit
+    affine: Any  # ((m + 1) * m), of a law that senses, m numbers in `laws.sensed`: an interval's map
+    slopes: Any  # (BLOCK), by the speed, of the torques of a block of intervals
+    noise: Any  # (3 * m), what rounding may come to
     pair: Any = ()  # numbers of two rows that fade together, or none

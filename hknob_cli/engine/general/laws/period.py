@@ -18,15 +18,16 @@ from hknob_cli.engine.general.laws.cascade import (
     same_count,
     settle_faded,
     size_faded,
+    sums_agree,
 )
-from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.sensed import certify_sensed
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
 from hknob_cli.engine.general.powers import dissipates, invert
 
-AT_SWITCH = 7  # a guard of the law lies within the error bound
 REPEATS = 1e-8  # counts, relative: by which what cannot be proven must come back
-ROUNDINGS = 16.0  # of a torque, or of an update of what fades
+SURE = 1e-9  # of a sum: far more than the roundings of all samples that are ever taken
 
 
 def turn_with_law(past, period, body, wall, law, space, m):
@@ -107,6 +108,20 @@ def find_periodic_past(z, past, period, body, wall, law, space):
     return True
 
 
+def drift_of(guard, strength, pace, period, wall, law):
+    """Whether a sum that did not begin anew decides nothing for ever, and by how much it may rise until it does.
+
+    ``guard``: by how much it may rise in the period that has ended in ``law.beside``. It must fall from period to
+    period. The torques are the same as long as it decides nothing, and rounding does not change the order of two sums.
+    """
+    if law.drifts < 0:
+        return False, -float("inf")
+    before, after = law.periodic[law.drifts], law.beside[law.drifts]
+    size = 1.0 + abs(before) + abs(after) + strength / wall.kappa * pace
+    spare = guard - SURE * size
+    return before - after > ROUNDINGS * EPSILON * period * size and spare > 0.0, spare
+
+
 def certify_repeat(z, past, period, body, wall, law, space):
     """What `certify_with_law` says of a law that cannot be proven: whether the trial comes back, to eight digits."""
     copy_to(space.orbit, z)
@@ -130,6 +145,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
     n = body.order
     if not law.provable:
         return certify_repeat(z, past, period, body, wall, law, space)
+    if law.senses:
+        return certify_sensed(z, past, period, body, wall, law, space)
     if not find_periodic_past(z, past, period, body, wall, law, space):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     copy_to(space.orbit, z)
@@ -166,6 +183,9 @@ def certify_with_law(z, past, period, body, wall, law, space):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     if not solved:
         return NEUTRAL, margin, edge, closure, 0.0
+    settled, spare = drift_of(guard, strength, pace, period, wall, law) if not anchored else (True, -float("inf"))
+    if anchored and not sums_agree(law.beside, law.periodic, spare, law):
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     # How wrong the number that fades may be, by its residual and by the rounding of each update; how wrong a torque.
     worn = 0.0
     if law.fading >= 0:
@@ -174,7 +194,7 @@ def certify_with_law(z, past, period, body, wall, law, space):
         worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
     size = law.coarse * (strength + wall.kappa * (1.0 + reach))  # of the terms of a torque, which may cancel
     wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
-    if law.anchor >= 0:
+    if law.anchor >= 0 and anchored:
         wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew
     # A torque that is wrong all along moves a speed by so much at most, by energy, and a position by that over a way.
     drift = wrong * period * (1.0 + sqrt(body.ratio))
@@ -199,14 +219,15 @@ def certify_with_law(z, past, period, body, wall, law, space):
             return AT_EVENT, margin, edge, closure, bound
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
-    law.room[0] = guard - worn
+    law.room[0] = guard - worn if law.drifts < 0 else spare
     if law.guarded and not guard > worn:
         return AT_SWITCH, margin, edge, closure, bound
-    if not anchored or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
+    if not settled or not dissipates(space.cols, space.width, space.power, space.spare, n, scale, period):
         return EXPANDS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     near = apart(space.residual, past, law.periodic, body, law) + bound < margin
+    near = near and sums_agree(past, law.periodic, law.room[0], law)
     if near and (not law.guarded or faded(past, law.periodic, law) < law.room[0]):
         return PROVEN, margin, edge, closure, bound
     return NOT_CAPTURED, margin, edge, closure, bound

@@ -60,7 +60,7 @@ def find_balance(u, body, orbit):
 
 def settles_with_law(z, shown, past, body, wall, law, orbit, away):
     """Fate of a trial whose reading goes on, as `standstill.settles`; the rest point is left in ``orbit``."""
-    if not law.provable:
+    if law.senses or not law.provable:
         return MOVING
     still, guard = settled_past(past, shown, wall, law)
     if not still:

@@ -10,10 +10,25 @@ from hknob_cli.engine.loop import floor
 FREE = 1e300  # of a guard
 
 
+def driven_slope(u, slope, wall):
+    """Slope of a torque by the speed, after the D/A converter and the amplifier, and the speed's way until it changes.
+
+    ``u``: torque, and ``slope``: its slope, both before them, as accelerations.
+    """
+    if slope == 0.0:
+        return 0.0, FREE
+    if wall.step > 0.0:
+        part = (u / wall.step + 0.5) % 1.0
+        return 0.0, min(part, 1.0 - part) * wall.step / abs(slope)
+    room = abs(abs(u) - wall.limit) / abs(slope)
+    return (slope if abs(u) < wall.limit else 0.0), room
+
+
 def decide(shown, speed, past, wall, law):
     """Let the law act on a reading: memory, torques and last reading are renewed in ``past``; the least guard.
 
-    The wall's virtual damping acts beside the law, inside the wall. The D/A converter and the amplifier come last.
+    The wall's virtual damping acts beside the law, inside the wall. The D/A converter and the amplifier come last. Of a
+    law that senses the speed, ``law.out`` is left with the slopes of what is driven.
     """
     guard = law.act(shown, speed, past, law.fixed, law.out)
     newest = law.line + (law.ages - 1) * law.parts
@@ -22,6 +37,10 @@ def decide(shown, speed, past, wall, law):
     brake = wall.damping * (shown - past[law.rows]) if shown < 0.0 else 0.0
     for i in range(law.parts):
         u = wall.kappa * law.out[i] - brake
+        if law.senses:
+            slope, room = driven_slope(u, wall.kappa * law.out[law.parts + i], wall)
+            law.out[law.parts + i] = slope
+            guard = min(guard, room)
         if wall.step > 0.0:
             if law.weight > 0.0:
                 part = (u / wall.step + 0.5) % 1.0

@@ -1,6 +1,6 @@
 """The trials of one cell under a law, one after another, counted by their orbit: as `general.ensemble`."""
 
-from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.controller import read
@@ -43,6 +43,18 @@ def turn_to_deepest(z, past, period, body, wall, law, space, best, bestpast):
     return period
 
 
+def rest_of_law(z, past, body, wall, law, space):
+    """Fate of a motion that is the same at every sample; ``z`` and ``past`` are moved to it where that is proven."""
+    if not law.provable:
+        return REST_NOT_PROVEN
+    status, _, _, _, _ = certify_with_law(z, past, 1, body, wall, law, space)
+    if status == PROVEN or status == NOT_CAPTURED:
+        copy_to(z, space.orbit)
+        copy_to(past, law.periodic)
+        return REST_PROVEN
+    return REST_EDGE if status == ON_EDGE else REST_NOT_PROVEN
+
+
 def enter_with_law(
     fate, period, z, past, capacity, rows, table, states, pasts, body, wall, law, space, check, checkpast
 ):
@@ -53,8 +65,8 @@ def enter_with_law(
     margin, edge, closure, bound = 0.0, 0.0, 0.0, 0.0
     if cycle:
         period = turn_to_deepest(z, past, period, body, wall, law, space, check, checkpast)
-        if not law.provable and period == 1:
-            cycle, fate = False, REST_NOT_PROVEN
+        if period == 1 and (law.senses or not law.provable):
+            cycle, fate = False, rest_of_law(z, past, body, wall, law, space)
     rest = fate == REST_NOT_PROVEN or fate == REST_PROVEN or fate == REST_EDGE
     shown = read(z[0], wall) if rest and body.friction > 0.0 else float("nan")
     row = find(fate, period, z, shown, rows, table, states, n)

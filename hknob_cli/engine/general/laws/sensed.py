@@ -1,0 +1,254 @@
+"""Proof of a limit cycle under a law that senses the velocity: two motions with the same readings get other torques.
+
+Without friction, and while no reading and no guard of the law changes, an interval is an affine map of the plant's
+state and the torques under way, and so is a period: its derivative M is carried along with the slopes of the torques.
+Newton's method finds the fixed point. What rounding adds in an interval goes through all later ones of the period; a
+bound on that is carried along as well, block by block. The powers of M, or an ellipse that M shrinks, say how far a
+trial's difference from the orbit can ever get at the start of a period, and the derivative up to a sample what that
+means there. Where no sample comes to an edge, nor the speed to where the law acts otherwise, the trial stays for ever.
+
+Rest is a period of one sample.
+"""
+
+from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
+from hknob_cli.engine.general.advance import rub_columns
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.laws.cascade import same_count
+from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.step import copy_to, decide
+from hknob_cli.engine.general.period_map import EXPANDS, LEAST_SCALE, NEWTON_STEPS
+from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
+
+
+def begin_columns(space, count):
+    """The derivatives of the state by itself, ``count`` columns."""
+    for c in range(count):
+        for i in range(space.width):
+            space.cols[c * space.width + i] = 1.0 if i == c else 0.0
+
+
+def move_columns(past, body, law, space, count):
+    """Move the motion in ``space`` and its columns over an interval whose torques are decided.
+
+    A column has the state, then the torques, the oldest first; at a sample the oldest no longer counts.
+    """
+    n, width = body.order, space.width
+    for piece in range(law.pieces):
+        at = piece * PIECE
+        torque = int(law.sched[at + TORQUE])
+        for c in range(count):
+            space.cols[width * width + c] = space.cols[c * width + n + torque - law.line]
+        rub_columns(
+            space.state,
+            past[torque],
+            law.sched[at + SPAN],
+            law.sched[at + S],
+            law.sched[at + G],
+            law.sched[at + F],
+            body,
+            space.pad,
+            space.cols,
+            width * width,
+            count,
+            width,
+            space.marks,
+        )
+    for c in range(count):
+        for j in range(law.ages - 1):
+            space.cols[c * width + n + j] = space.cols[c * width + n + j + 1]
+
+
+def sense(past, wall, law, space, m):
+    """Sense and decide at a sample: ``(margin, edge, guard, slope)``; the torque's slope is put into the columns."""
+    x = space.state[0]
+    shown = read(x, wall)
+    guard = decide(shown, space.state[1], past, wall, law)
+    slope = law.out[law.parts]
+    for c in range(m):
+        space.cols[c * space.width + m] = slope * space.cols[c * space.width + 1]
+    return edge_gap(x, shown, shown, law.watch), count_gap(x, wall), guard, slope
+
+
+def turn_sensed(past, period, body, wall, law, space, m):
+    """Run the orbit in ``space`` over a period with its derivative: ``(margin, edge, reach, pace, strength)``."""
+    begin_columns(space, m)
+    copy_to(space.state, space.orbit)
+    margin, edge, reach, pace, strength = float("inf"), float("inf"), 0.0, 0.0, 0.0
+    for _ in range(period):
+        x = space.state[0]
+        reach, pace = max(reach, abs(x)), max(pace, abs(space.state[1]))
+        gap, beside, _, _ = sense(past, wall, law, space, m)
+        margin, edge = min(margin, gap), min(edge, beside)
+        strength = max(strength, abs(past[law.line + law.ages - 1]))
+        move_columns(past, body, law, space, m)
+        pace = max(pace, abs(space.state[0] - x))
+    return margin, edge, reach, pace, strength
+
+
+def chart_interval(past, body, law, space, m):
+    """Leave in ``law.affine`` the map of an interval whose torque has no slope, and what a torque of 1 adds to it.
+
+    Column c is at ``c * m``; the last one, of the torque, at ``m * m``.
+    """
+    begin_columns(space, m + 1)
+    copy_to(space.state, space.orbit)
+    move_columns(past, body, law, space, m + 1)
+    for c in range(m + 1):
+        for i in range(m):
+            law.affine[c * m + i] = space.cols[c * space.width + i]
+
+
+def carried(entry, count, law, m, row):
+    """Bound on what rounding has come to in ``entry`` of the state, ``count`` intervals into a block.
+
+    ``law.noise`` has what an interval adds (m), and what there was at the block's beginning (m). ``row`` is work space.
+    """
+    for c in range(m):
+        row[c] = 1.0 if c == entry else 0.0
+    total = 0.0
+    for j in range(count - 1, -1, -1):
+        pushed = 0.0
+        for i in range(m):
+            total += abs(row[i]) * law.noise[i]
+            pushed += row[i] * law.affine[m * m + i]
+        for c in range(m):
+            entry_c = law.slopes[j] * pushed if c == 1 else 0.0
+            for i in range(m):
+                entry_c += row[i] * law.affine[c * m + i]
+            row[m + c] = entry_c
+        for c in range(m):
+            row[c] = row[m + c]
+    for c in range(m):
+        total += abs(row[c]) * law.noise[m + c]
+    return total
+
+
+def close_block(count, law, m, row):
+    """Begin a new block after ``count`` intervals."""
+    for i in range(m):
+        law.noise[2 * m + i] = carried(i, count, law, m, row)
+    for i in range(m):
+        law.noise[m + i] = law.noise[2 * m + i]
+
+
+def within(past, period, body, wall, law, space, m):
+    """Whether readings and guards of a period stay: ``(edges, guards, near, bound)``.
+
+    By the orbit's error, ``space.power`` at its start, every sample keeps its reading, and every speed its guard; and
+    both by a difference of ``space.away`` there. ``bound``: on the error of a position. What rounding has come to at
+    the end of the period is left in ``law.noise``.
+    """
+    width = space.width
+    begin_columns(space, m)
+    copy_to(space.state, space.orbit)
+    for i in range(m):
+        law.noise[m + i] = 0.0
+    edges, guards, near, bound, count = True, True, True, 0.0, 0
+    for _ in range(period):
+        gap, _, guard, slope = sense(past, wall, law, space, m)
+        place, pace = carried(0, count, law, m, space.spare), carried(1, count, law, m, space.spare)
+        far, fast = place, pace
+        for c in range(m):
+            place += abs(space.cols[c * width]) * space.power[c]
+            pace += abs(space.cols[c * width + 1]) * space.power[c]
+            far += abs(space.cols[c * width]) * space.away[c]
+            fast += abs(space.cols[c * width + 1]) * space.away[c]
+        edges, guards = edges and place < gap, guards and pace < guard
+        near = near and far < gap and fast < guard
+        bound = max(bound, place)
+        law.slopes[count] = slope
+        count += 1
+        move_columns(past, body, law, space, m)
+        if count == BLOCK:
+            close_block(count, law, m, space.spare)
+            count = 0
+    close_block(count, law, m, space.spare)
+    return edges, guards, near, bound
+
+
+def certify_sensed(z, past, period, body, wall, law, space):
+    """Try to prove an orbit of ``period`` samples, as `laws.period.certify_with_law` does."""
+    n, width = body.order, space.width
+    under_way = law.line + 1  # torques of the samples before
+    m = n + law.ages - 1
+    copy_to(space.orbit, z)
+    copy_to(law.periodic, past)
+    margin, edge, reach, pace, strength, closure = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    solved, best = True, float("inf")
+    for step in range(NEWTON_STEPS):
+        copy_to(law.beside, law.periodic)
+        margin, edge, reach, pace, strength = turn_sensed(law.beside, period, body, wall, law, space, m)
+        if not same_count(law.beside, law.periodic, law):
+            return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+        closure = 0.0
+        for i in range(m):
+            if i < n:
+                space.residual[i] = space.state[i] - space.orbit[i]
+            else:
+                space.residual[i] = law.beside[under_way + i - n] - law.periodic[under_way + i - n]
+            closure += space.residual[i] * space.residual[i]
+        closure = closure**0.5
+        solved = invert(space.matrix, space.cols, m, width)
+        if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
+            break
+        best = min(best, closure)
+        for i in range(m):
+            change = 0.0
+            for j in range(m):
+                change += space.matrix[i * 2 * m + m + j] * space.residual[j]
+            if i < n:
+                space.orbit[i] += change
+            else:
+                law.periodic[under_way + i - n] += change
+    if not closure < 1e-6 * (reach + pace):
+        return DIFFERENT, 0.0, 0.0, 0.0, 0.0
+    if not solved:
+        return NEUTRAL, margin, edge, closure, 0.0
+    # A torque that is wrong by so much moves a speed, and a place, by no more in an interval.
+    pull = abs(body.drive) + (body.beta + body.pad_stiffness) * reach
+    wrong = ROUNDINGS * EPSILON * (law.coarse * (strength + wall.kappa * (1.0 + reach + pace)) + pull)
+    rounding = 8.0 * EPSILON * law.pieces
+    for i in range(m):
+        law.noise[i] = wrong
+        if i < n:
+            law.noise[i] += rounding * ((reach + pace) if i % 2 == 0 else 2.0 * pace)
+        space.power[i], space.away[i] = 0.0, 0.0
+    chart_interval(law.beside, body, law, space, m)
+    copy_to(law.beside, law.periodic)
+    within(law.beside, period, body, wall, law, space, m)
+    for i in range(m):
+        total = 0.0
+        for j in range(m):
+            total += abs(space.matrix[i * 2 * m + m + j]) * (abs(space.residual[j]) + law.noise[m + j])
+        space.away[i] = total
+    bound = space.away[0]
+    scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
+    if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
+        return EXPANDS, margin, edge, closure, bound
+    for i in range(m):
+        space.power[i] = space.away[i]
+        if i < n:
+            space.residual[i] = z[i] - space.orbit[i]
+        else:
+            space.residual[i] = past[under_way + i - n] - law.periodic[under_way + i - n]
+    if not bound_growth(
+        space.cols,
+        width,
+        space.power,
+        space.spare,
+        space.total,
+        space.matrix,
+        space.residual,
+        space.away,
+        m,
+        scale,
+        period,
+    ):
+        return EXPANDS, margin, edge, closure, bound
+    copy_to(law.beside, law.periodic)
+    edges, guards, near, bound = within(law.beside, period, body, wall, law, space, m)
+    if not edges:
+        return ON_EDGE, margin, edge, closure, bound
+    if not guards:
+        return AT_SWITCH, margin, edge, closure, bound
+    return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound
