@@ -5,6 +5,9 @@ drawings, pictures, pieces of an unfinished sweep, trials of a device, compiled
 code), then flips one bit of one file at a time. Whatever would read the file must refuse it, and so must
 `hknob verify`. Every so often the command that made the results is run, which must put back what was there, byte for
 byte. `test_flips.py` does a share of it.
+
+2026-11-23, --flips 10000 --seed 20261123 --rerun-every 1000, two busy cores, 133 s: none believed (4748 in tables, 432
+in pages, 463 in drawings, 464 in pictures, 911 in records, 1317 in pieces, 1665 in compiled code), ten made again.
 """
 
 import argparse
