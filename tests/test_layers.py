@@ -78,6 +78,7 @@ SMALL = {
     "__main__.py": "python -m hknob_cli looks for this name",
     "at_once.py": "the command loads it before all else",
     "apparatus/streams.py": "random streams of two rooms, apparatus and hardware, that loads neither",
+    "cli/verify.py": "a command",
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",

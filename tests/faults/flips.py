@@ -5,6 +5,9 @@ drawings, pictures, pieces of an unfinished sweep, trials of a device, compiled
 code), then flips one bit of one file at a time. Whatever would read the file must refuse it, and so must
 `hknob verify`. Every so often the command that made the results is run, which must put back what was there, byte for
 byte. `test_flips.py` does a share of it.
+
+2026-11-23, --flips 10000 --seed 20261123 --rerun-every 1000, two busy cores, 133 s: none believed (4748 in tables, 432
+in pages, 463 in drawings, 464 in pictures, 911 in records, 1317 in pieces, 1665 in compiled code), ten made again.
 """
 
 import argparse
@@ -27,7 +30,7 @@ from hknob_cli.engine.kept_code import _file_class
 from hknob_cli.hardware.sources import read_about
 from hknob_cli.hardware.trial_file import read_trial
 from hknob_cli.pipeline.fresh import RECORD
-from hknob_cli.pipeline.verify import Verdict, verify_folder
+from hknob_cli.pipeline.verify import Verdict, _file
 from hknob_cli.results.staging import Staging
 from hknob_cli.results.store import are_current, read_current
 from hknob_cli.specs.seal import State, state_of
@@ -158,14 +161,14 @@ def flip_over_and_over(folder: Path, *, flips: int, seed: int, rerun_every: int)
         assert one.believed(one.path) or one.path.suffix == ".png", one.path
     found: Counter[str] = Counter()
     for i in range(flips):
-        one = chance.choice(targets)
+        again = bool(rerun_every) and i % rerun_every == 0
+        one = chance.choice([each for each in targets if folder / "all" in each.path.parents] if again else targets)
         before = flip(one.path, chance)
         what = f"flip {i} of seed {seed}: {one.path}"
         assert not one.believed(one.path), what
         if one.verified:
-            verdicts = {each.path: each.verdict for each in verify_folder(one.path.parent)}
-            assert verdicts[one.path] is Verdict.CHANGED, what
-        if rerun_every and i % rerun_every == 0 and folder / "all" in one.path.parents:
+            assert _file(one.path).verdict is Verdict.CHANGED, what
+        if again:
             _run_again(folder)
             found["made again by the command"] += 1
             assert one.path.read_bytes() == before or one.path.name == RECORD, what
