@@ -168,6 +168,22 @@ def less_at(depth: float) -> float:
     return UNIT * (0.25 * 2.0 * (3.0 + depth) + 2.0 * (2.0 + depth)) / 0.25
 
 
+def test_a_held_knob_exactly_its_rounding_from_an_edge_is_on_it(stage: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A seventh of 1.75, rounded, is a quarter."""
+    at = stage()
+    monkeypatch.setattr(rest, "EPSILON", 1.0 / 7.0)
+    at.held = (True, True)
+    assert at.fate([-0.75, 0.0, 1.0], LAGGING) == REST_ON_EDGE
+    monkeypatch.setattr(rest, "EPSILON", 0.99 / 7.0)
+    assert at.fate([-0.75, 0.0, 1.0], LAGGING) == AT_REST
+
+
+def test_without_lag_the_last_number_is_the_fingers(stage: Any) -> None:
+    at = stage()
+    at.fate([-0.5, 0.5, 0.75, 0.25], FINGER._replace(order=4, lag=0.0))
+    assert at.away == [0.0, 0.5, 0.75, 0.25]
+
+
 def test_a_rest_in_the_zone_that_friction_holds_is_the_nearest(stage: Any) -> None:
     """Of the zone less what the torque may be wrong by, over its stiffness; finger and lag have settled there."""
     narrow = WRONG / 0.25
