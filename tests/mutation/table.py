@@ -13,7 +13,7 @@ GENERAL_SETS, CONTROLLER_SETS = f"{GENERAL}sets/", "tests/controllers/sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
-LAWS = (f"{PROOF}test_law_trial_margins.py", f"{PROOF}test_law_rest_margins.py")
+LAWS = (f"{PROOF}test_law_trial_margins.py",)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     f"{PROOF}test_runs_off.py",
@@ -41,7 +41,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{GENERAL}test_inner_region.py",
     ),
     "general/laws/cascade.py": LAWS,
-    "general/laws/rest.py": LAWS,
+    "general/laws/rest.py": (f"{PROOF}test_law_rest_margins.py", f"{PROOF}test_law_settling_margins.py"),
     "general/laws/follow.py": LAWS,
     "general/sets/known.py": GENERAL_CAPTURE,
     "general/sets/ball.py": GENERAL_CAPTURE,

@@ -55,6 +55,8 @@ class Search:
         self.known = known(self.delay)
         self.known.counts[0] = self.rows
         arc.begin_arcs(ANGLE, VELOCITY, self.delay, more.get("patience", 64), self.room, LOOP)
+        if "span" in more:
+            self.room.stack[:2] = more["span"]
 
     def follow_ball(self, *given: Any) -> Answer:
         self.seen.append(dict(zip(BALL, given, strict=False)) | {"ring": list(given[7])})
@@ -286,8 +288,9 @@ def test_an_arc_in_one_level_takes_one_sample_more(search: Callable[..., Search]
             0.625, 0.75, radius_at(7), 0.375, level, run, next_test, [10.0, level], 0, 64 - 8,
         ]  # fmt: skip
         assert one.shares()[0] == 1.0
-    late = search([meets(), says(OUT_OF_SAMPLES, BUDGET - 8)], cuts=[[(0.0, 0.0, 1.0)]], patience=BUDGET)
+    late = search([meets(), says(OUT_OF_SAMPLES, BUDGET - 8)], cuts=[[(0.0, 0.0, 1.0)]], patience=2 * BUDGET)
     late.run()
+    assert late.seen[1]["samples"] == BUDGET - 8
     assert late.told(SPENT, UNDECIDED) == [1.0, 1.0]  # its sample counts, too
 
 
@@ -345,8 +348,43 @@ def test_arcs_that_are_too_many_or_overlap_too_much_end_the_search(
     thirds = [(-1.0, 0.0, 0.25), (0.0, 0.25, 0.5), (-1.0, 0.5, 1.0)]
     for most, done, whole in ((2, 2.0, 0.0), (3, 3.0, 0.0), (4, 3.0, 1.0)):
         monkeypatch.setattr(arc, "MOST_ARCS", most)
-        one = search([meets(), *[says(CAPTURED, 0, row=0)] * 3], cuts=[thirds], ended=6)
-        one.run()
-        assert one.told(DONE, WHOLE, arc.WAITING) == [done, whole, 0.0]
-        assert one.room.ended == [0.5, 1.0, 0.0, 0.25, 0.5, 0.0]
+        for room in (6, 8):  # for two
+            one = search([meets(), *[says(CAPTURED, 0, row=0)] * 3], cuts=[thirds], ended=room)
+            one.run()
+            assert one.told(DONE, WHOLE, arc.WAITING) == [done, whole, 0.0]
+            assert one.room.ended == [0.5, 1.0, 0.0, 0.25, 0.5, 0.0, 0.0, 0.0][:room]
     assert arc.MOST_COVERED == 2.0
+
+
+LOW, HIGH = 0.25, 0.75
+
+
+def test_a_part_of_all_phases_counts_as_long_as_it_is(search: Callable[..., Search]) -> None:
+    """However it ends."""
+    span, known_end = (LOW, HIGH), (CYCLE_PROVEN, 20, -1)
+    for balls, ends, spent, row in (
+        ([says(CAPTURED, 5, row=2)], [], 0.0, 2),
+        ([says(OUT_OF_SAMPLES, BUDGET)], [], 0.5, -1),
+        ([says(GREW, 5)], [], 0.0, -1),
+        ([says(OUT_OF_SAMPLES, 64)], [known_end], 0.0, -1),
+        ([says(OUT_OF_SAMPLES, 64)], [(UNSETTLED, BUDGET - 64, 1)], 0.5, 1),
+    ):
+        one = search(balls, ends=ends, span=span)
+        one.run()
+        open_end = balls[0][0] != CAPTURED
+        assert one.told(COVERED, SHORTEST, SPENT, UNDECIDED) == [0.5, 0.5, spent, 0.5 if open_end else 0.0]
+        assert one.room.ended[:3] == [LOW, HIGH, -1.0 if open_end else 2.0]
+        assert one.shares() == [0.5 if k == row else 0.0 for k in range(6)]
+        assert one.known.table[8::10] == [*one.shares(), *[0.0] * (len(one.known.table[8::10]) - 6)]
+
+
+def test_a_part_of_all_phases_is_cut_about_its_own_middle(search: Callable[..., Search]) -> None:
+    slack = arc.position_error(ANGLE, VELOCITY, LOOP)
+    for low, high in ((LOW, HIGH), (0.5, 0.75)):
+        motion = flown(7.0)
+        first, middle = free_motion(low, *motion, LOOP), free_motion(0.5 * (low + high), *motion, LOOP)
+        speed = arc_speed(*first, LOOP)
+        one = search([meets(x=0.125), says(GREW, 0)], cuts=[[(-1.0, low, high)]], span=(low, high))
+        one.run()
+        assert one.cut_at == [(low, high, *first, speed, 0.125 - middle[0], 0.25 + slack, *motion)]
+        assert one.seen[1]["radius"] == radius_at(7, low, high)

@@ -351,7 +351,7 @@ def test_torques_part_by_a_geometric_sum_and_by_those_under_way() -> None:
     """A quarter of 0.5, over one half; the oldest torque no longer matters."""
     past, other = [1.0, 2.0, 3.0, 7.0, 5.0, 6.0], [1.0, 2.5, 3.0, 9.0, 5.5, 5.75]
     assert faded(past, other, FADING) == 0.5
-    assert faded(past, other, law_of(line=3, fading=0)) == 0.0
+    assert faded(past, [3.5, *other[1:]], law_of(line=3, fading=0)) == 2.5
     assert faded(past, other, law_of(line=3)) == 0.0
     assert torques_apart(past, other, FADING) == 0.25 + 0.5 + 0.25
     two = law_of(line=2, parts=2, ages=2, fading=1, fade=0.5, weight=0.25)
