@@ -100,6 +100,7 @@ PARTS = {
     "lag": Part("actuator lag", "actuator.time_constant"),
     "torque_limit": Part("a torque limit", "actuator.torque_limit"),
     "torque_step": Part("a torque step", "actuator.torque_step"),
+    "dead_band": Part("a dead band of torques that are not sent", "actuator.dead_band"),
     "rounding": Part("rounding other than floor", "encoder.rounding"),
     "offset": Part("an offset of the encoder", "encoder.offset_counts"),
     "bare": Part("a continuous sensor", "encoder", "must not be none", "where encoder is none"),
@@ -140,6 +141,7 @@ _TABLE = {
     "lag":             "--P--P ---P-- -EE~ ---E~",
     "torque_limit":    "--P-PP ---PPP -EE~ ---E-",
     "torque_step":     "--P--P ---PP- -EE~ ---E-",
+    "dead_band":       "--P--P ------ -EE~ -----",
     "rounding":        "PEPPPP PPPPPP PEE~ ~P~E-",
     "offset":          "PEPPPP PPPPPP PEE~ ~P~E-",
     "bare":            "--PP-- ------ -EE~ ---E-",
@@ -217,6 +219,7 @@ AT = {
 # Pairs of parts whose verdict in a column is lower than that of each of them.
 EXCEPTIONS = {
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
+    ("bare", "dead_band", "general"): (REFUSED, "the angle at which the torque jumps is not that of a count"),
     **{("bare", name, "general"): (REFUSED, "its torque is a table over counts") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
@@ -266,6 +269,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "lag": actuator.time_constant != 0.0,
         "torque_limit": actuator.torque_limit is not None,
         "torque_step": actuator.torque_step != 0.0,
+        "dead_band": actuator.dead_band != 0.0,
         "rounding": encoder.rounding != "floor",
         "offset": encoder.offset_counts != 0.0,
         "bare": scene.encoder is None,

@@ -49,6 +49,7 @@ USUAL = {
     "actuator.time_constant": Usual(1e-7, 0.05, "s", "0.05 ms of Hasser's amplifier to 50 ms of a geared motor"),
     "actuator.torque_limit": Usual(1e-4, 10.0, "N*m", "from watch motors to direct drives of steering wheels"),
     "actuator.torque_step": Usual(1e-9, 0.01, "N*m", "10 N*m by 24 bits to 1 N*m by 8"),
+    "actuator.dead_band": Usual(1e-7, 0.1, "N*m", "a step of a D/A converter to a motor's friction"),
     RATE: Usual(10.0, 1e6, "Hz", "from a script's loop to programmable logic"),
     COUNTS: Usual(8.0, 2e7, "counts per revolution", "from a switch wheel to 24 bits"),
 }

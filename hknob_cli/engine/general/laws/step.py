@@ -1,11 +1,10 @@
 """One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
 
 from hknob_cli.engine.general.advance import advance_hold, rub_many
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, send
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.trace import chart
-from hknob_cli.engine.loop import floor
 
 FREE = 1e300  # of a guard
 
@@ -22,12 +21,13 @@ def decide(shown, speed, past, wall, law):
     brake = wall.damping * (shown - past[law.rows]) if shown < 0.0 else 0.0
     for i in range(law.parts):
         u = wall.kappa * law.out[i] - brake
-        if wall.step > 0.0:
-            if law.weight > 0.0:
-                part = (u / wall.step + 0.5) % 1.0
+        if law.weight > 0.0:
+            if wall.band > 0.0:
+                guard = min(guard, abs(abs(u) - wall.band) / law.weight)
+            if wall.step > 0.0:
+                part = ((u if abs(u) >= wall.band else 0.0) / wall.step + 0.5) % 1.0
                 guard = min(guard, min(part, 1.0 - part) * wall.step / law.weight)
-            u = wall.step * floor(u / wall.step + 0.5)
-        past[newest + i] = min(wall.limit, max(-wall.limit, u))
+        past[newest + i] = send(u, wall)
     past[law.rows] = shown
     return guard
 
