@@ -71,9 +71,7 @@ COLUMNS = {
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction", _SETS, group="friction sets"),
     "controller_sets": Column("sets: controllers", _SETS, group="remedied"),
-    "basins": Column(
-        "basins", "a map tells starts by angle and velocity alone", "where basins are mapped"
-    ),
+    "basins": Column("basins", "a map tells starts by angle and velocity alone", "where basins are mapped"),
     "record": Column("record", ""),
     "pulse": Column("pulse", "{what} is not built for pulses"),
     "perceive": Column("perceive", ""),
@@ -276,8 +274,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "unsampled": not scene.sampled,
         "controller": controller is not None,
         "speed_sensor": controller is not None and controller.velocity == "sensor",
-        "estimated_speed": controller is not None
-        and (controller.velocity not in ("differenced", "sensor") or controller.angle == "filtered"),
+        "estimated_speed": controller is not None and controller.estimates,
         "kalman": controller is not None and controller.estimate == "kalman",
         **over_angle,
         "undamped": damping == 0.0 and knob.coulomb_torque == 0.0,
