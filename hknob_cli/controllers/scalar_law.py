@@ -57,7 +57,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     pieces = _pieces(control, split, ages - 1 - whole, rows + 1, line, knob)
     body = add_spans(knob.body, [piece[0] for piece in pieces])
     outside = control.reads_outside or knob.wall.damping > 0.0
-    stepped = knob.wall.step > 0.0 and fading.weight > 0.0
+    stepped = (knob.wall.step > 0.0 or knob.wall.band > 0.0) and fading.weight > 0.0
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
         act=control.law if isinstance(control, EstimatedVelocity) else plan.kind,

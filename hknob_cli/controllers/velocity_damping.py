@@ -43,7 +43,7 @@ class VelocityDamping(Differencing):
     @classmethod
     def of(cls, plan: Controller) -> "VelocityDamping | EstimatedVelocity":
         """With the numbers of a spec."""
-        if plan.velocity not in ("differenced", "sensor") or plan.angle == "filtered":
+        if plan.estimates:
             return EstimatedVelocity(plan)
         return cls(
             plan.damping,

@@ -122,6 +122,7 @@ class _Words:
             "delay of {}": ("actuator.delay_samples", "samples"),
             "lag of {}": ("actuator.time_constant", "s"),
             "torque up to {}": ("actuator.torque_limit", "N*m"),
+            "no torque below {}": ("actuator.dead_band", "N*m"),
             "torque in steps of {}": ("actuator.torque_step", "N*m"),
         }
         found = [form.format(text) for form, (path, unit) in named.items() if (text := self._value(path, unit))]

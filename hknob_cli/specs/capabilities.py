@@ -71,9 +71,7 @@ COLUMNS = {
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction", _SETS, group="friction sets"),
     "controller_sets": Column("sets: controllers", _SETS, group="remedied"),
-    "basins": Column(
-        "basins", "a map tells starts by angle and velocity alone", "where basins are mapped"
-    ),
+    "basins": Column("basins", "a map tells starts by angle and velocity alone", "where basins are mapped"),
     "record": Column("record", ""),
     "pulse": Column("pulse", "{what} is not built for pulses"),
     "perceive": Column("perceive", ""),
@@ -100,6 +98,7 @@ PARTS = {
     "lag": Part("actuator lag", "actuator.time_constant"),
     "torque_limit": Part("a torque limit", "actuator.torque_limit"),
     "torque_step": Part("a torque step", "actuator.torque_step"),
+    "dead_band": Part("a dead band of torques that are not sent", "actuator.dead_band"),
     "rounding": Part("rounding other than floor", "encoder.rounding"),
     "offset": Part("an offset of the encoder", "encoder.offset_counts"),
     "bare": Part("a continuous sensor", "encoder", "must not be none", "where encoder is none"),
@@ -145,6 +144,7 @@ _TABLE = {
     "lag":             "--P-P ---P-- -EE~ ---E~",
     "torque_limit":    "--P-P ---PPP -EE~ ---E-",
     "torque_step":     "--P-P ---PP- -EE~ ---E-",
+    "dead_band":       "--P-P ------ -EE~ -----",
     "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
     "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
     "bare":            "--PP- ------ -EE~ ---E-",
@@ -227,6 +227,7 @@ AT = {
 EXCEPTIONS = {
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
+    ("bare", "dead_band", "general"): (REFUSED, "the angle at which the torque jumps is not that of a count"),
     **{("bare", name, "general"): (REFUSED, "its torque is a table over counts") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
@@ -277,14 +278,14 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "lag": actuator.time_constant != 0.0,
         "torque_limit": actuator.torque_limit is not None,
         "torque_step": actuator.torque_step != 0.0,
+        "dead_band": actuator.dead_band != 0.0,
         "rounding": encoder.rounding != "floor",
         "offset": encoder.offset_counts != 0.0,
         "bare": scene.encoder is None,
         "unsampled": not scene.sampled,
         "controller": controller is not None,
         "speed_sensor": controller is not None and controller.velocity == "sensor",
-        "estimated_speed": controller is not None
-        and (controller.velocity not in ("differenced", "sensor") or controller.angle == "filtered"),
+        "estimated_speed": controller is not None and controller.estimates,
         "kalman": controller is not None and controller.estimate == "kalman",
         **over_angle,
         "motor": written.motor is not None,

@@ -97,3 +97,8 @@ class Controller(NamedTuple):
     depth: Annotated[PositiveAngle, "where the wall has all of its stiffness"] = 0.01
     keep: Annotated[_Share, "part of a count's torque step that acts at once"] = 0.2
     time_constant: Annotated[PositiveSeconds, "over which the rest of a step follows"] = 0.2
+
+    @property
+    def estimates(self) -> bool:
+        """Whether the velocity is more than two counts or a sensor, or the angle is filtered."""
+        return self.velocity not in ("differenced", "sensor") or self.angle == "filtered"

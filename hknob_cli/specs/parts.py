@@ -70,6 +70,7 @@ class Actuator(NamedTuple):
     time_constant: Annotated[Seconds, "of the lag from command to torque, first order"] = 0.0
     torque_limit: Annotated[Torque | None, "saturation of the torque; null: none"] = None
     torque_step: Annotated[Torque, "D/A step, to whole multiples of which a command is rounded; 0: none"] = 0.0
+    dead_band: Annotated[Torque, "a smaller torque is not sent: 0 in its place; 0: none"] = 0.0
 
 
 @declared()

@@ -2,7 +2,18 @@
 
 from collections.abc import Iterable, Sequence
 
-from hknob_cli.specs.capabilities import APART, AT, COLUMNS, PARTS, REFUSED, SAID_OF_STARTS, STARTS, VERDICTS, reason
+from hknob_cli.specs.capabilities import (
+    APART,
+    AT,
+    COLUMNS,
+    EXCEPTIONS,
+    PARTS,
+    REFUSED,
+    SAID_OF_STARTS,
+    STARTS,
+    VERDICTS,
+    reason,
+)
 from hknob_cli.specs.controller import KINDS, Controller
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.motor_faults import motor_contradictions
@@ -101,6 +112,10 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found: Faults = []
     if scene.bias and scene.bias.half_quantum and scene.encoder == "none":
         found.append((("scene", "bias", "half_quantum"), "must be absent where encoder is none: it has no count"))
+    if scene.encoder == "none" and (places := given(scene, axes, "actuator.dead_band")):
+        found.append(
+            (places[0], "must be absent where encoder is none: " + EXCEPTIONS["bare", "dead_band", "general"][1])
+        )
     if scene.hand and scene.hand.finger:
         for key in ("inertia", "damping", "stiffness"):
             if f"hand.{key}" in axes:

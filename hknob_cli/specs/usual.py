@@ -49,6 +49,7 @@ USUAL = {
     "actuator.time_constant": Usual(1e-7, 0.05, "s", "0.05 ms of Hasser's amplifier to 50 ms of a geared motor"),
     "actuator.torque_limit": Usual(1e-4, 10.0, "N*m", "from watch motors to direct drives of steering wheels"),
     "actuator.torque_step": Usual(1e-9, 0.01, "N*m", "10 N*m by 24 bits to 1 N*m by 8"),
+    "actuator.dead_band": Usual(1e-7, 0.1, "N*m", "a step of a D/A converter to a motor's friction"),
     "motor.torque_constant": Usual(1e-4, 1.0, "N*m/A", "from phone vibrators to direct drives of steering wheels"),
     "motor.resistance": Usual(1e-3, 1e10, "ohm", "up to that of an open circuit"),
     "motor.inductance": Usual(1e-7, 0.1, "H", "from ironless windings to torque motors"),

@@ -147,6 +147,7 @@ def integrate(
         before = m if before is None else before
         command = -wall["stiffness"] * m - wall.get("damping", 0.0) * (m - before) / period if m < 0 else 0.0
         before = m
+        command = 0.0 if abs(command) < actuator.get("dead_band", 0.0) else command
         command = step * floor(command / step + 0.5) if step else command
         command = command if limit is None else min(max(command, -limit), limit)
         arrivals.append((i + delay, command))

@@ -136,6 +136,17 @@ def test_the_estimates_of_a_speed(name: str) -> None:
     assert {row[0]: row[1 + column] for row in printed} == {remedy: hums(row) for remedy, row in found.items()}
 
 
+def test_the_dead_band() -> None:
+    found = cells("dead_band")
+    none, half, *more = (size(found, **{"actuator.dead_band": one})[0] for one in (0, 3.2e-4, 9.6e-4, 1.6e-3, 2.24e-3))
+    assert none == half
+    says(
+        PAGE,
+        f"changes nothing: {none:.2f} mrad. One of 1.5 steps makes the buzz {more[0]:.2f} mrad, one of 2.5 steps "
+        f"{more[1]:.2f} mrad, of 3.5 steps {more[2]:.2f} mrad",
+    )
+
+
 def test_the_hapkit_report() -> None:
     found = cells("hapkit_damping")
     none, quarter, own, eight = (size(found, **{"wall.damping": one})[0] for one in (0.0, 0.011, 0.043, 0.34))

@@ -72,6 +72,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "lag": {"scene": {"actuator": {"time_constant": 1e-4}}},
     "torque_limit": {"scene": {"actuator": {"torque_limit": 0.005}}},
     "torque_step": {"scene": {"actuator": {"torque_step": 1e-4}}},
+    "dead_band": {"scene": {"actuator": {"dead_band": 2e-3}}},
     "rounding": {"scene": {"encoder": {"rounding": "nearest"}}},
     "offset": {"scene": {"encoder": {"offset_counts": 0.3}}},
     "bare": {"scene": {"encoder": "none"}, "grid": {"counts_per_rev": None}},

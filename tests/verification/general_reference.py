@@ -417,6 +417,7 @@ class Control:
     step: Any
     limit: Any
     delay: Any
+    dead_band: Any = 0  # smaller torques are not sent [N m]
     over_angle: Any = None  # torque [N m] at a count, beside the wall
 
     def counts(self, theta: Any) -> Any:
@@ -452,15 +453,18 @@ class Control:
 
     def command(self, wanted: Any) -> Any:
         """Command that the actuator takes [N m]."""
+        if abs(wanted) < self.dead_band:
+            return mp.zero
         u = self.step * mp.floor(wanted / self.step + mp.mpf(1) / 2) if self.step else wanted
         return u if self.limit is None else max(-self.limit, min(self.limit, u))
 
     def step_distance(self, wanted: Any) -> float:
         """Distance of a command to where its rounding jumps [N m]."""
+        band = float(abs(abs(wanted) - self.dead_band)) if self.dead_band else float("inf")
         if not self.step or wanted == 0:
-            return float("inf")
+            return band
         part = wanted / self.step + mp.mpf(1) / 2
-        return float(abs(part - mp.nint(part)) * self.step)
+        return min(band, float(abs(part - mp.nint(part)) * self.step))
 
 
 @dataclass(frozen=True)
@@ -559,6 +563,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         step=number(actuator, "torque_step"),
         limit=limit_of_supply if limit is None else mp.mpf(limit),
         delay=number(actuator, "delay_samples"),
+        dead_band=number(actuator, "dead_band"),
         over_angle=over_angle(scene, counts_per_rev) if counts_per_rev else None,
     )
     return bodies, control

@@ -169,6 +169,24 @@ def test_proven_cycles(controller: str) -> None:
     assert proven(controller, 4), "no proven cycle: nothing was tested"
 
 
+@pytest.mark.parametrize("controller", ["bounded lag", "speed, tracked", "angle, filtered"])
+def test_a_dead_band(controller: str) -> None:
+    """Of a part of the torque of a count to a few of them."""
+    found, clear = [], []
+    for k, one in enumerate(scenes(controller, 4, seed=2)):
+        count = one.scene["wall"]["stiffness"] * 2.0 * np.pi / one.counts
+        actuator = {**one.scene.get("actuator", {}), "dead_band": float(0.7 + 0.6 * k) * count}
+        banded = one._replace(scene={**one.scene, "actuator": actuator})
+        clear.append(check_trial(banded))
+        made = reduce(banded)
+        engine, attractors = search(banded, made)
+        for orbit in attractors:
+            if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
+                found.append(check_orbit(banded, made, engine, orbit))
+    assert np.isfinite(clear).any()
+    assert found, "no proven cycle: nothing was tested"
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("controller", ORDER)
 def test_many_scenes(controller: str) -> None:

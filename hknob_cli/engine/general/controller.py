@@ -1,8 +1,8 @@
 """The controller: from the angle at a sample to the torque commanded, as an acceleration of the knob.
 
 In this order: the encoder's count, the virtual wall or the torque over the angle, the wall's damping on the differenced
-measured angle, the step of the D/A converter, the saturation of the amplifier. Units are those of `engine.loop`: counts
-and sample periods.
+measured angle, the dead band, the step of the D/A converter, the saturation of the amplifier. Units are those of
+`engine.loop`: counts and sample periods.
 """
 
 from typing import Any, NamedTuple
@@ -24,6 +24,7 @@ class Controller(NamedTuple):
     limit: float  # saturation
     split: float  # part of an interval that still runs under the older command
     table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
+    band: float = 0.0  # a smaller torque is not sent
 
 
 def read(x, wall):
@@ -33,6 +34,15 @@ def read(x, wall):
     if wall.truncate > 0.0 and x > 0.0:
         return floor(x)
     return wall.sense * floor(wall.sense * x)
+
+
+def send(u, wall):
+    """What is sent of a torque: nothing in the dead band; then the steps of the D/A converter, and the amplifier."""
+    if abs(u) < wall.band:
+        u = 0.0
+    if wall.step > 0.0:
+        u = wall.step * floor(u / wall.step + 0.5)
+    return min(wall.limit, max(-wall.limit, u))
 
 
 def command(shown, before, wall):
@@ -45,9 +55,7 @@ def command(shown, before, wall):
         u = -wall.kappa * (shown + wall.offset)
     if wall.damping > 0.0 and shown < 0.0:
         u -= wall.damping * (shown - before)
-    if wall.step > 0.0:
-        u = wall.step * floor(u / wall.step + 0.5)
-    return min(wall.limit, max(-wall.limit, u))
+    return send(u, wall)
 
 
 def slopes(shown, before, wall):

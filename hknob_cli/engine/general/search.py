@@ -76,6 +76,7 @@ def torque_range(wall: Controller) -> TorqueRange:
     size = (len(table) - HEAD) // 3
     first, turn, below, above = (float(value) for value in table[:HEAD])
     commands = table[HEAD : HEAD + size]
+    commands = np.where(np.abs(commands) < wall.band, 0.0, commands)
     if wall.step > 0.0:
         commands = wall.step * np.floor(commands / wall.step + 0.5)
     commands = np.clip(commands, -wall.limit, wall.limit)

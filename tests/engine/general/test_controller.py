@@ -47,6 +47,11 @@ def test_reading(changes: dict[str, float], x: float, shown: float) -> None:
         ({"step": 4.0}, -1.0, -1.0, 4.0),  # 0.5 rounds up
         ({"step": 5.0}, -1.0, -1.0, 0.0),
         ({"limit": 5.0}, -3.0, -3.0, 5.0),
+        ({"band": 6.0}, -3.0, -3.0, 6.0),  # as large as the band: sent
+        ({"band": 6.5}, -3.0, -3.0, 0.0),
+        ({"band": 6.5, "damping": 8.0}, -1.0, -3.0, -14.0),
+        ({"band": 1.5, "step": 4.0}, -1.0, -1.0, 4.0),  # the converter comes after the dead band
+        ({"band": 2.5, "step": 4.0}, -1.0, -1.0, 0.0),
         ({"limit": 5.0, "damping": 4.0}, -1.0, -3.0, -5.0),
         ({"limit": 5.0, "step": 4.0}, -3.0, -3.0, 5.0),  # the amplifier comes after the converter
         ({"analog": 1.0}, -0.75, -0.5, 1.5),

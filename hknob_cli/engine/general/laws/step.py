@@ -1,11 +1,10 @@
 """One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
 
 from hknob_cli.engine.general.advance import advance_hold, rub_many
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, send
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.trace import chart
-from hknob_cli.engine.loop import floor
 
 FREE = 1e300  # of a guard
 
@@ -17,10 +16,15 @@ def driven_slope(u, slope, wall):
     """
     if slope == 0.0:
         return 0.0, FREE
+    room = FREE
+    if wall.band > 0.0:
+        room = abs(abs(u) - wall.band) / abs(slope)
+        if abs(u) < wall.band:
+            return 0.0, room
     if wall.step > 0.0:
         part = (u / wall.step + 0.5) % 1.0
-        return 0.0, min(part, 1.0 - part) * wall.step / abs(slope)
-    room = abs(abs(u) - wall.limit) / abs(slope)
+        return 0.0, min(room, min(part, 1.0 - part) * wall.step / abs(slope))
+    room = min(room, abs(abs(u) - wall.limit) / abs(slope))
     return (slope if abs(u) < wall.limit else 0.0), room
 
 
@@ -41,12 +45,13 @@ def decide(shown, speed, past, wall, law):
             slope, room = driven_slope(u, wall.kappa * law.out[law.parts + i], wall)
             law.out[law.parts + i] = slope
             guard = min(guard, room)
-        if wall.step > 0.0:
-            if law.weight > 0.0:
-                part = (u / wall.step + 0.5) % 1.0
+        if law.weight > 0.0:
+            if wall.band > 0.0:
+                guard = min(guard, abs(abs(u) - wall.band) / law.weight)
+            if wall.step > 0.0:
+                part = ((u if abs(u) >= wall.band else 0.0) / wall.step + 0.5) % 1.0
                 guard = min(guard, min(part, 1.0 - part) * wall.step / law.weight)
-            u = wall.step * floor(u / wall.step + 0.5)
-        past[newest + i] = min(wall.limit, max(-wall.limit, u))
+        past[newest + i] = send(u, wall)
     past[law.rows] = shown
     return guard
 
