@@ -85,6 +85,7 @@ SMALL = {
     "engine/unsampled/event_rows.py": "a group of compiled functions",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "specs/declared.py": "marks the parts of a scene, and loads no validation",
+    "specs/motor_faults.py": "faults of a motor with its grid, which the part itself cannot show",
     "specs/pipeline_plan.py": "a plan, which the work uses without loading validation",
     "spread/cores.py": "a sweep asks for the cores before it loads anything that spreads work",
     "stages/job.py": "the process that parses makes a job without loading the work",

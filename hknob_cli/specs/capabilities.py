@@ -10,9 +10,9 @@ this one part. Of several parts the lowest verdict counts; `EXCEPTIONS` has the 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
-from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene, Starts
+from hknob_cli.specs.parts_there import parts_of as parts_of
+from hknob_cli.specs.plan import Scene, Starts
 
 PROVEN, EXACT, ESTIMATED, REFUSED = "P", "E", "~", "-"
 WORDS = {PROVEN: "exact and proven", EXACT: "exact", ESTIMATED: "estimated", REFUSED: "refused"}
@@ -250,55 +250,6 @@ STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHER
 _REFUSED = {
     column: frozenset(part for part in PARTS if VERDICTS[part, column] == REFUSED) for column in COLUMNS
 }  # fmt: skip
-
-
-def parts_of(scene: Scene) -> frozenset[str]:
-    """Which of `PARTS` a scene has, and what it amounts to."""
-    written, scene = scene, reduced(scene)
-    knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
-    encoder, controller, finger = scene.encoder or Encoder(), scene.controller, hand.finger
-    pad = hand.fingerpad or Fingerpad()
-    over_angle = {name: getattr(scene, name) is not None for name in OVER_ANGLE}
-    against = wall.stiffness > 0.0 or any(over_angle.values())
-    pushed = scene.bias is not None and bool(scene.bias.torque or scene.bias.half_quantum) and against
-    damping = knob.damping + (pad.damping + finger.damping if finger else hand.damping)
-    soft = pad.stiffness == 0.0 or finger.stiffness == 0.0 if finger else hand.stiffness == 0.0
-    found = {
-        "bias": scene.bias is not None,
-        "hand": scene.hand is not None,
-        "grip": bool(hand.by_grip),
-        "people": bool(hand.by_person),
-        "knob_damping": knob.damping != 0.0,
-        "friction": knob.coulomb_torque != 0.0,
-        "hand_damping": hand.damping != 0.0,
-        "hand_stiffness": hand.stiffness != 0.0,
-        "finger": finger is not None,
-        "virtual_damping": wall.damping != 0.0,
-        "delay": actuator.delay_samples != 0.0,
-        "lag": actuator.time_constant != 0.0,
-        "torque_limit": actuator.torque_limit is not None,
-        "torque_step": actuator.torque_step != 0.0,
-        "dead_band": actuator.dead_band != 0.0,
-        "rounding": encoder.rounding != "floor",
-        "offset": encoder.offset_counts != 0.0,
-        "bare": scene.encoder is None,
-        "unsampled": not scene.sampled,
-        "controller": controller is not None,
-        "speed_sensor": controller is not None and controller.velocity == "sensor",
-        "estimated_speed": controller is not None and controller.estimates,
-        "kalman": controller is not None and controller.estimate == "kalman",
-        **over_angle,
-        "motor": written.motor is not None,
-        "coil": scene.coil is not None,
-        "current_loop": written.motor is not None and written.motor.bandwidth is not None,
-        "supply": written.motor is not None and written.motor.supply_voltage is not None,
-        "eddy_brake": written.eddy_brake is not None,
-        "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
-        "unheld": soft,
-        "unpushed": not pushed,
-        "handless": scene.hand is None,
-    }
-    return frozenset(part for part, there in found.items() if there)
 
 
 def takes(column: str, parts: Iterable[str]) -> bool:
