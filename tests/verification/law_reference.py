@@ -91,7 +91,7 @@ def simulate_law(
     """Angle and velocity at every sample, and the least distance so far to where rounding could change a command."""
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     at = mp.mpf(angle), mp.mpf(velocity)
-    start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one)
+    start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one, mp.zero)
     motion = Friction(bodies, control.period, start)
     motion.hold(mp.zero, mp.mpf(phase) * control.period)
     firmware = Firmware(scene, rate_hz, counts, control)

@@ -8,6 +8,7 @@ from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.jit import compiled
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import EVERY
 
@@ -69,7 +70,7 @@ def draw(numbers: np.random.Generator, controller: str) -> Drawn:
 
 def reduce(one: Drawn) -> LawKnob:
     """The cell of a drawn scene."""
-    plain = SceneSpec.model_validate(one.scene).plain()
+    plain = reduced(SceneSpec.model_validate(one.scene).plain())
     return make_law(plain, sample_rate_hz=one.rate_hz, counts_per_rev=one.counts)
 
 

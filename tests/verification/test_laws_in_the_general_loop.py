@@ -84,14 +84,16 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     state = [orbit.x, orbit.v, *orbit.state]
     states, between_counts = run(engine, made, state, orbit.line, n)
     seen = states[:, 0]
-    z = to_si(knob, control, state)
+    z = to_si(knob, control, state, bodies)
     detections = one.scene["controller"].get("detections", 1)
     shown = [control.measured((mp.mpf(float(x)) + mp.mpf(knob.shift)) * control.quantum) for x in seen[:n]]
     # What is seen between the samples is part of what the law reads: at each sample that of the interval before.
     angles = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
     looks = [angles[-1], *angles[:-1]]
-    units = [control.quantum, control.quantum / control.period] * 2 + [mp.mpf(knob.torque_nm)]
-    free = unknowns(knob)
+    torque = mp.mpf(knob.torque_nm)
+    current = torque / bodies.torque_constant if bodies.torque_constant else mp.one
+    units = [*[control.quantum, control.quantum / control.period] * 2, torque, torque, mp.one, current]
+    free = unknowns(knob, bodies)
     values = [z[i] / units[i] for i in free]
 
     law = made.law
@@ -169,7 +171,27 @@ def test_proven_cycles(controller: str) -> None:
     assert proven(controller, 4), "no proven cycle: nothing was tested"
 
 
-@pytest.mark.parametrize("controller", ["bounded lag", "speed, tracked", "angle, filtered"])
+@pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "matched wall", "speed, tracked"])
+@pytest.mark.parametrize("winding", ["shorted", "voltage"])
+def test_a_winding_beside_a_controller(controller: str, winding: str) -> None:
+    """The coil is a state more beside the memory; a voltage drives it through the lag of the same winding."""
+    found: list[Any] = []
+    for one in scenes(controller, 8, seed=3):
+        if found:
+            break
+        actuator = {name: value for name, value in one.scene["actuator"].items() if name != "time_constant"}
+        motor = {"torque_constant": 0.0234, "resistance": 2.32, "inductance": 2.38e-4, "winding": winding}
+        wound = one._replace(scene={**one.scene, "actuator": actuator, "motor": motor})
+        check_trial(wound)
+        made = reduce(wound)
+        engine, attractors = search(wound, made)
+        for orbit in attractors:
+            if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
+                found.append(check_orbit(wound, made, engine, orbit))
+    assert found, "no proven cycle: nothing was tested"
+
+
+@pytest.mark.parametrize("controller", ["bounded lag", "damping, sensor", "speed, tracked", "angle, filtered"])
 def test_a_dead_band(controller: str) -> None:
     """Of a part of the torque of a count to a few of them."""
     found, clear = [], []
