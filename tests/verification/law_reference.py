@@ -17,6 +17,7 @@ from .reference import mp
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
 LEAST = {False: 3, True: 5400}
+CONSTANTS = 90.0  # time constants in which a memory comes within 10^-36 of where it ends, and a few more
 
 Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
 
@@ -121,7 +122,12 @@ def periodic_wave(
     """
     firmware = Firmware(scene, rate_hz, counts, control)
     n = len(shown)
-    least = LEAST[scene["controller"]["kind"] == "phase_damping"] + n + scene["controller"].get("window", 1)
+    law, actuator = scene["controller"], scene.get("actuator") or {}
+    least = LEAST[law["kind"] == "phase_damping"] + n + law.get("window", 1)
+    if "cut_off" in law or actuator.keys() & {"torque_step", "torque_limit", "dead_band"}:
+        # Torques may come back to the digit long before the memory does: it is given its time.
+        fades = law.get("low_pass") or law.get("time_constant") or 2.0 / law.get("bandwidth", float("inf"))
+        least += int(CONSTANTS * fades * rate_hz)
     last: list[Pieces] = []
     for lap in range(100_000):
         wave = [firmware.command(shown[i], mp.zero, looks[i]) for i in range(n)]
