@@ -67,10 +67,11 @@ def test_without_perceive_nothing_is_said_of_it(hknob, spec_file, tmp_path: Path
 
 
 def test_what_never_repeats_has_no_level_and_it_is_said(hknob, spec_file, tmp_path: Path) -> None:
-    passive = FELT.replace(
-        "kind: bounded_lag, keep: 0.15, time_constant: 0.05", "kind: passivity, damping: 3.0e-4"
-    ).replace("[360, 1024]", "[2650]")
-    done = hknob("remedies", spec_file(passive + BLOCK), "-o", "out")
+    """The mean of the lag has not settled when its trials end."""
+    short = FELT.replace("{phases: 2}", "{phases: 2}\n  limits: {max_samples: 400}").replace(
+        "time_constant: 0.05", "time_constant: 5.0"
+    )
+    done = hknob("remedies", spec_file(short + BLOCK), "-o", "out")
     rows = [
         row for file in ("remedies", "cases") for row in pq.read_table(tmp_path / "out" / f"{file}.parquet").to_pylist()
     ]
