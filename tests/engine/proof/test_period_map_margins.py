@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general import period_map
+from hknob_cli.engine.general import period_map, powers
 from hknob_cli.engine.general.body import Body, distance, norm, stiffness
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, Space, certify
@@ -558,7 +558,7 @@ def test_a_continuous_sensor_with_friction_is_not_proven(monkeypatch: pytest.Mon
 def test_without_an_ellipse_nothing_is_proven(monkeypatch: pytest.MonkeyPatch) -> None:
     stage = following(np.diag([0.9999, 0.5, 0.5]))
     refuse: Callable[..., bool] = lambda *_: False  # noqa: E731
-    monkeypatch.setattr(period_map, "ellipse_bound", refuse)
+    monkeypatch.setattr(powers, "ellipse_bound", refuse)
     found = prove(monkeypatch, stage, stage.place[:2], body(), CONTINUOUS, before=float(stage.place[-1]))
     assert (found.status, found.margin, found.edge, found.asked) == (EXPANDS, 0.4, 0.3, [])
     assert found.bound == pytest.approx(errors(stage, found.residual)[0], rel=1e-6)
