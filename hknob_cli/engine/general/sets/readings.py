@@ -8,8 +8,11 @@ from hknob_cli.engine.general.controller import command, read
 
 
 def deepest_level(wall):
-    """The least deep reading at which the amplifier is saturated by position alone; minus infinity without one."""
-    if not wall.limit < float("inf") or wall.damping > 0.0 or not wall.kappa > 0.0:
+    """The least deep reading at which the amplifier is saturated by position alone; minus infinity without one.
+
+    Below a dead band nothing is saturated; where there is one, each count acts by itself.
+    """
+    if not wall.limit < float("inf") or wall.damping > 0.0 or wall.band > 0.0 or not wall.kappa > 0.0:
         return -float("inf")
     level = min(-1.0, -(wall.limit / wall.kappa + wall.offset) // 1.0 + 3.0)
     while command(level, level, wall) < wall.limit:
