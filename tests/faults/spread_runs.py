@@ -47,7 +47,9 @@ def start(spec: Path, out: Path, *args: object, fault: str = "", **env: str) -> 
 
 # What a slow machine, or one that has not compiled the engine yet, says besides.
 PASSING = re.compile(
-    r"^(compiling( the engine for this machine)?: .*|compiled \d+ .*|\d+ of \d+ cells(, .* left)?)\n", re.MULTILINE
+    r"^(the engine is compiled once .*|compiling( the engine for this machine)?: .*"
+    r"|compiled \d+ .*|\d+ of \d+ cells(, .* left)?)\n",
+    re.MULTILINE,
 )
 
 
