@@ -74,7 +74,7 @@ def _hw_run(plan: Any) -> bool:
     if plan.device.driver == "serial":
         return False
     course = plan.course
-    samples = sum(rate * (course.zero_s + course.longest_s) for rate in plan.axes["sample_rate_hz"])
+    samples = sum(rate * (course.zero + course.longest) for rate in plan.axes["sample_rate_hz"])
     return samples * len(plan.axes["counts_per_rev"]) * plan.repeats <= SIMULATED
 
 
