@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller, command, read
-from hknob_cli.engine.general.standstill import SETTLING, settles, stays_held, steady
+from hknob_cli.engine.general.standstill import SETTLING, rest_rounding, settles, stays_held, steady
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 from hknob_cli.scene.general_knob import make_body
 from hknob_cli.specs.scene import SceneSpec
@@ -84,6 +84,17 @@ def test_what_the_lag_still_brings_counts(late: float) -> None:
     assert not stays_held([1.0, 0.0, 2.0 + 1.001 * late], 2.0, LAGGING)
     assert stays_held([7.0, 0.0, -2.0 + 0.0 * late], -2.0, LAGGING._replace(drive=5.0, friction=0.5))
     assert not stays_held([7.0, 0.0, -2.0], -2.0, LAGGING._replace(drive=5.0, friction=0.49))
+
+
+@pytest.mark.parametrize("turn", [-3.0, 3.0])
+def test_what_a_winding_remembers_counts(turn: float) -> None:
+    """-1 + 2 - 0.5 * 1 = 0.5, and 0.5 * 3 of the current; 0.25 of it late with a lag."""
+    wound = LAGGING._replace(lag=0.0, coil=0.5)
+    assert stays_held([1.0, 0.0, turn], 2.0, wound)
+    assert not stays_held([1.0, 0.0, 1.001 * turn], 2.0, wound)
+    driven = LAGGING._replace(order=4, coil=0.5, friction=2.25)
+    assert stays_held([1.0, 0.0, turn, 2.25], 2.0, driven)
+    assert not stays_held([1.0, 0.0, turn, 2.251], 2.0, driven)
 
 
 def test_what_a_finger_that_swings_may_pull_counts() -> None:
@@ -317,3 +328,20 @@ def test_a_held_finger_never_moves_the_knob() -> None:
             before, _ = advance(z, before, [], 0, loop.body, loop.wall, space.pad)
         assert z[:2] == [x, 0.0]
     assert promised > 10
+
+
+@pytest.mark.parametrize("u", [-3.0, 3.0])
+def test_the_rounding_of_a_rest_counts_its_torques_over_its_stiffness(u: float) -> None:
+    """64 units of 1, both places and (3 + 2) / 4; of a finger 3.5 (1/2 + 4/8) + 0.5; nothing holds the third."""
+    held = body(beta=4.0)._replace(drive=-2.0)
+    assert rest_rounding([-5.0, 0.0], -7.0, u, held) == UNIT * (1.0 + 7.0 + 5.0 + 1.25)
+    assert rest_rounding([5.0, 0.0], 7.0, u, held) == UNIT * (1.0 + 7.0 + 5.0 + 1.25)
+    assert rest_rounding([5.0, 0.0, 0.0, 0.0, 0.0], 7.0, u, FINGER) == UNIT * (1.0 + 7.0 + 5.0 + 4.0)
+    assert rest_rounding([5.0, 0.0], 7.0, u, body(beta=0.0)) == UNIT * (1.0 + 7.0 + 5.0)
+
+
+def test_a_winding_that_nothing_springs_back_is_not_said_to_rest() -> None:
+    """The knob goes on while the current fades; without a winding it goes its 0.5 counts and stands."""
+    free = body(alpha=2.0, beta=0.0)
+    assert fate([3.25, 1.0], free)[0] == AT_REST
+    assert fate([3.5, 0.01, 0.0], free._replace(order=3, coil=0.5))[0] == MOVING
