@@ -80,7 +80,7 @@ class Rig:
 
 
 def virtual_rig(plan: SysidPlan) -> Rig:
-    """The apparatus: as printed, or ideal, but for what is given. Raises `UsageError` for a number out of range."""
+    """The apparatus: as printed, or ideal, except for what is given. Raises `UsageError` for a number out of range."""
     assert plan.virtual is not None
     given: dict[str, Any] = dict(plan.virtual.rig)
     return replace(Rig.ideal() if plan.virtual.ideal else Rig(), **given)

@@ -181,7 +181,7 @@ class Digits60:
         return [*state[: self.order], command, friction - self.bias]
 
     def _force(self, z: State, inside: bool) -> Any:
-        """Torque on the knob but for friction."""
+        """Torque on the knob except for friction."""
         row = self._generator(stuck=False, inside=inside)[1]
         known = [*z[: self.order], z[self.order], -self.bias]
         return self.plant.inertia * self.mp.fdot(zip(row, known, strict=True))

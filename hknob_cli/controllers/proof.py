@@ -2,7 +2,7 @@
 
 Between two counts, and between two signs of a controller's guards, a sample is an affine map of the state (position,
 velocity, memory), and so is a period of n samples while nothing switches. Copies beside the orbit give its derivative
-A but for rounding, Newton's method the fixed point. With P = sum of (A^k)^T A^k the distance sqrt(d^T P d) of another
+A up to rounding, Newton's method the fixed point. With P = sum of (A^k)^T A^k the distance sqrt(d^T P d) of another
 motion falls from period to period, and where it is so small that no sample of the period can reach a switch the
 motion stays with the orbit for ever: the trial that found it is captured. What a controller has counted is equal in
 both and stays so. Where P does not exist, or a switch is nearer than that, nothing is proven.

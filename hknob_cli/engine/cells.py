@@ -16,7 +16,7 @@ from hknob_cli.engine.trace import holds_per_sample
 
 UNMEASURED = 20  # the end of a cycle that does not turn but by rounding
 
-# Numbers of a cell: the given ones of its loop, but for the sense; commands under way; and its start.
+# Numbers of a cell: the given ones of its loop, except for the sense; commands under way; and its start.
 NUMBERS = ("alpha", "beta", "kappa", "gamma", "offset", "split", "delay_line", "x", "v")
 # Numbers of an attractor, the last of which are its measures.
 FIELDS = ("cell", "fate", "trials", "period", "edge", "closure", *CycleMeasures._fields)
@@ -100,7 +100,7 @@ def rank(rows, table, order, outcome_of):
 
 
 def measure_end(row, delay, loop, room, out, base):
-    """Write the numbers of one end, but for its cell, to ``out`` from ``base`` on."""
+    """Write the numbers of one end, except for its cell, to ``out`` from ``base`` on."""
     table, at = room.table, row * ROW
     fate, n, x, v = int(table[at + FATE]), int(table[at + PERIOD]), table[at + X], table[at + V]
     edge, closure, trials = table[at + EDGE], table[at + CLOSURE], table[at + TRIALS]

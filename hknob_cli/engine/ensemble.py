@@ -69,7 +69,7 @@ def advance(x, v, line, head, delay, steps, loop):
 
 
 def near(a, b):
-    """Whether two states of an orbit are the same but for rounding; distinct orbits are many orders further apart."""
+    """Whether two states of an orbit are the same up to rounding; distinct orbits are many orders further apart."""
     return abs(a - b) <= 1e-9 * (1.0 + abs(a))
 
 

@@ -122,7 +122,7 @@ def _line(
 
 
 def _write(axes: "Axes", series: list[Points], *, room: float) -> None:
-    """Values right of and above their points, but for those with another point less than ``room`` above.
+    """Values right of and above their points, except for those with another point less than ``room`` above.
 
     ``room`` is a part of the axes' height.
     """

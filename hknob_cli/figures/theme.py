@@ -60,7 +60,7 @@ _SETTINGS: Any = {  # matplotlib types its settings one by one
 
 @contextlib.contextmanager
 def literal(figure: "Figure") -> Iterator[None]:
-    """Take every text of a figure as it is written, but for the numbers along its axes, which may be powers of ten.
+    """Take every text of a figure as it is written, except for the numbers along its axes, which may be powers of ten.
 
     Characters that are not printable become question marks; those that the font lacks are drawn as boxes, and not
     complained of (an SVG has them as text); nor are labels that leave a panel no room.

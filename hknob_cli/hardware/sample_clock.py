@@ -36,7 +36,7 @@ def drift_fault(drift: Drift | None) -> str:
 
 
 class Timing(NamedTuple):
-    """How evenly a trial was sampled, by the device's own times; seconds, but for counts.
+    """How evenly a trial was sampled, by the device's own times; seconds, except for counts.
 
     Intervals are those between samples of consecutive index: their mean, standard deviation, least and greatest.
     ``jitter_*``: percentiles and the greatest of the distance of an interval from the period; times are told to

@@ -1,7 +1,7 @@
 """The fourth-order hand fitted by its exact motion: finger to ground, fingerpad between finger and knob.
 
 All parameters are positive and fitted as logarithms. A 20 ms pulse tells few of them apart, and what it leaves open is
-no ellipse: two springs and dampers in series move alike in either order but for the finger's inertia, and alike for
+no ellipse: two springs and dampers in series move alike in either order except for the finger's inertia, and alike for
 K1/K2 above and below B1/B2. So the search starts from several places, and an interval holds all that fits as well as
 chance allows (`profile`). What is not told is said not to be identifiable, whatever number comes out.
 """

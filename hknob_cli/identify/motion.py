@@ -51,7 +51,7 @@ class Motion(NamedTuple):
     def blend_rad(self) -> float:
         """What trials that differ leave between their mean and any one motion, rad rms: scatter squared over the peak.
 
-        The mean of motions with parameters spread by a share s is the motion with their mean but for s² of it.
+        The mean of motions with parameters spread by a share s is the motion with their mean except for s² of it.
         """
         return (self.scatter_rad or 0.0) * (self.trials_differ or 0.0)
 
@@ -80,7 +80,7 @@ def low_pass(signal: Array, factor: int) -> Array:
 def smooth(signal: Array, factor: int) -> Array:
     """Signal after `low_pass`, decimation by ``factor`` and a cubic spline back to all samples; not-a-knot ends.
 
-    A sine of frequency f keeps its phase, and its amplitude but for a share of (f/cutoff)^8 + 5/384 (2 pi f h)^4, h
+    A sine of frequency f keeps its phase, and its amplitude except for a share of (f/cutoff)^8 + 5/384 (2 pi f h)^4, h
     the decimated interval: the filter's gain, and the bound of Hall and Meyer (1976) of the spline's error.
     """
     if factor == 1:

@@ -243,7 +243,7 @@ def parted_origin(folder: Path) -> tuple[str, str] | None:
     files = sorted(folder.iterdir())
     if not all(_is_part(path) for path in files):
         return None
-    found = {origin(metadata) for path in files if (metadata := _readable(path)) is not None}  # but for torn ones
+    found = {origin(metadata) for path in files if (metadata := _readable(path)) is not None}  # except for torn ones
     return found.pop() if len(found) == 1 else None
 
 

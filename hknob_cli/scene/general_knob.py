@@ -292,7 +292,7 @@ def _increment(a: Array, t: float, alpha: float, beta: float) -> Array:
 
 
 def _increments(a: Array, held: Array, split: float, alpha: float, beta: float) -> list[Array]:
-    """D over both parts of an interval, and, but for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
+    """D over both parts of an interval, and, except for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
     if len(a) == 2:
         return [_increment(a, split, alpha, beta).ravel(), _increment(a, 1.0 - split, alpha, beta).ravel()]
     halves = [_halves(a), _halves(held)]

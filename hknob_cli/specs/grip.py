@@ -19,7 +19,7 @@ def printed_grips() -> list[float]:
 
 
 def same_grip(one: float, other: float) -> bool:
-    """Whether two grip forces (N) are the same but for rounding, of units as of the person who wrote them."""
+    """Whether two grip forces (N) are the same except for rounding, of units as of the person who wrote them."""
     return isclose(one, other, rel_tol=1e-9)
 
 

@@ -133,7 +133,7 @@ class Cluster:
         self._notify("found it again")
 
     def close(self, *, now: bool = False) -> None:  # noqa: ARG002
-        """Let the workers go; what is handed out is cancelled, but for a piece that a worker is at."""
+        """Let the workers go; what is handed out is cancelled, except for a piece that a worker is at."""
         client, self._client, self._asked, self._probed = self._client, None, None, None
         self._threads, self._fit = {}, set()
         if client is None:

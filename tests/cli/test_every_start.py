@@ -219,7 +219,7 @@ def test_starts_are_drawn_where_they_cannot_be_followed(
 
 
 def test_where_all_can_be_followed_none_is_drawn(hknob: Run, write: Callable[[str], Path]) -> None:
-    """The files are those of ranges alone, but for the spec that they name."""
+    """The files are those of ranges alone, except for the spec that they name."""
     every = write(RANGES)
     folder = every.parent
     assert hknob("sweep", every, "--out", "all").returncode == 0

@@ -140,7 +140,7 @@ def specs() -> list[object]:
 
 @pytest.mark.parametrize("text", specs())
 def test_specs_are_valid(text: str, tmp_path: Path) -> None:
-    """Those that begin with their kind wholly, but for files that they name; others as YAML."""
+    """Those that begin with their kind wholly, except for files that they name; others as YAML."""
     YAML(typ="safe").load(text)
     kind = re.match(r"kind: (\S+)", text)
     if not kind or kind[1] == "report":

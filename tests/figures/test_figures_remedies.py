@@ -67,6 +67,6 @@ def test_the_logarithm_of_frequency_moves_the_trough(made: Made) -> None:
     logs = said("surface", evidence, "a", {"log_pitch": True})
     assert "p: pitch (frequency)" in plain
     assert "p: pitch (log frequency)" in logs
-    # Scaled sizes are 1, 3/4, 1/2, 1/4, 0; pitches nearly 0 but for the last, or with logarithms 0, 1/4, 1/2, 3/4, 1.
+    # Scaled sizes are 1, 3/4, 1/2, 1/4, 0; pitches nearly 0 except the last, or with logarithms 0, 1/4, 1/2, 3/4, 1.
     assert re.findall(r">(\d\.\d\d) [sp]<", plain) == ["1.00", "0.75", "0.50", "0.25", "1.00"]
     assert re.findall(r">(\d\.\d\d) [sp]<", logs) == ["1.00", "0.75", "0.50", "0.75", "1.00"]

@@ -67,7 +67,7 @@ def test_overruns_miss_ticks_but_no_index() -> None:
     assert abs(timing.overruns - share * n) < 4 * np.sqrt(share * n)
     assert timing.gaps == timing.backwards == 0
     assert not timing.clean
-    # Every tick of the clock has a sample, or is missed; but for the last sample, which may be late.
+    # Every tick of the clock has a sample, or is missed; except for the last sample, which may be late.
     ticks = int(got.time_us[-1] * 1000 // told.period_ns)
     assert timing.overruns < timing.missed_ticks < 2 * timing.overruns
     assert abs(n - 1 + timing.missed_ticks - ticks) <= LATEST

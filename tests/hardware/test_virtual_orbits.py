@@ -46,7 +46,7 @@ def samples_of(orbit: Attractor, coulomb: float, rate: int, counts: int) -> np.n
 @pytest.mark.parametrize("coulomb", [0.0, FRICTION])
 @pytest.mark.parametrize(("rate", "counts"), CELLS)
 def test_a_trial_settles_on_a_proven_orbit(rate: int, counts: int, coulomb: float) -> None:
-    """In native counts, but for a few samples so close to one of its edges that rounding, or a period of 2e-7 too much
+    """In native counts, except a few samples so close to one of its edges that rounding, or a period of 2e-7 too much
     at 455 Hz (in whole nanoseconds), puts them on the other side."""
     result = stage(coulomb).run_cell({"sample_rate_hz": float(rate), "counts_per_rev": counts})
     got = virtual_trial(settings(rate, counts), HAND._replace(coulomb_nm=coulomb), duration_s=3.0)

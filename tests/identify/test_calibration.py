@@ -28,7 +28,7 @@ def test_the_ratio_is_of_the_largest_slope_to_the_least() -> None:
 
 
 def test_its_error_is_of_these_two() -> None:
-    """The middle position is the noisiest and has the least slope; slopes at the ends are exact but for rounding."""
+    """The middle position is the noisiest and has the least slope; slopes at the ends are exact except for rounding."""
     noise = 0.01 * np.array([1.0, -1.0, -1.0, 1.0])  # no slope of its own
     *slopes, ratio = grip_cell(cell(0.2 * FORCE, 0.1 * FORCE + noise, 0.2 * FORCE))
     assert ratio.std == pytest.approx(2.0 * slopes[1].std / slopes[1].value, rel=1e-9)

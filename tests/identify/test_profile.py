@@ -54,7 +54,7 @@ def test_of_a_flattening_valley_it_reaches_as_far_as_chance_does() -> None:
     moved = scale * (exp(-8.0 * here) - exp(-8.0 * there)) * np.linalg.norm(WAVES[0])
     assert share > 1.05 * own
     noise = cost(found) / (COUNT - 2)
-    # The rest angle, also fitted, is orthogonal to the waves but for rounding: all that moves shows in the sum.
+    # The rest angle, also fitted, is orthogonal to the waves except for rounding: all that moves shows in the sum.
     assert moved**2 >= 0.999 * NEARLY * RISE * noise
     assert (
         moved**2 <= 1.5 * RISE * noise

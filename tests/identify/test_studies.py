@@ -54,7 +54,7 @@ def test_a_stiff_finger_hides_its_inertia() -> None:
     """A finger that moves 1/(1 + r) of the knob adds J1/(1 + r)^2 to its kinetic energy: Section 4.4.1's curve."""
     for row in hidden_inertia(1.15e-3, 0.23, inertia=MOTOR_INERTIA, ratios=(1.0, 3.0, 10.0, 100.0, 1000.0)):
         expected = MOTOR_INERTIA + 3e-7 / (1.0 + row.ratio) ** 2
-        # Equal ratios of dampers and springs keep that share but for the finger's own inertia: of second order in it.
+        # Equal ratios of dampers and springs keep that share apart from the own inertia of the finger: second order.
         assert row.inertia == pytest.approx(expected, rel=0.006 / row.ratio)
         assert row.vaf > 0.99999
 

@@ -56,7 +56,7 @@ def test_three_lines_are_a_cell_of_the_knob() -> None:
 
 
 def test_a_spec_says_no_less_than_the_preset_beside_it() -> None:
-    """The same values, written out, are the same plan but for the preset."""
+    """The same values, written out, are the same plan except for the preset."""
     short = loaded(HEAD + "scene: {from: smartknob, wall: {damping: 1.0e-4}}\n")
     scene = {
         "knob": {"inertia": INERTIA, "damping": 1.5e-4},

@@ -358,7 +358,7 @@ class Friction:
         second = bodies.sum_bound(w) if mode == STUCK else bodies.speed_bound(mode, w, h)
         slope = float(_dot(bodies.torque_sum[:-1], v)) if mode == STUCK else float(v[SPEED])
         if not abs(slope) > second * h * 1.0001:
-            # A stuck knob's two functions have the same slope but for its sign: monotone together.
+            # A stuck knob's two functions have the same slope except for its sign: monotone together.
             return "halve", None
         end = bodies.move(mode, z, length, recurs=recurs)
         return ("inside" if min(self._functions(end)) < 0 else "none"), end

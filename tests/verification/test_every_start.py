@@ -63,7 +63,7 @@ ARCS = [
 def test_phases_beside_the_ends_of_every_arc(
     stiffness: float, bias: str, rate: float, counts: int, rounding: str, offset: float, delay: float, samples: int
 ) -> None:
-    """At 60 digits the middle of an arc, and its ends but for a billionth, end where the arc does."""
+    """At 60 digits the middle of an arc, and its ends except for a billionth, end where the arc does."""
     scene = hand_on_knob(bias, stiffness, rounding=rounding, offset=offset, delay=delay)
     knob = sample(scene, rate, counts)
     known, room = make_known(np.zeros, knob.delay_line), make_arc_room(np.zeros, knob.delay_line)

@@ -50,7 +50,7 @@ def tail(rig: Rig, name: str, angle: float, speed: float, phase: float, samples:
 
 
 def counted(name: str, starts: Starts, rate: float, counts: int, samples: int, trials: int) -> None:
-    """That trials end in listed orbits alone, and as many in each as its share says, but for the cuts."""
+    """That trials end in listed orbits alone, and as many in each as its share says, except for the cuts."""
     ends, rig = ends_of(name, starts, rate, counts)
     assert ends.undecided == 0.0
     parts = 2 if name.startswith("impulse") else 1

@@ -101,7 +101,7 @@ def positions(found: Found) -> np.ndarray:
 
 
 def check(found: Found) -> dict[str, float]:
-    """Confirm one proof and every measure; the largest errors, relative but for the margin."""
+    """Confirm one proof and every measure; the largest errors, relative except for the margin."""
     one, knob = found.orbit, found.knob
     solved = solve(found.scene, found.rate_hz, found.counts, knob, one)
     assert solved.residual < 1e-37, f"does not close: {found}"

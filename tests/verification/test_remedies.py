@@ -65,7 +65,7 @@ def test_a_controller_that_changes_nothing_gives_the_plain_walls_orbits(name: st
     for one, other in zip(ours, plain, strict=True):
         assert {k: one[k] for k in EXACT} == {k: other[k] for k in EXACT}
         for column in CLOSE:
-            # Both are exact but for rounding, of 1e-16 of the position per sample and some thousand samples.
+            # Both are exact except for rounding, of 1e-16 of the position per sample and some thousand samples.
             scale = abs(other["min_rad"]) if column.endswith("_rad") else 0.0
             assert one[column] == pytest.approx(other[column], rel=1e-9, abs=1e-12 * scale)
 

@@ -59,7 +59,7 @@ def command(shown, before, wall):
 
 
 def slopes(shown, before, wall):
-    """Derivatives of the command by ``shown`` and by ``before``: zero but for a continuous sensor."""
+    """Derivatives of the command by ``shown`` and by ``before``: zero except for a continuous sensor."""
     if wall.analog == 0.0 or not shown < 0.0 or wall.step > 0.0:
         return 0.0, 0.0
     u = -wall.kappa * (shown + wall.offset) - wall.damping * (shown - before)

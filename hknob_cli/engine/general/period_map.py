@@ -211,19 +211,7 @@ def certify(z, before, ring, head, period, body, wall, space):
     for j in range(delay):
         space.residual[n + j] = ring[j] - space.orbit_line[j]
     space.residual[width - 1] = before - start
-    if not bound_growth(
-        space.cols,
-        width,
-        space.power,
-        space.spare,
-        space.total,
-        space.matrix,
-        space.residual,
-        space.away,
-        m,
-        scale,
-        period,
-    ):
+    if not bound_growth(space, m, scale, period):
         return EXPANDS, margin, edge, closure, bound
     near, bound = within(start, ring, head, period, body, wall, space, m)
     return (PROVEN if near else NOT_CAPTURED), margin, edge, closure, bound

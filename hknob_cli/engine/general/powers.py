@@ -221,14 +221,16 @@ def ellipse_bound(cols, stride, power, spare, p, a, residual, away, m, scale, sa
     return True
 
 
-def bound_growth(cols, stride, power, spare, total, a, residual, away, m, scale, samples):
-    """Bound what a difference ``residual``, known to within ``away``, can ever grow to, from turn to turn.
+def bound_growth(space, m, scale, samples):
+    """Bound what ``space.residual``, a difference known to within ``space.away``, can ever grow to, from turn to turn.
 
     True, and the bound in ``away``, its former self in ``power``, where there is one. Overwrites ``residual``,
-    ``spare`` and ``total`` (m, m) and ``a`` (m, 2 m).
+    ``spare`` and ``total`` (m, m) and ``matrix`` (m, 2 m).
     """
+    cols, stride, power, spare, total = space.cols, space.width, space.power, space.spare, space.total
+    residual, away = space.residual, space.away
     if not growth_bound(cols, stride, power, spare, total, m, scale):
-        return ellipse_bound(cols, stride, power, spare, total, a, residual, away, m, scale, samples)
+        return ellipse_bound(cols, stride, power, spare, total, space.matrix, residual, away, m, scale, samples)
     largest = 0.0
     for i in range(m):
         power[i] = away[i]

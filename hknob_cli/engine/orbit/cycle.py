@@ -34,7 +34,7 @@ def measure_holds(x, v, drive, n, parts, kinds, alpha, beta, places, drives):
     """Measures of ``n`` samples of ``kinds`` holds each, whose end is their start.
 
     ``x``, ``v``: state at the start of each hold and, last, at the end; ``drive``: the constant acceleration in each;
-    ``places``, ``drives``: sums of the ``x``, but for the last, and of the ``drive``; ``parts``: numbers of the kinds
+    ``places``, ``drives``: sums of the ``x`` without the last, and of the ``drive``; ``parts``: numbers of the kinds
     of holds, `orbit.holds`. Returns the first seven of `CycleMeasures`; without cycles where nothing turns.
     """
     count = n * kinds

@@ -1,7 +1,7 @@
 """When the motion inside one piece reaches its edge, or turns, or neither.
 
 Within a piece and one direction of motion x'' = y - alpha x' - beta (x - x0), where ``y`` is the acceleration at the
-start ``x0``, friction included, but for the damping. ``way`` is +1 upwards, -1 downwards; ``gap`` the signed distance
+start ``x0``, friction included, the damping not. ``way`` is +1 upwards, -1 downwards; ``gap`` the signed distance
 to the edge ahead.
 """
 

@@ -23,7 +23,7 @@ def place(x, v, loop):
 
 
 def acceleration(n, x, way, loop):
-    """Acceleration at ``x`` in piece ``n`` while moving in the direction ``way``, but for the damping."""
+    """Acceleration at ``x`` in piece ``n`` while moving in the direction ``way``, except for the damping."""
     return piece_drive(n, loop) - way * loop.phi - piece_stiffness(n, loop) * x
 
 

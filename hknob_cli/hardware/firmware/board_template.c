@@ -26,7 +26,7 @@ uint64_t board_now_ns(void)
 /* Set a compare register of that timer, so that its interrupt comes at this time; at once if the time has gone by. The
    interrupt's function calls target_sample() if board_now_ns() has reached the time, and sets the register anew if not
    (a time may be further ahead than the register reaches). BOARD_NEVER switches the interrupt off. The interrupt has
-   a higher priority than anything that may take longer than a tenth of a period, but for the emergency stop. */
+   a higher priority than anything that may take longer than a tenth of a period, except for the emergency stop. */
 void board_call_at(uint64_t time_ns)
 {
     (void)time_ns;

@@ -48,7 +48,7 @@ class Decoder:
     """Finds the frames in bytes as they come, in pieces of any size.
 
     Holds no more than one frame's bytes: what is longer cannot be a frame, and is skipped up to the next zero byte.
-    ``damaged`` counts what was dropped; ``bad_crc`` those of them that would be an answer but for their checksum.
+    ``damaged`` counts what was dropped; ``bad_crc`` those of them that would be an answer except for their checksum.
     """
 
     def __init__(self) -> None:
@@ -94,7 +94,7 @@ class Decoder:
 
 
 class Unread(NamedTuple):
-    """Frames so far: ``bad_crc`` would be answers but for their checksum; ``none`` are nothing of the protocol."""
+    """Frames so far: ``bad_crc`` would be answers except for their checksum; ``none`` are nothing of the protocol."""
 
     bad_crc: int
     none: int

@@ -1,7 +1,7 @@
 """The exact motion of one trial under a controller in the general loop, row by row."""
 
 from collections.abc import Iterator
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from math import ceil
 from typing import NamedTuple
 
@@ -31,9 +31,11 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
     body, wall = knob.body, knob.wall
     numbers = [law.sched[i * PIECE : (i + 1) * PIECE] for i in range(law.pieces)]
     begins = [0.0, *accumulate(piece[SPAN] for piece in numbers)]
+    # A piece that has the torque of the one before it begins with a look of the encoder alone.
+    events = ["sample", *("command" if k[TORQUE] != j[TORQUE] else "" for j, k in pairwise(numbers))]
     stops = [(phase + i + begins[k], k) for i in range(ceil(until) + 1) for k in range(law.pieces)]
+    named = {time for time, piece in stops if events[piece]}
     stops += [(min(i * every, until), -1) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
-    named = {time for time, piece in stops if piece >= 0}
     z, pad, past = list(start), [0.0] * (2 * body.order), [0.0] * len(law.beside)
     acting, time, begun = 0.0, 0.0, False
     for at, piece in sorted(one for one in stops if one[0] <= until and (one[1] >= 0 or one[0] not in named)):
@@ -52,5 +54,6 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
                     begun = True
                 decide(shown, z[1], past, wall, law)
             acting = past[int(numbers[piece][TORQUE])]
-        torque = z[-1] if body.lag > 0.0 else acting
-        yield LawPoint(at, ("sample" if piece == 0 else "command") if piece >= 0 else "", list(z), torque)
+        event = events[piece] if piece >= 0 else ""
+        if event or piece < 0:
+            yield LawPoint(at, event, list(z), z[-1] if body.lag > 0.0 else acting)

@@ -91,7 +91,7 @@ def test_saturation_by_virtual_damping_is_in_the_gap() -> None:
 
 @pytest.mark.parametrize(("shown", "before"), [(-1.0, -0.5), (-0.25, -0.75), (0.5, 1.0), (-9.0, -1.0)])
 def test_slopes_are_differences(shown: float, before: float) -> None:
-    """The law is piecewise linear: differences are slopes but for rounding."""
+    """The law is piecewise linear: differences are slopes except for rounding."""
     one, h = wall(analog=1.0, damping=0.5, limit=8.0), 2.0**-20
     first = (command(shown + h, before, one) - command(shown - h, before, one)) / (2 * h)
     second = (command(shown, before + h, one) - command(shown, before - h, one)) / (2 * h)

@@ -45,7 +45,7 @@ def levels_of(phase: float, start: float, delay: int, loop: Loop) -> list[float]
 
 @pytest.mark.parametrize(("start", "delay", "loop"), CELLS)
 def test_every_arc_ends_where_its_trials_do(start: float, delay: int, loop: Loop) -> None:
-    """Both its ends, but for a billionth, and its middle; arcs leave no gap, and shares are their lengths."""
+    """Both its ends, except for a billionth, and its middle; arcs leave no gap, and shares are their lengths."""
     ends, room = known(delay), make_arc_room(zeros, delay)
     samples, arcs, undecided, shortest, covered, whole = follow_all(
         start, 0.0, delay, 20_000, 100, 1e6, room, ends, loop

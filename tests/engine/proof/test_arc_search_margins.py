@@ -246,7 +246,7 @@ def test_an_end_that_is_not_proven_decides_nothing(
 
 
 def test_an_arc_is_cut_where_its_ball_as_it_is_now_meets_an_edge(search: Callable[..., Search]) -> None:
-    """Radius and error from its middle, on either side of an edge, but for a billionth."""
+    """Radius and error from its middle, on either side of an edge, except for a billionth."""
     radius, error = radius_at(7), 0.125
     assert radius + error < 0.5
     for side in (1.0, -1.0):

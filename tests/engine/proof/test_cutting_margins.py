@@ -179,7 +179,7 @@ def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
 
 
 def test_every_cell_of_the_lattice_is_found_again() -> None:
-    """In a table that is full but for one place, whatever falls together."""
+    """In a table that is full except for one place, whatever falls together."""
     chance = random.Random(2)
     for _ in range(50):
         room, places = small_room(slots=8), {}

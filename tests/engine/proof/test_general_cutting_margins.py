@@ -309,7 +309,7 @@ def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
 
 @pytest.mark.parametrize("delay", [0, 2])
 def test_every_cell_of_the_lattice_is_found_again(delay: int) -> None:
-    """With its last reading and its commands, in a table that is full but for one place."""
+    """With its last reading and its commands, in a table that is full except for one place."""
     chance = random.Random(2)
     for _ in range(40):
         room, places = small_room(delay, slots=8), {}

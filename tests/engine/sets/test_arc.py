@@ -82,7 +82,7 @@ def test_the_radius_of_a_short_arc_is_half_its_length() -> None:
 @settings(deadline=None)
 @given(loop=loops, dx=places, dv=speeds)
 def test_extent_is_the_least_and_the_largest_position(loop: Loop, dx: float, dv: float) -> None:
-    """No position of an arc lies outside, and some lie at either end but for what a grid of phases misses."""
+    """No position of an arc lies outside, and some lie at either end except for what a grid of phases misses."""
     least, most = extent(0.0, 1.0, dx, dv, loop)
     found = [x for _, x in curve(loop, dx, dv, 0.0, 1.0)]
     scale = abs(dx) + abs(dv) + 1.0
@@ -111,7 +111,7 @@ def test_the_velocity_vanishes_where_an_arc_turns(loop: Loop, dx: float, dv: flo
 def test_every_state_lies_in_a_part_of_its_level(
     loop: Loop, dx: float, dv: float, base: float, low: float, high: float, reach: float
 ) -> None:
-    """Of its level, and of any other within reach of it; no part holds what is farther, but for some thousandths."""
+    """Of its level, and of any other within reach of it; no part holds what is farther, except for some thousandths."""
     low, high = min(low, high), max(low, high)
     cuts = zeros(3000)
     parts = cut_arc(low, high, base, reach, dx, dv, cuts, loop)

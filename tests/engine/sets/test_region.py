@@ -92,7 +92,7 @@ points = st.lists(st.tuples(st.floats(-9.0, 9.0), st.floats(-3.0, 3.0)), min_siz
 def test_a_hull_holds_its_points_with_the_rectangle(
     room: RegionRoom, some: list[tuple[float, float]], grown: tuple[float, float]
 ) -> None:
-    """Every corner of the rectangle around every point, but for the rounding that the docstring states."""
+    """Every corner of the rectangle around every point, except for the rounding that the docstring states."""
     flat = [value for point in some for value in point]
     out = zeros(200)
     count = enclose(list(flat), len(some), *grown, room.chain, out)

@@ -55,3 +55,16 @@ def test_a_recording_of_a_sweep_has_the_parts_of_an_interval() -> None:
     rows = [row for row in record_sweep(plan).to_pylist() if row["trial"] == 0]
     at = {event: [row["time_s"] for row in rows if row["event"] == event] for event in ("sample", "command")}
     assert np.subtract(at["command"], at["sample"][: len(at["command"])]) == pytest.approx(0.25e-3, abs=1e-12)
+
+
+def test_a_look_between_samples_is_no_row_of_its_own() -> None:
+    speed = {"kind": "velocity_damping", "damping": 2e-4, "velocity": "timed", "detections": 8}
+    scene = {key: value for key, value in SCENE.items() if key != "actuator"}
+    made = make_law(
+        SceneSpec.model_validate({**scene, "controller": speed}).plain(), sample_rate_hz=1000.0, counts_per_rev=512
+    )
+    points = list(follow_law(made, made.knob.start(0.02, 0.0), phase=0.25, until=10.0, every=0.5))
+    assert made.law.pieces == 8
+    assert [point.event for point in points].count("sample") == 10
+    assert [point.event for point in points].count("") == 21  # those asked for: none where the encoder only looks
+    assert len(points) == 31

@@ -7,7 +7,7 @@ from hknob_cli.engine.general.laws.law import PAIR_ACROSS, PAIR_NORM
 
 
 def same_count(past, other, law):
-    """Whether all that is remembered is the same, but for what fades or drifts and the torques under way."""
+    """Whether all that is remembered is the same, except what fades or drifts, and the torques under way."""
     for j in range(law.line):
         moves = j == law.fading or j == law.drifts or (len(law.pair) > 0 and j == law.fading + 1)
         if not moves and past[j] != other[j]:
@@ -16,7 +16,7 @@ def same_count(past, other, law):
 
 
 def nearly_same(past, other, law, within):
-    """Whether all that is remembered differs by at most ``within``, relatively, but for what drifts."""
+    """Whether all that is remembered differs by at most ``within``, relatively; what drifts does not count."""
     for j in range(law.line):
         if j != law.drifts and not abs(past[j] - other[j]) <= within * (1.0 + abs(other[j])):
             return False

@@ -8,7 +8,6 @@ torques of that memory. What the torques may be wrong by enters the bound on the
 from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
-from hknob_cli.engine.general.advance import rub_columns
 from hknob_cli.engine.general.body import distance, norm, stiffness
 from hknob_cli.engine.general.controller import count_gap, edge_gap, read
 from hknob_cli.engine.general.laws.cascade import (
@@ -20,8 +19,8 @@ from hknob_cli.engine.general.laws.cascade import (
     size_faded,
     sums_agree,
 )
-from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
-from hknob_cli.engine.general.laws.sensed import certify_sensed
+from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
+from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
 from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
 from hknob_cli.engine.general.powers import dissipates, invert
@@ -37,9 +36,8 @@ def turn_with_law(past, period, body, wall, law, space, m):
     least guard, the largest torque, and whether the law's memory has begun anew.
     """
     n, width = body.order, space.width
+    begin_columns(space, m)
     for c in range(m):
-        for i in range(width):
-            space.cols[c * width + i] = 1.0 if i == c else 0.0
         space.cols[width * width + c] = 0.0  # torques do not depend on where the plant is, between edges
     for i in range(n):
         space.state[i] = space.orbit[i]
@@ -62,21 +60,7 @@ def turn_with_law(past, period, body, wall, law, space, m):
             anchored = True
         for piece in range(law.pieces):
             at = piece * PIECE
-            rub_columns(
-                space.state,
-                past[int(law.sched[at + TORQUE])],
-                law.sched[at + SPAN],
-                law.sched[at + S],
-                law.sched[at + G],
-                law.sched[at + F],
-                body,
-                space.pad,
-                space.cols,
-                width * width,
-                m,
-                width,
-                space.marks,
-            )
+            move_piece_columns(past, at, body, law, space, m)
             look = int(law.sched[at + LOOK])
             if look >= 0:
                 past[look] = read(space.state[0], wall)

@@ -27,6 +27,25 @@ def begin_columns(space, count):
             space.cols[c * space.width + i] = 1.0 if i == c else 0.0
 
 
+def move_piece_columns(past, at, body, law, space, count):
+    """Move the motion in ``space`` and ``count`` columns over the piece whose numbers begin at ``at``."""
+    rub_columns(
+        space.state,
+        past[int(law.sched[at + TORQUE])],
+        law.sched[at + SPAN],
+        law.sched[at + S],
+        law.sched[at + G],
+        law.sched[at + F],
+        body,
+        space.pad,
+        space.cols,
+        space.width * space.width,
+        count,
+        space.width,
+        space.marks,
+    )
+
+
 def move_columns(past, body, law, space, count):
     """Move the motion in ``space`` and its columns over an interval whose torques are decided.
 
@@ -38,21 +57,7 @@ def move_columns(past, body, law, space, count):
         torque = int(law.sched[at + TORQUE])
         for c in range(count):
             space.cols[width * width + c] = space.cols[c * width + n + torque - law.line]
-        rub_columns(
-            space.state,
-            past[torque],
-            law.sched[at + SPAN],
-            law.sched[at + S],
-            law.sched[at + G],
-            law.sched[at + F],
-            body,
-            space.pad,
-            space.cols,
-            width * width,
-            count,
-            width,
-            space.marks,
-        )
+        move_piece_columns(past, at, body, law, space, count)
     for c in range(count):
         for j in range(law.ages - 1):
             space.cols[c * width + n + j] = space.cols[c * width + n + j + 1]
@@ -231,19 +236,7 @@ def certify_sensed(z, past, period, body, wall, law, space):
             space.residual[i] = z[i] - space.orbit[i]
         else:
             space.residual[i] = past[under_way + i - n] - law.periodic[under_way + i - n]
-    if not bound_growth(
-        space.cols,
-        width,
-        space.power,
-        space.spare,
-        space.total,
-        space.matrix,
-        space.residual,
-        space.away,
-        m,
-        scale,
-        period,
-    ):
+    if not bound_growth(space, m, scale, period):
         return EXPANDS, margin, edge, closure, bound
     copy_to(law.beside, law.periodic)
     edges, guards, near, bound = within(law.beside, period, body, wall, law, space, m)

@@ -47,8 +47,12 @@ def append(out, kept, dx, dv):
 
 
 def keep_side(given, count, a, b, c, out):
-    """The part of a polygon where ``a dx + b dv >= c``, to ``out``, which has room for one more; its corners."""
-    kept = 0
+    """The part of a polygon where ``a dx + b dv >= c``, to ``out``, which has room for one more; its corners.
+
+    A line crosses the outline of a convex polygon at most twice. Where rounding makes it cross more often, as along an
+    edge of a flat one, the part is the whole polygon, which holds it.
+    """
+    kept, crossings = 0, 0
     for k in range(count):
         px, pv = given[2 * k], given[2 * k + 1]
         j = (k + 1) % count
@@ -57,6 +61,11 @@ def keep_side(given, count, a, b, c, out):
         if here >= 0.0:
             kept = append(out, kept, px, pv)
         if (here > 0.0 and there < 0.0) or (here < 0.0 and there > 0.0):
+            crossings += 1
+            if crossings > 2:
+                for i in range(2 * count):
+                    out[i] = given[i]
+                return count
             part = here / (here - there)
             kept = append(out, kept, px + part * (qx - px), pv + part * (qv - pv))
     if kept > 1 and out[0] == out[2 * kept - 2] and out[1] == out[2 * kept - 1]:

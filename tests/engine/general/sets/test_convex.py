@@ -50,6 +50,17 @@ def test_both_sides_of_a_line_hold_all(corners: list[float], a: float, b: float,
         assert inside_of(x, v, side, 1e-9 * size)
 
 
+def test_a_line_that_crosses_more_than_twice_by_rounding_leaves_the_whole() -> None:
+    """Along the upper side of a flat polygon, whose middle corner is a rounding too low."""
+    flat = [0.0, 0.0, 4.0, 0.0, 4.0, 1.0, 3.0, 1.0 - 2e-16, 2.0, 1.0, 1.0, 1.0 - 2e-16, 0.0, 1.0]
+    out = zeros(2 * 8)
+    for sign in (1.0, -1.0):
+        assert keep_side(flat, 7, 0.0, sign, sign * (1.0 - 1e-16), out) == 7
+        assert out[:14] == flat
+    assert keep_side(flat, 7, 0.0, 1.0, 0.5, out) == 7  # and with two crossings, what is above
+    assert min(out[1:14:2]) == 0.5
+
+
 @quick
 @given(corners=shapes(), more=st.tuples(st.floats(0.0, 1.0), st.floats(0.0, 1.0)), seed=st.integers(0, 99))
 def test_a_wider_polygon_holds_every_state_with_what_is_added(

@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from hypothesis import Phase, assume, given, settings
+from hypothesis import Phase, assume, example, given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.general.body import Body
@@ -121,6 +121,19 @@ def shapes(draw: st.DrawFn) -> list[float]:
     v=st.one_of(st.just(0.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01)),
     u=st.floats(0.0, 3.0),
     seed=st.integers(0, 2**32 - 1),
+)
+@example(  # a line along an edge of a flat part
+    body=body_of(
+        alpha=0.38273000559479275, beta=1.3827208544823129, friction=0.658632993729025, push=0.4283391797019368
+    ),
+    corners=[
+        *(-2.5841266032244783, -1.9123106551682645, 1.1569316421510896, -1.9694854165501543),
+        *(1.1444596062099015, 1.8037757695072194, -0.15736588685838626, 1.8963095173344642),
+    ],
+    x=2.1213184036923945e-106,
+    v=0.0,
+    u=0.38273000559479275,
+    seed=252144462,
 )
 def test_no_state_is_lost(body: Body, corners: list[float], x: float, v: float, u: float, seed: int) -> None:
     """Every state of the set, moved by itself, lies in a part of the set that has moved."""
