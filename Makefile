@@ -11,7 +11,7 @@ WORKERS ?= auto
 TEXTS := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs hknob_cli
 
 .DEFAULT_GOAL := help
-.PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long firmware lint schemas compare bench clean
+.PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long matrix firmware lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-11s %s\n", $$1, $$2}'
@@ -68,6 +68,9 @@ test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with 
 
 long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
+
+matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and newest dependencies; their licences
+	@$(BIN)/python -m tests.matrix.run
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py

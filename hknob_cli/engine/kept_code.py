@@ -32,7 +32,7 @@ def load_numba() -> Any:
     sys.modules["yaml"] = None  # type: ignore[assignment]  # makes its import fail, which numba allows for
     try:
         with uninterrupted(), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
+            warnings.filterwarnings("ignore", "A Numba config file is found")
             import numba
     finally:
         if known:
