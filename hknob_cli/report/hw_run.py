@@ -54,6 +54,7 @@ def hw_run_text(summary: dict[str, Any]) -> str:
         f"{summary['sustained']} with sustained buzz; "
         f"{held}{stale}"
     ]
+    lines += [f"controller: {one}" for one in dict.fromkeys(row["controller"] for row in rows if "controller" in row)]
     across = len({cell[RATE] for cell in cells})
     if len(cells) <= MAX_ROWS and across <= 24:
         for column, scale, title in (
