@@ -206,7 +206,9 @@ def test_in_a_pipeline(hknob, tmp_path: Path) -> None:
     assert one["frequency_hz"].to_pylist() != other["frequency_hz"].to_pylist()
 
 
-@pytest.mark.parametrize("name", ["ch8_hardware", "ch8_hardware_plain", "ch8_serial_host", "ch8_serial_qemu"])
+@pytest.mark.parametrize(
+    "name", ["ch8_hardware", "ch8_hardware_plain", "ch8_hardware_bounded_lag", "ch8_serial_host", "ch8_serial_qemu"]
+)
 def test_experiments_are_good(hknob, name: str) -> None:
     done = hknob("check", EXPERIMENTS / f"{name}.yaml")
     assert done.returncode == 0

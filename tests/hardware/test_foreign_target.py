@@ -120,6 +120,17 @@ def test_it_knows_no_controller_and_says_so() -> None:
         assert (answer.status, answer.state, answer.said) == (Status.NOT_KNOWN, State.IDLE, None)
 
 
+def test_a_campaign_under_a_controller_is_refused_before_anything_is_armed(hknob, tmp_path: Path) -> None:
+    with foreign_target() as url:
+        refused = hknob(*arranged(tmp_path, url, "controller: {kind: bounded_lag}\n"))
+    assert refused.returncode == 2
+    assert (
+        "trial 1 of 1 (1000 Hz, 256 counts): the device 'perl' cannot do that: it runs the plain wall" in refused.stderr
+    )
+    assert "no controller: it does not know CONTROL (docs/reference/wire.md)" in refused.stderr
+    assert not (tmp_path / "out" / "trials.parquet").exists()
+
+
 def test_its_knob_moves_as_the_virtual_one(hknob, tmp_path: Path) -> None:
     """Sample by sample over the first swings: from the same rest, on an encoder of as many counts."""
     with foreign_target() as url:
