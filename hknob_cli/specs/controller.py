@@ -24,7 +24,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "bounded_lag": Kind("bounded_lag:BoundedLag", ("keep", "time_constant")),
-    "first_order_hold": Kind("first_order_hold:FirstOrderHold", ("correct",)),
+    "first_order_hold": Kind("first_order_hold:FirstOrderHold", ("correct", "detections", "steps")),
     "half_sample": Kind("half_sample:HalfSample", ("velocity",)),
     "impulse_damping": Kind("impulse_damping:ImpulseDamping", ("pulse", "gain", "detections")),
     "matched_wall": Kind("matched_wall:MatchedWall", ("velocity",)),
@@ -87,7 +87,10 @@ class Controller(NamedTuple):
     correct: Annotated[_Flag, "add what the last prediction missed"] = True
     pulse: Annotated[_Share, "length of the pulse, in sample intervals"] = 0.025
     gain: Annotated[_UpTo100, "pulse over what the hold got wrong"] = 1.0
-    detections: Annotated[_Readings, "encoder readings per sample interval, to time a crossing or a change"] = 1
+    detections: Annotated[
+        _Readings, "encoder readings per sample interval, to time a crossing or a change, or to fit a line"
+    ] = 1
+    steps: Annotated[_Samples, "first_order_hold: torques in a sample interval, along the line"] = 1
     height: Annotated[_UpTo100, "torque of the damping wave, in torque steps of a count"] = 0.5
     degrees: Annotated[_Degrees, "phase after a crossing over which the wave acts"] = 360.0
     crossings: Annotated[Literal["in", "both"], "crossings that set the phase"] = "in"
