@@ -9,8 +9,9 @@ from tests.page.claims.conftest import Made, cell
 
 def test_cells_that_cycle_where_a_criterion_holds(made: Made) -> None:
     """At 200 Hz the wall without counts is too stiff by Tsai and Colgate, at 1 kHz not, and never by Tsypkin."""
-    cells = [cell(200, 1024, 1e-3, 80.0), cell(1000, 1024, 1e-3, 80.0), cell(2000, 1024, 0.0, 0.0, at_rest_fraction=1.0)]
-    evidence = made("a", {"cells": cells})
+    cells = [cell(200, 1024, 1e-3, 80.0), cell(1000, 1024, 1e-3, 80.0)]
+    rests = cell(2000, 1024, 0.0, 0.0, at_rest_fraction=1.0)
+    evidence = made("a", {"cells": [*cells, rests]})
     with_one = {"result": "a", "criterion": "tsai_colgate"}
     assert compute("cycles_where_criterion", evidence, {**with_one, "holds": True}) == 50.0
     assert compute("cycles_where_criterion", evidence, {**with_one, "holds": False}) == 100.0
