@@ -103,6 +103,7 @@ class DfaPlan(NamedTuple):
 class PredictPlan(NamedTuple):
     """Predictions by ``laws``; ``constant``: C of the quantum-period law, 1/s, None: analytic.
 
+    ``criteria``: further criteria of stability, by name.
     ``case_file``, ``case_sha256``: the file that the constant was taken from, if any, and its digest.
     """
 
@@ -118,6 +119,7 @@ class PredictPlan(NamedTuple):
     case_file: Path | None = None
     points: Points | None = None
     preset: Preset | None = None
+    criteria: tuple[str, ...] = ()
 
 
 class SweepPlan(NamedTuple):

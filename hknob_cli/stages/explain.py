@@ -68,6 +68,7 @@ def _predict(plan: Any) -> Found:
         **_about(plan.scene, plan.axes),
         "grid": grid_lines(plan),
         "laws": [f"{', '.join(plan.laws)}.", *_constant(plan), *_against(plan.against)],
+        **({"criteria": [f"{', '.join(plan.criteria)}."]} if plan.criteria else {}),
         "not proven": ["Closed laws estimate. The column in_domain says where the assumptions of each hold."],
         "ignored": _outside(plan),
     }
