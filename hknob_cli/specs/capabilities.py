@@ -80,7 +80,7 @@ COLUMNS = {
     "formulas": Column("predict", "{what} is not in predict"),
     "bench": Column("bench", "bench has no rival with {what}"),
     "device": Column("hw-run", "the spec of a device has no such key"),
-    "explore": Column("explore", "{what} is not in the page's own engine"),
+    "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
 ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
 
@@ -211,9 +211,9 @@ WHY = {
     ("controller", "pulse"): "a pulse is not built beside controllers",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
-    ("finger", "explore"): "its engine has one body",
-    ("bare", "explore"): "its engine reads counts",
-    ("unsampled", "explore"): "its engine has a sample clock",
+    ("finger", "explore"): "the engine of its page has one body",
+    ("bare", "explore"): "the engine of its page reads counts",
+    ("unsampled", "explore"): "the engine of its page has a sample clock",
     **{(name, "explore"): "its torque is that of a wall" for name in OVER_ANGLE},
     ("unsampled", "perceive"): "no cycle is proven there",
     ("bare", "describing"): "dfa needs an encoder's counts",

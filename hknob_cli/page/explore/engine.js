@@ -562,7 +562,7 @@ const Knob = (() => {
 
   // ---- One trial of a scene, to the cycle or the rest that it reaches.
   // Outcome: cycle, rest, diverged or undecided. `samples`: until it was there. `lead`: the way there, piece by piece,
-  // as far as it is kept; `start`: where and when the trial begins.
+  // as far as it is kept.
   const CLOSE = 1e-3; // counts, within which a state may have come back
   const KEPT = 6000; // samples of the way there that are kept
   const solve = (scene, options = {}) => {
@@ -601,12 +601,21 @@ const Knob = (() => {
       Object.assign(result, measure(found, cell), { period: found.period, margin: found.margin, closure: found.closure });
       result.orbit = found.orbit;
     }
-    const kept = Math.min(samples, KEPT);
     if (options.motion !== false) {
+      // Whole periods more, until nothing is seen of what the trial still is away from its cycle.
+      let last = samples;
+      const apart = () => Math.abs(trial.x - found.orbit.x) + Math.abs(trial.v - found.orbit.v);
+      while (found && last + found.period <= KEPT && apart() > 1e-10) {
+        for (let i = 0; i < found.period; i += 1) {
+          decide(read(trial.x, cell), trial, cell);
+          push(trial, cell);
+        }
+        last += found.period;
+      }
+      const kept = Math.min(last, KEPT);
       result.lead = [];
       chart(first, 0, kept, cell, result.lead);
       result.kept = kept;
-      if (found && kept < samples) result.jump = true;
     }
     return result;
   };
