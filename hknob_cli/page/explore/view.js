@@ -55,7 +55,7 @@
     const range = element("input", { type: "range", id, min: 0, max: STEPS, step: 1 });
     const number = element("input", { type: "number", step: "any", "aria-label": `${one.label}${one.unit ? `, ${one.unit}` : ""}` });
     const show = () => {
-      const value = (read() || 0) / one.si, text = String(Number(value.toPrecision(6)));
+      const value = (read() || 0) / one.si, text = String(Number(value.toPrecision(5)));
       range.value = Math.round(toPlace(one, value));
       range.setAttribute("aria-valuetext", `${text} ${one.unit}`);
       if (document.activeElement !== number) number.value = text;
@@ -346,7 +346,10 @@
     at.fillStyle = colours.soft;
     at.textAlign = "right";
     at.textBaseline = "middle";
-    for (const tick of yTicks) at.fillText(ySay(tick), LEFT - 5, Math.min(Math.max(yOf(tick), 7), high - BOTTOM - 5));
+    for (const tick of yTicks) {
+      const y = yOf(tick); // what stands in the corners is the unit
+      if (y > 17 && y < high - BOTTOM - 3) at.fillText(ySay(tick), LEFT - 5, y);
+    }
     at.textAlign = "center";
     at.textBaseline = "bottom";
     for (const tick of xTicks) {
@@ -429,8 +432,8 @@
     at.stroke();
     axes(at, wide, height, (v) => short(v, 3), ticks(1e3 * low, 1e3 * high, 3), (v) => yOf(v / 1e3), [], xOf, () => "");
     at.textAlign = "left";
-    at.textBaseline = "bottom";
-    at.fillText("mN·m", 2, height - 1);
+    at.textBaseline = "top";
+    at.fillText("mN·m", 2, 2);
   };
   const drawPlane = (name, [low, high], [slow, fast]) => {
     const { context: at, width: wide, height } = canvas(`${name}-plane`), kept = trace[name], { cell } = results[name];
