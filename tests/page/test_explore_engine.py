@@ -11,7 +11,7 @@ import pytest
 
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.page.explore.knob import KINDS, knobs_of
-from hknob_cli.page.explore.sheet import packaged
+from hknob_cli.page.explore.sheet import engine as engine_text
 from hknob_cli.perception.touch import thresholds
 from hknob_cli.scene.trial import simulate
 from hknob_cli.specs.plan import scene_at
@@ -44,7 +44,7 @@ function motion(scene, samples) {
 @pytest.fixture(scope="module")
 def engine() -> Iterator[Any]:
     with Engine() as engine:
-        engine.eval(packaged("engine.js"))
+        engine.eval(engine_text())
         engine.eval(FIND)
         yield engine
 

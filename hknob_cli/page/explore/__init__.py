@@ -2,5 +2,5 @@
 
 - `knob` the cells of a sweep as the page takes them, or why not
 - `sheet` the HTML; ``page.html.j2``, ``page.css``
-- ``engine.js`` exact motion and the cycle reached, ``remedies.js`` what can be changed, ``view.js`` all that is seen
+- ``engine/`` exact motion and the cycle reached, ``remedies.js`` what can be changed, ``view/`` what is seen and heard
 """

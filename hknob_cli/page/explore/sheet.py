@@ -10,7 +10,9 @@ from hknob_cli import __version__
 from hknob_cli.page.explore.knob import KINDS, Knobs
 from hknob_cli.specs.controller import KINDS as EVERY
 
-SCRIPTS = ("engine.js", "remedies.js", "view.js")
+# Each script is the files of a folder, or one file.
+_ENGINE = ("plant", "controllers", "cell", "motion", "trial", "cycle", "measure", "solve")
+_VIEW = ("words", "sliders", "answer", "clock", "window", "pictures", "sound", "begin")
 MARK = "<!-- hknob explore -->"  # in the second line: by it the command knows its own files
 
 
@@ -28,7 +30,7 @@ def sheet(knobs: Knobs) -> str:
         keep_trailing_newline=True,
     )
     style = packaged("page.css")
-    scripts = [packaged(name) for name in SCRIPTS]
+    scripts = [engine(), packaged("remedies.js"), _joined("view", _VIEW)]
     data = {"cells": knobs.cells, "touch": knobs.touch, "slug": knobs.name}
     left_out = ", ".join(_words(kind) for kind in EVERY if kind not in KINDS)
     return environment.get_template("page.html.j2").render(
@@ -49,9 +51,19 @@ def sheet(knobs: Knobs) -> str:
     )
 
 
+def engine() -> str:
+    """The script that makes ``Knob``, the engine: it follows trials, and needs no page."""
+    return f"const Knob = {_joined('engine', _ENGINE)}"
+
+
+def _joined(folder: str, names: tuple[str, ...]) -> str:
+    """Files of a folder as one function that is called at once."""
+    return '(() => {\n"use strict";\n' + "".join(packaged(f"{folder}/{name}.js") for name in names) + "})();\n"
+
+
 def packaged(name: str) -> str:
     """A file of the page as it lies in the package."""
-    return files("hknob_cli.page").joinpath("explore", name).read_text(encoding="utf-8")
+    return files("hknob_cli.page").joinpath("explore", *name.split("/")).read_text(encoding="utf-8")
 
 
 def _hash(text: str) -> str:
