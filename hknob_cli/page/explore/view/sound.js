@@ -10,6 +10,7 @@ const clip = (result) => {
   }
   return { wave, peak };
 };
+const HEAR = { one: $("one-hear").textContent, other: $("other-hear").textContent };
 const silence = () => {
   if (playing.source) {
     playing.gain.gain.setTargetAtTime(0, audio.currentTime, 0.02);
@@ -18,7 +19,7 @@ const silence = () => {
   playing = { name: "", source: null, gain: null };
   for (const name of ["one", "other"]) {
     $(`${name}-hear`).setAttribute("aria-pressed", "false");
-    $(`${name}-hear`).textContent = "Hear it";
+    $(`${name}-hear`).textContent = HEAR[name];
   }
 };
 const sound = (name) => {
