@@ -15,7 +15,7 @@ from hknob_cli.terminal import reporting, say, tell
 if TYPE_CHECKING:
     from hknob_cli.specs.plan import SweepPlan
 
-EXAMPLE = "the example knob"  # how the spec is called that is taken without one
+EXAMPLE = "the example"  # how the spec is called that is taken without one
 
 
 def explore(
@@ -53,6 +53,8 @@ def explore(
     with reporting():
         from hknob_cli.page.explore.knob import knobs_of
         from hknob_cli.page.explore.sheet import sheet
+        from hknob_cli.report.table import folded
+        from hknob_cli.stages.work import counted
 
         called = str(spec) if spec else EXAMPLE
         knobs = knobs_of(_plan(spec, tuple(sets or ())), called)
@@ -61,8 +63,8 @@ def explore(
         if as_json:
             print(json.dumps({"kind": "explore", "name": knobs.name, "cells": len(knobs.cells), "files": [str(path)]}))
         else:
-            which = "the knob" if len(knobs.cells) == 1 else f"{len(knobs.cells)} knobs"
-            tell(f"{knobs.name}: a page with {which} of {called}, to change, see and hear\n\nwrote {path}")
+            tell(folded(f"{knobs.name}: {counted(len(knobs.cells), 'knob')} of {called} to change, see and hear"))
+            tell(f"\nwrote {path}")
             for note in () if quiet else knobs.notes:
                 say(note)
         wanted = _is_watched() if open_it is None else open_it

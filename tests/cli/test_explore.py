@@ -7,7 +7,7 @@ import pytest
 
 from tests.conftest import EXPERIMENTS, SPEC
 
-FIRST = "small: a page with the knob of spec.yaml, to change, see and hear"
+FIRST = "small: 1 knob of spec.yaml to change, see and hear"
 
 
 def test_without_a_spec_it_writes_a_page_of_an_example(hknob, tmp_path: Path) -> None:

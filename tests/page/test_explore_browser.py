@@ -68,6 +68,8 @@ def test_numbers_are_typed_and_nonsense_changes_nothing(opened: Opened) -> None:
     assert "rest" in tab.inner_text("#said")
     number.fill("0")
     tab.wait_for_function("() => document.getElementById('said').textContent.includes('buzzes')")
+    tab.keyboard.press("Enter")
+    assert number.evaluate("one => one === document.activeElement")
 
 
 def test_every_remedy_and_every_cell_is_answered(opened: Opened) -> None:

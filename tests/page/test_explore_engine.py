@@ -129,6 +129,16 @@ def test_its_motion_is_that_of_the_program(engine: Any, remedy: str) -> None:
             assert [one["torque"] for one in ours] == pytest.approx(held, rel=1e-9, abs=1e-9 * most)
 
 
+def test_a_scene_without_an_answer_says_so(engine: Any) -> None:
+    """A knob that nothing holds runs away; what cannot be reduced to numbers is an error, not an answer."""
+    scene = scenes("plain", 1)[0]
+    loose = {**scene, "hand": None, "damping": 1e-4, "stiffness": 0.0, "push": 1e-3, "friction": 0.0}
+    assert found(engine, loose)["outcome"] in ("diverged", "undecided")
+    for wrong in ({**loose, "controller": {"kind": "matched_wall"}}, {**scene, "inertia": 1e-320, "hand": None}):
+        answer = engine.eval(f"try {{ found({json.dumps(wrong)}, null) }} catch (error) {{ error.name }}")
+        assert answer == "RangeError"
+
+
 def test_what_a_spec_says_reaches_the_engine(engine: Any) -> None:
     """From spec to page to engine: the cycle of the spec's own trial."""
     for remedy in ("rounding", "velocity_damping"):

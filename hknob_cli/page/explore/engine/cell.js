@@ -28,6 +28,7 @@ const reduce = (scene) => {
   [cell.s1, cell.g1, cell.f1] = [S, G, F];
   respond(alpha, beta, 1 - split);
   [cell.s2, cell.g2, cell.f2] = [S, G, F];
+  if (scene.controller && !(stiffness > 0)) throw new RangeError("a controller needs a wall of some stiffness");
   cell.law = scene.controller ? LAWS[scene.controller.kind](cell, scene.controller) : null;
   cell.apart = cell.damping > 0 || (cell.law !== null && cell.law.outside === true); // counts outside the wall differ
   for (const name of ["alpha", "beta", "kappa", "push", "friction", "s2", "g2"]) {

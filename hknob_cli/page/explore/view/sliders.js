@@ -35,7 +35,7 @@ const addSlider = (box, one, read, write) => {
     const value = (read() || 0) / one.si, text = String(Number(value.toPrecision(5)));
     range.value = Math.round(toPlace(one, value));
     range.setAttribute("aria-valuetext", `${text} ${one.unit}`);
-    if (document.activeElement !== number) number.value = text;
+    number.value = text;
   };
   const wrong = (value) => !Number.isFinite(value)
     || (one.scale === "even" ? value < one.low && one.low >= 0 : one.scale === "zero" ? value < 0 : value <= 0)
@@ -59,7 +59,7 @@ const addSlider = (box, one, read, write) => {
     range.setAttribute("aria-valuetext", `${value} ${one.unit}`);
     later();
   });
-  number.addEventListener("change", () => { number.removeAttribute("aria-invalid"); number.blur(); show(); });
+  number.addEventListener("change", () => { number.removeAttribute("aria-invalid"); show(); });
   box.append(element("div", {}, element("label", { htmlFor: id }, one.label), range, number, element("span", {}, one.unit)));
   show();
   return show;
