@@ -80,6 +80,7 @@ COLUMNS = {
     "formulas": Column("predict", "{what} is not in predict"),
     "bench": Column("bench", "bench has no rival with {what}"),
     "device": Column("hw-run", "the spec of a device has no such key"),
+    "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
 ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
 
@@ -168,14 +169,25 @@ _TABLE = {
     "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
+# Parts that the page of `hknob explore` follows; what is not named here it refuses.
+_EXPLORED = frozenset(
+    (
+        *("bias", "hand", "grip", "people", "knob_damping", "friction", "hand_damping", "hand_stiffness"),
+        *("virtual_damping", "delay", "torque_limit", "torque_step", "dead_band", "rounding", "offset"),
+        *("controller", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
+    )
+)
+
 
 def _rows() -> dict[tuple[str, str], str]:
     found: dict[tuple[str, str], str] = {}
+    listed = [column for column in COLUMNS if column != "explore"]
     for part in PARTS:
         letters = _TABLE[part].replace(" ", "")
-        if len(letters) != len(COLUMNS):
-            raise ValueError(f"the row of {part} has {len(letters)} verdicts for {len(COLUMNS)} columns")
-        found |= {(part, column): letter for column, letter in zip(COLUMNS, letters, strict=True)}
+        if len(letters) != len(listed):
+            raise ValueError(f"the row of {part} has {len(letters)} verdicts for {len(listed)} columns")
+        found |= {(part, column): letter for column, letter in zip(listed, letters, strict=True)}
+        found[part, "explore"] = EXACT if part in _EXPLORED else REFUSED
     return found
 
 
@@ -199,6 +211,10 @@ WHY = {
     ("controller", "pulse"): "a pulse is not built beside controllers",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
+    ("finger", "explore"): "the engine of its page has one body",
+    ("bare", "explore"): "the engine of its page reads counts",
+    ("unsampled", "explore"): "the engine of its page has a sample clock",
+    **{(name, "explore"): "its torque is that of a wall" for name in OVER_ANGLE},
     ("unsampled", "perceive"): "no cycle is proven there",
     ("bare", "describing"): "dfa needs an encoder's counts",
     ("bare", "relay"): "dfa needs an encoder's counts",

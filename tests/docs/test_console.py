@@ -81,7 +81,8 @@ def test_commands_exist(page: Path) -> None:
             if not word.startswith("experiments/") or "*" in word or "NAME" in word:
                 continue
             assert spec.exists(), said.command
-            assert words[1] in (kind_of(spec), "run", "check"), said.command
+            kind = "sweep" if words[1] == "explore" else words[1]
+            assert kind in (kind_of(spec), "run", "check"), said.command
             if kind_of(spec) != PIPELINE:
                 load(spec, overrides(words))
 
