@@ -3,6 +3,7 @@
 import io
 import re
 from collections import Counter
+from itertools import pairwise
 from math import hypot, sin
 from xml.etree import ElementTree
 
@@ -77,7 +78,7 @@ def paths(svg: str) -> list[list[list[Point]]]:
 def off(point: Point, line: list[Point]) -> float:
     """Distance of a point from a line of corners."""
     best = min(hypot(point[0] - x, point[1] - y) for x, y in line)
-    for (x, y), (to_x, to_y) in zip(line, line[1:], strict=False):
+    for (x, y), (to_x, to_y) in pairwise(line):
         across, down = to_x - x, to_y - y
         if square := across * across + down * down:
             along = min(1.0, max(0.0, ((point[0] - x) * across + (point[1] - y) * down) / square))

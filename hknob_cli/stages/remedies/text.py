@@ -81,7 +81,7 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
 
 
 def _size(row: Row) -> float:
-    """By the largest motion of any hand; what diverges is larger than all."""
+    """By the largest motion of any hand; what diverges, or has no decided end, is larger than all."""
     diverges = row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0
     return float("inf") if diverges else float(row["p2p_max_rad"])
 
@@ -183,7 +183,7 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
     ranged = _starts(row) if "complete" in row else []
     if row["p2p_max_rad"] is None:
         blank = [*ranged, *[""] * 5, _times(grid["ratio_median"])]
-        return ["diverges", *blank, *[""] * (count - 1 - len(blank))]
+        return ["diverges" if row["diverged_fraction"] > 0.0 else "undecided", *blank, *[""] * (count - 1 - len(blank))]
     rests = row["p2p_max_rad"] == 0.0
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),

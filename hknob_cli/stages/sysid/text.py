@@ -13,6 +13,7 @@ import pyarrow as pa
 from hknob_cli.identify.fit import MISFIT, ODDS
 from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.table import short, table
+from hknob_cli.report.verdicts import biased, calibrated, identified
 from hknob_cli.stages.sysid.remarks import DISAGREE
 
 Row = dict[str, Any]
@@ -40,6 +41,7 @@ def study_text(summary: dict[str, Any]) -> str:
     """One table a grip force and nuisance; and one of the finger behind its pad."""
     lines = [f"{summary['name']}: estimators compared with the truth"]
     rows = summary.get("bias", [])
+    lines += ["", biased(rows)] if rows else []
     for grip, nuisance in dict.fromkeys((row["grip_n"], row["nuisance"]) for row in rows):
         chosen = [row for row in rows if (row["grip_n"], row["nuisance"]) == (grip, nuisance)]
         lines += ["", f"{NUISANCES[nuisance][0]}, grip {short(grip)} N: bias ± standard deviation, %"]
@@ -141,6 +143,7 @@ def sysid_text(summary: dict[str, Any]) -> str:
     first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
+    lines += ["", identified(rows, errors=whose)]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
         where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
         lines += ["", f"{where}{key[1]}: mean ± {whose}"]
@@ -170,7 +173,8 @@ def sysid_text(summary: dict[str, Any]) -> str:
 
 
 def _calibration_text(summary: dict[str, Any]) -> str:
-    lines = [f"{summary['name']}: {len(summary['calibration'])} quantities"]
+    quantities = summary["calibration"]
+    lines = [f"{summary['name']}: {len(quantities)} quantities", "", calibrated(quantities), ""]
     body = [
         [row["quantity"], row["condition"], _spread(row["value"], row["std"], 1.0), row["unit"], row["flags"]]
         for row in summary["calibration"]
