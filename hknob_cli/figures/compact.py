@@ -19,6 +19,7 @@ FONTS = "DejaVu Sans, Verdana, sans-serif"
 _NUMBER = re.compile(r"-?\d*\.?\d+(?:[eE][-+]?\d+)?")
 _COMMAND = re.compile(r"([MLCQz])([^MLCQz]*)")
 _REFERENCE = re.compile(r'(?:xlink:href="|url\()#([^")]+)')
+_POINTED = re.compile(r"^(?:url\()?#([^)]+)")
 _SPACES = {"http://www.w3.org/2000/svg": "", "http://www.w3.org/1999/xlink": "xlink:"}
 _PLACES = ("x", "y", "width", "height")
 _LOOKS = ("fill", "stroke", "font-size", "text-anchor", "clip-path")  # what a group can say in place of its members
@@ -28,6 +29,8 @@ _EVERYWHERE = {"stroke-linejoin": "round", "stroke-linecap": "butt", "font-famil
 _AXIS = "matplotlib.axis_"
 _BELOW = ("defs", "path", "use")  # parts of an axis in the order in which they lie on one another: grid, ticks, names
 _LEAVES = ("path", "use", "text")
+_RULE = re.compile(r"M[-.\d]+ ?[-.\d]+[hv][-.\d]+")  # a straight line along an axis
+_TICK = re.compile(r"M0 0([hv][-.\d]+)")
 
 Point = tuple[float, float]
 
@@ -41,13 +44,14 @@ def compact(svg: str) -> str:
         element.tag = _plain(element.tag)
         element.attrib = _attributes(element, ids)
     root.attrib |= _EVERYWHERE
-    children: list[Element] = []
-    for child in root:
+    ticks = {f"#{one.get('id')}": found[1] for one in root.iter("path") if (found := _TICK.fullmatch(one.get("d", "")))}
+    children = [child for child in root if child.find("style") is None]
+    for child in children:
         if child.tag == "g":
-            child[:] = _flat(child)
-            child.attrib.pop(_AXIS, None)
-        if child.find("style") is None:
-            children.append(child)
+            child[:] = _flat(child, ticks)
+    used = {name for one in root.iter() for value in one.attrib.values() for name in _POINTED.findall(value)}
+    for defs in root.iter("defs"):
+        defs[:] = [one for one in defs if one.tag != "path" or one.get("id") in used]
     spaces = "".join(f' xmlns{f":{name[:-1]}" if name else ""}="{space}"' for space, name in _SPACES.items())
     return f"<svg{spaces}{_said(root.attrib)}>{''.join(map(_text, children))}</svg>\n"
 
@@ -97,7 +101,7 @@ def _round(given: dict[str, str]) -> None:
         given["d"] = _path(given["d"])
 
 
-def _flat(group: Element) -> list[Element]:
+def _flat(group: Element, ticks: dict[str, str]) -> list[Element]:
     """What is in a group: groups that say nothing are taken apart, and neighbours that look alike put into one."""
     found: list[Element] = []
     for child in group:
@@ -106,14 +110,34 @@ def _flat(group: Element) -> list[Element]:
                 found.append(child)
             continue
         is_axis = _AXIS in child.attrib.pop("id", "")
-        inside = _flat(child)
+        inside = _flat(child, ticks)
         if is_axis:
             inside.sort(key=lambda one: _BELOW.index(one.tag) if one.tag in _BELOW else len(_BELOW))
+            inside = _ruled(inside, ticks)
         if not child.attrib:
             found += inside
         elif inside:
             child[:] = inside
             found.append(child)
+    return found
+
+
+def _ruled(parts: list[Element], ticks: dict[str, str]) -> list[Element]:
+    """Parts of an axis, of which grid lines and ticks of one look are one path."""
+    found: list[Element] = []
+    lines: dict[tuple[tuple[str, str], ...], Element] = {}
+    for one in parts:
+        data = one.get("d", "") if one.tag == "path" and _RULE.fullmatch(one.get("d", "")) else ""
+        if one.tag == "use" and one.get("xlink:href") in ticks:
+            data = f"M{one.get('x')} {one.get('y')}{ticks[one.get('xlink:href', '')]}"
+        look = tuple(sorted(_looks(one).items()))
+        if not data or "transform" in one.attrib:
+            found.append(one)
+        elif look in lines:
+            lines[look].set("d", lines[look].get("d", "") + data)
+        else:
+            lines[look] = Element("path", {"d": data, **dict(look)})
+            found.append(lines[look])
     return found
 
 
@@ -152,7 +176,9 @@ def _text(element: Element) -> str:
         )
     else:
         inside += "".join(map(_text, element))
-    return f"<{tag}{said}>{inside}</{tag}>" if inside else f"<{tag}{said}/>"
+    if not inside:
+        return "" if tag in ("defs", "g") else f"<{tag}{said}/>"
+    return f"<{tag}{said}>{inside}</{tag}>"
 
 
 def _text_of(some: list[Element]) -> str:

@@ -2,11 +2,12 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from hknob_cli.report.table import short
 
 Row = Mapping[str, Any]
+RECORDED = ", in the trials recorded"
 # Parameters of a hand: columns, names, and scales to units that are read easily.
 _HAND = {
     "inertia_kg_m2": ("inertia", 1e7, "g·cm²"),
@@ -15,50 +16,72 @@ _HAND = {
 }
 
 
-def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:
-    """Of a sweep: in how many cells it buzzes, and the largest and the smallest of the cells' largest cycles.
+class Buzz(NamedTuple):
+    """What the cells of a sweep, or of a campaign on a knob, say together.
 
-    ``cells``: rows of ``cells.parquet``, or the cells of a campaign on a knob; ``axes``: the names that vary.
+    ``most`` and ``least``: rows of the cells with the largest and the smallest of the cells' largest cycles; None where
+    none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts.
     """
-    buzz = [row for row in cells if row["p2p_max_rad"]]
-    count = len(cells)
-    if not buzz:
-        if not count:
+
+    cells: int
+    buzzing: int
+    resting: int
+    most: Row | None
+    least: Row | None
+    scope: str
+
+    def text(self, axes: Collection[str]) -> str:
+        """The answer in a sentence or three; ``axes``: the names that vary."""
+        if not self.cells:
             return "No trial could be measured."
-        if "sustained" in cells[0]:
-            return f"No sustained buzz in {_of_cells(0, count)}, in the trials recorded."
-        rest = all(row["at_rest_fraction"] == 1.0 for row in cells)
-        return f"It comes to rest in all {count} cells." if rest else f"No limit cycle in any of {count} cells."
-    ends = sorted(buzz, key=lambda row: row["p2p_max_rad"])
-    where = _of_cells(len(buzz), count)
-    if len(buzz) == 1:
-        return f"It buzzes in {where}{_scope(cells)}: {_size(ends[0])}{_at(ends[0], axes)}."
-    return (
-        f"It buzzes in {where}{_scope(cells)}. The most: {_size(ends[-1])}{_at(ends[-1], axes)}. "
-        f"The least: {_size(ends[0])}{_at(ends[0], axes)}."
+        if self.most is None or self.least is None:
+            if self.scope == RECORDED:
+                return f"No sustained buzz in {_of_cells(0, self.cells)}{RECORDED}."
+            if self.resting == self.cells:
+                return f"It comes to rest in {_of_cells(self.cells, self.cells)}{self.scope}."
+            return f"No limit cycle in {_of_cells(0, self.cells)}{self.scope}."
+        where = f"It buzzes in {_of_cells(self.buzzing, self.cells)}{self.scope}"
+        if self.buzzing == 1:
+            return f"{where}: {buzz_size(self.most)}{_at(self.most, axes)}."
+        return (
+            f"{where}. The most: {buzz_size(self.most)}{_at(self.most, axes)}. "
+            f"The least: {buzz_size(self.least)}{_at(self.least, axes)}."
+        )
+
+
+def buzz_of(cells: Sequence[Row]) -> Buzz:
+    """Of rows of ``cells.parquet``, or of the cells of a campaign on a knob."""
+    buzz = [row for row in cells if row["p2p_max_rad"]]
+    return Buzz(
+        len(cells),
+        len(buzz),
+        sum(row["at_rest_fraction"] == 1.0 for row in cells),
+        max(buzz, key=lambda row: row["p2p_max_rad"], default=None),
+        min(buzz, key=lambda row: row["p2p_max_rad"], default=None),
+        scope_of(cells[0], complete=all(row.get("complete", True) for row in cells)) if cells else "",
     )
+
+
+def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:
+    """The answer of many cells in a sentence or three; ``axes``: the names that vary."""
+    return buzz_of(cells).text(axes)
 
 
 def _of_cells(some: int, count: int) -> str:
     """So many of the cells, in words."""
     if count == 1:
         return "this cell"
-    return (
-        f"any of {count} cells" if not some else f"all {count} cells" if some == count else f"{some} of {count} cells"
-    )
+    how_many = "any of " if not some else "all " if some == count else f"{some:,} of "
+    return f"{how_many}{count:,} cells"
 
 
-def _scope(cells: Sequence[Row]) -> str:
-    """From which starts: all of the ranges that were asked for, or those that were tried."""
-    if "sustained" in cells[0]:
-        return ", in the trials recorded"
-    if "complete" not in cells[0]:
+def scope_of(columns: Collection[str], *, complete: bool) -> str:
+    """From which starts, by the columns of the cells: of a campaign, of starts tried, or of ranges of them."""
+    if "sustained" in columns:
+        return RECORDED
+    if "complete" not in columns:
         return ", from the starts tried"
-    return (
-        ", from the starts of the ranges"
-        if all(row["complete"] for row in cells)
-        else ", from the starts that were followed"
-    )
+    return ", from the starts of the ranges" if complete else ", from the starts that were followed"
 
 
 def expected(name: str, rows: Sequence[Row]) -> str:
@@ -78,13 +101,18 @@ def expected(name: str, rows: Sequence[Row]) -> str:
     return f"{name}: {size}{pitch}, where its assumptions hold ({of}{none})."
 
 
+def quietest(grid: Mapping[str, Row]) -> str:
+    """Of a trial of remedies: the one that makes the largest cycles smallest over the grid; empty if none does."""
+    helped = {name: row for name, row in grid.items() if (row["ratio_median"] or 0.0) > 1.0}
+    return max(helped, key=lambda key: helped[key]["ratio_median"]) if helped else ""
+
+
 def best_remedy(grid: Mapping[str, Row]) -> str:
     """Of a trial of remedies: which makes the largest cycles smallest over the grid, and how surely."""
-    helped = {name: row for name, row in grid.items() if (row["ratio_median"] or 0.0) > 1.0}
-    if not helped:
+    name = quietest(grid)
+    if not name:
         return "No remedy makes the buzz smaller over the grid."
-    name = max(helped, key=lambda key: helped[key]["ratio_median"])
-    row = helped[name]
+    row = grid[name]
     proven = "all proven" if row["certified_fraction"] == 1.0 else f"{100.0 * row['certified_fraction']:.3g} % proven"
     least = f"at least {row['ratio_least']:.3g} times" if row["ratio_least"] else "in some cell it buzzes anew"
     return f"Smallest buzz: {name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
@@ -197,7 +225,8 @@ def compared(scenes: Sequence[Row]) -> str:
     return text
 
 
-def _size(row: Row) -> str:
+def buzz_size(row: Row) -> str:
+    """Size and pitch of the largest cycle of a cell."""
     return f"{short(1e3 * row['p2p_max_rad'])} mrad at {short(row['frequency_at_max_hz'])} Hz"
 
 
