@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+from hknob_cli.cli.next_step import next_step
 from hknob_cli.report.table import folded
 from hknob_cli.results.changes import as_data, in_a_line
 from hknob_cli.stages.job import Job, work_of
@@ -34,6 +35,8 @@ def run_stage(job: Job) -> None:
         return
     tell(folded(text))
     tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
+    if not job.quiet and (step := next_step(job, work, summary)):
+        tell(f"\nnext: {step}")
 
 
 def _say_plan(job: Job, work: Work, state: State) -> None:

@@ -56,7 +56,7 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
     """
     over = grid.to_pylist()
     rows = cases.to_pylist()
-    everywhere = {name: _grid(over, name) for name in dict.fromkeys(row["remedy"] for row in over)}
+    everywhere = over_the_grid(over)
     found: dict[str, list[Row]] = {}
     for case in dict.fromkeys(row["case"] for row in rows):
         here = [
@@ -81,9 +81,14 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
 
 
 def _size(row: Row) -> float:
-    """By the largest motion of any hand; what diverges is larger than all."""
+    """By the largest motion of any hand; what diverges, or has no decided end, is larger than all."""
     diverges = row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0
     return float("inf") if diverges else float(row["p2p_max_rad"])
+
+
+def over_the_grid(rows: list[Row]) -> dict[str, Row]:
+    """Each remedy by name, over all cells and hands of ``remedies.parquet``."""
+    return {name: _grid(rows, name) for name in dict.fromkeys(row["remedy"] for row in rows)}
 
 
 def _grid(rows: list[Row], name: str) -> Row:
@@ -183,7 +188,7 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
     ranged = _starts(row) if "complete" in row else []
     if row["p2p_max_rad"] is None:
         blank = [*ranged, *[""] * 5, _times(grid["ratio_median"])]
-        return ["diverges", *blank, *[""] * (count - 1 - len(blank))]
+        return ["diverges" if row["diverged_fraction"] > 0.0 else "undecided", *blank, *[""] * (count - 1 - len(blank))]
     rests = row["p2p_max_rad"] == 0.0
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
