@@ -48,6 +48,7 @@ MODULES: dict[str, str] = {
     "remedy_grid": "remedies",
     "saturated_map": "maps",
     "schematic": "schematic",
+    "sensory_surface": "sensory",
     "stability_table": "bench",
     "staircase": "orbits",
     "surface": "maps",
