@@ -117,6 +117,7 @@ PARTS = {
     "current_loop": Part("a current loop", "motor.bandwidth"),
     "supply": Part("a supply voltage", "motor.supply_voltage"),
     "eddy_brake": Part("an eddy brake", "eddy_brake.flux_density"),
+    "squeeze": Part("a grip that follows the push", "squeeze.friction"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
     "unpushed": Part(
@@ -163,6 +164,7 @@ _TABLE = {
     "current_loop":    "--P-P ---P-- -EE~ ---E-",
     "supply":          "--P-P ---PPP -EE~ ---E-",
     "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E-",
+    "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E--- EEE~ ~E~E-",
     "unheld":          "EEEPE --E--- EEE~ ~E~E-",
     "unpushed":        "P-PPE PEEEPP EEE~ ~P~E~",

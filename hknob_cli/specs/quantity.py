@@ -122,6 +122,7 @@ Seconds = Annotated[float, Quantity("s", ge=0, le=1e6)]
 PositiveSeconds = Annotated[float, Quantity("s", gt=0, le=1e6)]
 KnobRadius = Annotated[float, Quantity("m", gt=0, le=1.0)]
 SoundGain = Annotated[float, Quantity("Pa*s/rad", gt=0, le=1e9)]
+PositiveHertz = Annotated[float, Quantity("Hz", gt=0, le=1e9)]
 SampleRate = Annotated[float, Quantity("Hz", ge=1e-3, le=1e9)]
 
 # Of a trial on a knob: within what a target takes (docs/reference/wire.md), or a person can do.

@@ -22,6 +22,7 @@ from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.scene import SceneSpec
+from hknob_cli.specs.squeeze_faults import squeeze_contradictions
 from hknob_cli.specs.velocity_faults import velocity_contradictions
 
 Faults = list[tuple[Place, str]]
@@ -123,6 +124,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     found += over_angle_contradictions(scene, axes)
     found += motor_contradictions(scene, axes)
+    found += squeeze_contradictions(scene, axes)
     if scene.controller:
         found += _of_another_kind(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])
