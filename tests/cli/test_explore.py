@@ -69,7 +69,12 @@ def test_its_own_page_is_replaced_and_no_other_file(hknob, spec_file, tmp_path: 
         (
             "bias: {torque: 0.001}",
             "controller: {kind: velocity_damping, damping: 1.0e-4, cut_off: 10}",
-            "scene.controller.cut_off: a speed above which no torque is commanded is not in explore",
+            "scene.controller.cut_off: it is not in explore, which has of velocity_damping damping, window, low_pass",
+        ),
+        (
+            "bias: {torque: 0.001}",
+            "controller: {kind: first_order_hold, steps: 4}",
+            "scene.controller.steps: it is not in explore, which has of first_order_hold correct",
         ),
         (
             "bias: {torque: 0.001}",

@@ -10,6 +10,7 @@ from hknob_cli.perception.touch import thresholds
 from hknob_cli.report.table import short
 from hknob_cli.specs.capabilities import PARTS, parts_of, reason, takes
 from hknob_cli.specs.cells import cells_of
+from hknob_cli.specs.controller import KINDS as ALL_KINDS
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.plan import BESIDE, COUNTS, RATE, Actuator, Bias, Cell, Encoder, Scene, SweepPlan, placed, scene_at
@@ -66,8 +67,16 @@ def _faults(scene: Scene) -> Iterator[str]:
     control = scene.controller
     if control and control.kind not in KINDS:
         yield f"controller.kind: '{control.kind}' is not in explore; there are: {', '.join(KINDS)}"
-    elif control and control.cut_off is not None:
-        yield "controller.cut_off: a speed above which no torque is commanded is not in explore"
+    elif control:
+        left_out = [key for key in ALL_KINDS[control.kind].keys if key not in (*KINDS[control.kind], "velocity")]
+        for key in left_out:
+            if getattr(control, key) != Controller._field_defaults[key]:
+                yield f"controller.{key}: it is not in explore, which has of {control.kind} {_listed(control.kind)}"
+
+
+def _listed(kind: str) -> str:
+    """The numbers of a kind of controller that the page takes."""
+    return ", ".join(KINDS[kind]) or "no numbers"
 
 
 def _scene(scene: Scene, cell: Cell, plan: SweepPlan) -> dict[str, Any]:
