@@ -131,6 +131,17 @@ def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
         assert opened.tab.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
 
 
+def test_the_sliders_cover_nothing(opened: Opened) -> None:
+    """They stay in view beside the motion, and no longer."""
+    for heading in ("#numbers-title", "#take-title", "#scope-title"):
+        opened.tab.locator(heading).scroll_into_view_if_needed()
+        place = "one => one.getBoundingClientRect()"
+        on_top = (
+            f"one => {{ const {{x, y}} = ({place})(one); return document.elementFromPoint(x + 2, y + 2) === one; }}"
+        )
+        assert opened.tab.eval_on_selector(heading, on_top)
+
+
 def test_the_spec_it_shows_is_the_scene(opened: Opened) -> None:
     """What is shown is a valid spec, whose own trial has the size that the page says."""
     tab = opened.tab
