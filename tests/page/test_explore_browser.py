@@ -116,6 +116,34 @@ def test_it_is_heard_only_when_asked(opened: Opened) -> None:
     assert tab.locator("[aria-pressed=true].hear").count() == 0
 
 
+def test_what_is_heard_is_the_speed_of_the_knob(opened: Opened) -> None:
+    """A loop of whole periods, with as many swings a second as the page says; the larger one takes half the scale."""
+    tab = opened.tab
+    tab.evaluate(
+        """() => { const start = AudioBufferSourceNode.prototype.start;
+          AudioBufferSourceNode.prototype.start = function () {
+            start.call(this);
+            const data = this.buffer.getChannelData(0);
+            let rises = 0, peak = 0;
+            data.forEach((one, i) => {
+                if (data.at(i - 1) < 0 && one >= 0) rises += 1;
+                peak = Math.max(peak, Math.abs(one));
+            });
+            window.heard = { hertz: rises / this.buffer.duration, peak, loop: this.loop };
+        }; }"""
+    )
+    peaks = {}
+    for name in ("one", "other"):
+        tab.locator(f"#{name}-hear").click()
+        heard = tab.evaluate("window.heard")
+        said = float(tab.inner_text(f"#{name}-tiles li:nth-child(2) b"))
+        assert heard["hertz"] == pytest.approx(said, rel=0.005)  # three digits are shown
+        assert heard["loop"]
+        peaks[name] = heard["peak"]
+    assert max(peaks.values()) == pytest.approx(0.5, rel=1e-6)
+    assert peaks["other"] < 0.5 * peaks["one"]
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_bars_nobody(browser: Any, address: str, scheme: str) -> None:
     with Opened(browser, address, color_scheme=scheme, reduced_motion="reduce") as opened:
@@ -129,6 +157,17 @@ def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
     with Opened(browser, address, viewport=PHONE) as opened:
         opened.tab.eval_on_selector_all("details", "all => all.forEach(one => { one.open = true; })")
         assert opened.tab.evaluate("document.documentElement.scrollWidth") <= PHONE["width"]
+
+
+def test_the_sliders_cover_nothing(opened: Opened) -> None:
+    """They stay in view beside the motion, and no longer."""
+    on_top = """one => {
+        one.scrollIntoView();
+        const { x, y } = one.getBoundingClientRect();
+        return document.elementFromPoint(x + 2, y + 2) === one;
+    }"""
+    for heading in ("#numbers-title", "#take-title", "#scope-title"):
+        assert opened.tab.eval_on_selector(heading, on_top)
 
 
 def test_the_spec_it_shows_is_the_scene(opened: Opened) -> None:

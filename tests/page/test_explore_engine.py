@@ -64,8 +64,13 @@ def compare(engine: Any, scene: Scene) -> str:
     assert ours["outcome"] == attractor.outcome.name.lower()
     if attractor.outcome is not Outcome.CYCLE:
         return str(ours["outcome"])
-    assert ours["p2p"] == pytest.approx(measures.p2p_rad, rel=DIGITS)
     assert ours["frequency"] == pytest.approx(measures.frequency_hz, rel=DIGITS)
+    if not attractor.certified:
+        # Nothing holds the knob: what the program has is the trial's last period, which comes back by its closure only.
+        near = 10.0 * attractor.closure * result.quantum_rad
+        assert ours["p2p"] == pytest.approx(measures.p2p_rad, rel=DIGITS, abs=near)
+        return "cycle"
+    assert ours["p2p"] == pytest.approx(measures.p2p_rad, rel=DIGITS)
     assert ours["min"] == pytest.approx(measures.min_rad, rel=DIGITS, abs=DIGITS * measures.p2p_rad)
     assert ours["max"] == pytest.approx(measures.max_rad, rel=DIGITS, abs=DIGITS * measures.p2p_rad)
     if isnan(felt.touch_db):
@@ -73,7 +78,7 @@ def compare(engine: Any, scene: Scene) -> str:
     else:
         assert ours["touch"]["level"] == pytest.approx(felt.touch_db, abs=1e-6)
         assert ours["touch"]["hertz"] == pytest.approx(felt.touch_hz, rel=DIGITS)
-    return "cycle"
+    return "proven"
 
 
 def scenes(remedy: str, count: int) -> list[Scene]:
@@ -88,7 +93,7 @@ def scenes(remedy: str, count: int) -> list[Scene]:
 
 def _compare_all(engine: Any, remedy: str, count: int) -> None:
     outcomes = Counter(compare(engine, scene) for scene in scenes(remedy, count))
-    assert outcomes["cycle"] > 0
+    assert outcomes["proven"] > 0
 
 
 @pytest.mark.parametrize("remedy", [*OTHERS, *CONTROLLERS])

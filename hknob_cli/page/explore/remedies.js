@@ -104,7 +104,7 @@ const Choices = (() => {
 
   // The scene as a spec that the command takes: 17 digits, so that it computes the same.
   const yaml = (scene, name) => {
-    const full = (value) => (Number.isInteger(value) ? String(value) : String(value).replace(/^(-?\d+)e/, "$1.0e"));
+    const full = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential() : String(value)).replace(/^(-?\d+)e/, "$1.0e");
     const map = (part) => `{${Object.entries(part).map(([key, value]) => `${key}: ${typeof value === "number" ? full(value) : value}`).join(", ")}}`;
     const some = (part) => Object.fromEntries(Object.entries(part).filter(([, value]) => value !== 0 && value !== null && value !== undefined));
     const lines = ["kind: sweep", `name: ${name}`, "scene:"];
