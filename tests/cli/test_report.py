@@ -62,7 +62,7 @@ def test_a_list_of_results_is_enough(hknob, spec_file, swept: Path) -> None:
     page = (swept / "results" / "page" / "report.html").read_text()
     assert "small: It buzzes in all 4 cells, from the starts tried. The most: " in page
     assert "<b>4 of 4</b>" in page
-    assert page.count("<figure id=") == 3  # size, pitch, attractors
+    assert page.count("<figure id=") == 2  # size, pitch; means are in brackets
     assert {path.name for path in (swept / "results" / "page").iterdir()} == {"report.html", "figures", ".hknob.lock"}
     assert "up to date" in hknob("report", spec_file(PLAIN, "page.yaml"), "--dry-run").stdout
 
