@@ -11,9 +11,11 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan, scene_at
+from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Scene, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import listed
+from hknob_cli.theory.attached import Attached, attached_to
+from hknob_cli.theory.laws import MOST_FRICTION
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
 
@@ -62,8 +64,9 @@ class DfaStage:
             progress(done, len(every))
             scene = scene_at(self.plan.scene, cell)
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+            more = _attached(scene, cell)
             for method in self.plan.methods:
-                found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method))
+                found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method, more))
                 found = [{**blank, **row} for row in found]
                 if method == "sampled" and self.lists:
                     self.lists.mark(cell, found)
@@ -77,14 +80,16 @@ class DfaStage:
                     )
                     yield {**cell, **row, "method": method, "orbit": number, **beside}
 
-    def _continuous(self, knob: SampledKnob, method: str) -> Iterator[dict[str, Any]]:
+    def _continuous(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
         """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
         loop = knob.loop
         delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
-        if nothing := _no_relay(knob):
+        if nothing := _no_relay(knob, more) or (_beyond(method, more) if more else ""):
             yield {"in_domain": False, "reason": nothing}
             return
-        unit = Relay(loop.alpha, loop.beta, 1.0, delay)
+        if more:
+            more = more._replace(friction=more.friction / (0.5 * loop.kappa))
+        unit = Relay(loop.alpha, loop.beta, 1.0, delay, more)
         if (method, unit) not in self._cycles:
             harmonics = int(method[2:]) if method.startswith("df") else 0
             cycles = describing_function(unit, harmonics) if harmonics else tsypkin(unit)
@@ -95,6 +100,10 @@ class DfaStage:
         for cycle in reversed(cycles):
             amplitude = 0.5 * loop.kappa * cycle.amplitude
             reasons = self._assumptions(knob, amplitude, cycle.omega)
+            if more and 0.5 * more.friction > MOST_FRICTION:
+                reasons.append(
+                    f"friction is {0.5 * more.friction:.3g} of a torque step, the method assumes that it never sticks"
+                )
             if not cycle.single:
                 reasons.append("the wave crosses the edge more than twice a cycle, so it is none of a relay")
             yield {
@@ -123,7 +132,7 @@ class DfaStage:
 
     def _sampled(self, knob: SampledKnob) -> Iterator[dict[str, Any]]:
         """Exact cycles, with their sample counts."""
-        if nothing := _no_relay(knob):
+        if nothing := _no_relay(knob, None):
             yield {"in_domain": False, "reason": nothing}
             return
         found = sampled_cycles(knob.loop, delay_line=knob.delay_line, functions=self._functions)
@@ -153,8 +162,29 @@ class DfaStage:
         return compiled()
 
 
-def _no_relay(knob: SampledKnob) -> str:
+def _attached(scene: Scene, cell: Cell) -> Attached | None:
+    """A finger, a lag or friction of the cell; None for a plain body."""
+    hand, actuator = scene.hand, scene.actuator
+    if not (scene.knob.coulomb_torque or (hand and hand.finger) or (actuator and actuator.time_constant)):
+        return None
+    from hknob_cli.scene.general_knob import sample_general
+
+    knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+    return attached_to(knob.body)
+
+
+def _no_relay(knob: SampledKnob, more: Attached | None) -> str:
     """Why there is no cycle, if so: there is no relay, or nothing takes the energy that a late one adds."""
     if knob.loop.kappa == 0.0:
         return "the wall has no stiffness"
-    return "there is no viscous damping, so that no cycle is bounded" if knob.loop.alpha == 0.0 else ""
+    loses = knob.loop.alpha + (more.pad_damping + more.finger_damping if more else 0.0)
+    return "there is no viscous damping, so that no cycle is bounded" if loses == 0.0 else ""
+
+
+def _beyond(method: str, more: Attached) -> str:
+    """Why a method has no word on what is attached; empty where it has."""
+    if method == "tsypkin":
+        return "its closed form is of one body; dfN with many harmonics comes as near"
+    if more.friction and method != "df1":
+        return "friction turns with the velocity, which df1 alone knows"
+    return ""
