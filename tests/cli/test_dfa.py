@@ -174,7 +174,7 @@ ATTACHED = {
 
 @pytest.mark.parametrize("part", ATTACHED)
 def test_one_harmonic_with_what_a_scene_attaches_is_near_the_sweep(part: str, hknob, spec_file, tmp_path: Path) -> None:
-    """Nearly as near as without: over the main grid one harmonic is 17 ± 7 % low, 10 ± 5 % high in pitch.
+    """Over a grid one harmonic is up to 24 ± 10 % low, and 15 ± 7 % high in pitch (How good the formulas are).
 
     Bounds of three standard deviations. The rest is the harmonics left out, and which cycles trials end in.
     """
@@ -189,8 +189,8 @@ def test_one_harmonic_with_what_a_scene_attaches_is_near_the_sweep(part: str, hk
     assert done.returncode == 0, done.stderr
     one, many = pq.read_table(tmp_path / "out" / "dfa.parquet").to_pylist()
     assert one["in_domain"]
-    assert -0.4 < one["p2p_difference"] < 0.05
-    assert abs(one["frequency_difference"]) < 0.25
+    assert -0.54 < one["p2p_difference"] < 0.06
+    assert -0.06 < one["frequency_difference"] < 0.36
     assert many["p2p_rad"] is None
     assert many["reason"] == "its closed form is of one body; dfN with many harmonics comes as near"
 
@@ -205,3 +205,20 @@ def test_what_a_method_does_not_know_of_a_scene_is_told(hknob, spec_file) -> Non
     one, four = json.loads(done.stdout)["rows"]
     assert one["reason"].startswith("friction is 0.302 of a torque step")
     assert four["reason"] == "friction turns with the velocity, which df1 alone knows"
+
+
+def test_the_whole_wall_under_the_push_that_there_is(hknob, spec_file, tmp_path: Path) -> None:
+    """At 100 Hz and 4096 counts the knob swings over 22 counts or more: one relay cannot, the staircase does."""
+    slow = (
+        SPEC.replace("[1000]", "[100]").replace("[1024]", "[4096]").replace("{torque: 0.001}", "{half_quantum: true}")
+    )
+    assert hknob("sweep", spec_file(slow, "sweep.yaml"), "-o", "swept").returncode == 0
+    body = slow.split("starts")[0].replace("kind: sweep", "kind: dfa")
+    spec = spec_file(body + "methods: [df1, staircase]\nagainst: swept\n", "dfa.yaml")
+    assert hknob("dfa", spec, "-o", "out").returncode == 0
+    rows = pq.read_table(tmp_path / "out" / "dfa.parquet").to_pylist()
+    off = {row["method"]: abs(row["p2p_difference"]) for row in rows}
+    assert off["staircase"] < 0.8 * off["df1"]
+    rest = DFA.replace("{torque: 0.001}", "{torque: 0.0}") + "methods: [staircase]\n"
+    (row,) = json.loads(hknob("dfa", spec_file(rest), "--json", "-o", "rest").stdout)["rows"]
+    assert (row["p2p_rad"], row["reason"]) == (None, "no motion that the wall keeps up")

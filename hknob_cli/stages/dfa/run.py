@@ -18,6 +18,7 @@ from hknob_cli.theory.attached import Attached, attached_to
 from hknob_cli.theory.laws import MOST_FRICTION
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
+from hknob_cli.theory.staircase import swings
 
 COLUMNS = (
     Column("method", pa.string(), "", "df1, df4, ...: that many odd harmonics; tsypkin: all; sampled: exact"),
@@ -32,6 +33,8 @@ SAMPLED = (
     Column("period_samples", pa.int64(), "sample", "period of a cycle of the sampled relay"),
     Column("samples_inside", pa.int64(), "sample", "how many of them see the lower level"),
 )
+
+FEW = "it has fewer than four samples a cycle, the method assumes many"
 
 Progress = Callable[[int, int], None]
 
@@ -66,7 +69,7 @@ class DfaStage:
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
             more = _attached(scene, cell)
             for method in self.plan.methods:
-                found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method, more))
+                found = list(self._found(knob, method, more))
                 found = [{**blank, **row} for row in found]
                 if method == "sampled" and self.lists:
                     self.lists.mark(cell, found)
@@ -80,16 +83,41 @@ class DfaStage:
                     )
                     yield {**cell, **row, "method": method, "orbit": number, **beside}
 
+    def _found(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
+        if method == "sampled":
+            return self._sampled(knob)
+        return self._staircase(knob, more) if method == "staircase" else self._continuous(knob, method, more)
+
+    @staticmethod
+    def _staircase(knob: SampledKnob, more: Attached | None) -> Iterator[dict[str, Any]]:
+        """Cycles by one harmonic of the whole wall, under the push that there is."""
+        loop = knob.loop
+        if nothing := _no_relay(knob, more) or (_beyond("staircase", more) if more else ""):
+            yield {"in_domain": False, "reason": nothing}
+            return
+        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more)
+        pitches = describing_function(unit, 1)
+        found = [(cycle, swing) for cycle in reversed(pitches) for swing in swings(loop, 0.25 * pi * cycle.amplitude)]
+        if not found:
+            yield {"in_domain": False, "reason": "no motion that the wall keeps up"}
+        for cycle, swing in found:
+            few = cycle.omega > 0.5 * pi
+            yield {
+                "p2p_rad": 2.0 * swing.amplitude * knob.quantum_rad,
+                "frequency_hz": cycle.omega / (2.0 * pi * knob.period_s),
+                "in_domain": not few,
+                "reason": FEW if few else "",
+            }
+
     def _continuous(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
         """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
         loop = knob.loop
-        delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
         if nothing := _no_relay(knob, more) or (_beyond(method, more) if more else ""):
             yield {"in_domain": False, "reason": nothing}
             return
         if more:
             more = more._replace(friction=more.friction / (0.5 * loop.kappa))
-        unit = Relay(loop.alpha, loop.beta, 1.0, delay, more)
+        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more)
         if (method, unit) not in self._cycles:
             harmonics = int(method[2:]) if method.startswith("df") else 0
             cycles = describing_function(unit, harmonics) if harmonics else tsypkin(unit)
@@ -127,7 +155,7 @@ class DfaStage:
         if amplitude > 1.0:
             reasons.append(f"it swings {amplitude:.3g} counts to each side, the method assumes at most 1")
         if omega > 0.5 * pi:
-            reasons.append("it has fewer than four samples a cycle, the method assumes many")
+            reasons.append(FEW)
         return reasons
 
     def _sampled(self, knob: SampledKnob) -> Iterator[dict[str, Any]]:
@@ -160,6 +188,11 @@ class DfaStage:
         if text := waiting():
             self.notify(text)
         return compiled()
+
+
+def _delay(knob: SampledKnob) -> float:
+    """Mean samples from an edge to its torque: half a hold, and the transport delay."""
+    return 0.5 + max(0, knob.delay_line - 1) + knob.loop.split
 
 
 def _attached(scene: Scene, cell: Cell) -> Attached | None:
