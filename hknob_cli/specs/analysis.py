@@ -11,7 +11,7 @@ from hknob_cli.specs.quantity import PositiveAngle, SampleRate
 from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.sweep import Name
 
-Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]
+Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|staircase|sampled)$")]
 Law = Literal["quantum_period", "describing_function", "energy_balance"]
 Criterion = Literal["tsypkin", "tsai_colgate", "miller", "love_book", "llewellyn"]
 Folder = Annotated[str, Field(min_length=1, description="results folder of a sweep to compare with, cell by cell")]
@@ -26,7 +26,10 @@ class DfaSpec(Part):
     grid: Grid
     methods: Annotated[
         list[Method],
-        Field(min_length=1, description="dfN: first N odd harmonics; tsypkin: all; sampled: exact sampled cycles"),
+        Field(
+            min_length=1,
+            description="dfN: N odd harmonics; tsypkin: all; staircase: the whole wall; sampled: exact",
+        ),
         Field(default_factory=lambda: ["df1", "df4", "tsypkin", "sampled"]),
     ]
     against: Folder | None = None
