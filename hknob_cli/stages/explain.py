@@ -185,9 +185,10 @@ def _sysid(plan: Any) -> Found:
     if one := plan.virtual:
         grips = f", at grips of {', '.join(map(short, one.grips))} N" if one.grips else ""
         people = f"{counted(one.subjects, 'subject')}" if one.subjects else "the subjects of the dissertation"
+        driven = f" The torque is a {one.input.kind} of {short(one.input.duration_s)} s." if one.input else ""
         about["recordings"] = [
             f"Simulated: experiments {', '.join(map(str, one.experiments))}, {people}, {counted(one.blocks, 'block')} "
-            f"of {counted(one.trials, 'trial')}{grips}, seed {one.seed}."
+            f"of {counted(one.trials, 'trial')}{grips}, seed {one.seed}.{driven}"
         ]
     return f"The {str(plan.what).replace('_', ' ')} is identified from {source}.", about, None, {}
 

@@ -3,13 +3,17 @@
 from math import sqrt
 from typing import Any
 
+import numpy as np
+
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
 from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.inputs import unit_input
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
 from hknob_cli.results.result_set import MissingError, ResultSet, Where
+from hknob_cli.specs.identification import InputPlan
 from hknob_cli.specs.plan import placed
 from hknob_cli.specs.squeeze import grip_of
 
@@ -201,3 +205,12 @@ def asked_grip(evidence: ResultSet, result: str, push_nm: float, over_nm: float 
         raise MissingError(f"the grip of '{result}' does not follow its push")
     found = grip_of(placed(scene, {"bias.torque": push_nm}))
     return found if over_nm is None else found / grip_of(placed(scene, {"bias.torque": over_nm}))
+
+
+@check
+def input_power(_: ResultSet, kind: str, over: str, duration_s: float = 0.5, chip_s: float = 0.002) -> float:
+    """Mean square of an input of one kind over that of another, both of the same largest value (Hasser, sec. 2.1)."""
+    first, second = (
+        float(np.mean(unit_input(InputPlan(one, duration_s, 1.0, 100.0, chip_s), 1e-4) ** 2)) for one in (kind, over)
+    )
+    return first / second
