@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.quantity import (
+    Acceleration,
     Bandwidth,
     Bounds,
     PositiveAngle,
@@ -35,7 +36,7 @@ KINDS = {
         "velocity_damping:VelocityDamping",
         (
             *("damping", "velocity", "everywhere", "window", "low_pass", "cut_off"),
-            *("time_out", "detections", "bandwidth", "angle"),
+            *("time_out", "detections", "bandwidth", "acceleration", "angle"),
         ),
         needs=("damping",),
     ),
@@ -71,8 +72,8 @@ class Controller(NamedTuple):
 
     kind: Annotated[Literal[tuple(KINDS)], "which controller"]  # type: ignore[valid-type]
     velocity: Annotated[
-        Literal["differenced", "sensor", "timed", "adaptive", "tracking"],
-        "where the velocity is from: two counts, a sensor, the time between counts, a line, a tracking filter",
+        Literal["differenced", "sensor", "timed", "adaptive", "tracking", "kalman"],
+        "where the velocity is from: counts, a sensor, the time between counts, a line, a tracking or Kalman filter",
     ] = "differenced"
     damping: Annotated[SignedDamping, "velocity_damping: virtual damping; passivity: the most that it adds"] = 0.0
     everywhere: Annotated[_Flag, "virtual damping outside the wall, too"] = False
@@ -80,6 +81,7 @@ class Controller(NamedTuple):
     low_pass: Annotated[Seconds, "time constant of a low-pass on the velocity from counts; 0: none"] = 0.0
     time_out: Annotated[PositiveSeconds, "timed: time without a change of the count after which nothing moves"] = 0.1
     bandwidth: Annotated[Bandwidth, "tracking: bandwidth of the filter, critically damped"] = 1000.0
+    acceleration: Annotated[Acceleration, "kalman: root mean square of the acceleration that it expects"] = 1000.0
     angle: Annotated[
         Literal["counted", "filtered"], "where the spring is: at the count, or at the angle of the velocity's filter"
     ] = "counted"
