@@ -50,8 +50,10 @@ def _sweep(plan: SweepPlan) -> Found:
 
 def _dfa(plan: Any) -> Found:
     ignored = []
-    if not (plan.scene.bias and plan.scene.bias.half_quantum) and set(plan.methods) != {"sampled"}:
-        ignored = ["The push, by all methods but `sampled`: they assume half of the torque step of one count."]
+    pushed = [name for name in ("sampled", "staircase") if name == "sampled" or name in plan.methods]
+    if not (plan.scene.bias and plan.scene.bias.half_quantum) and not set(plan.methods) <= set(pushed):
+        but = " and ".join(f"`{name}`" for name in pushed)
+        ignored = [f"The push, by all methods but {but}: they assume half of the torque step of one count."]
     about = {
         **_about(plan.scene, plan.axes),
         "grid": grid_lines(plan),

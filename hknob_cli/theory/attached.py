@@ -1,6 +1,7 @@
 """What a scene attaches to the relay's plant of one body: a finger behind its pad, a lag of the torque, dry friction.
 
-Frequency responses, in the units of the loop: angles in counts, times in samples, torques as accelerations of the knob.
+The text expects describing functions to take further linear components easily (Hasser, sec. 7.4). These are their
+frequency responses, in the units of the loop: angles in counts, times in samples, torques as accelerations of the knob.
 The describing function of friction F sign(v) is that of a relay on the velocity, 4 F/(pi V) of a velocity amplitude V
 (Gelb & Vander Velde 1968, ch. 2): beside the wall's relay it is a torque 4 F/pi a quarter of a turn ahead of the angle,
 whatever the amplitude.

@@ -17,7 +17,7 @@ bounds it there: `Criterion.quantised` is the stiffness that a criterion allows 
 """
 
 from collections.abc import Callable
-from math import inf, sqrt
+from math import inf, isnan, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -266,6 +266,18 @@ CRITERIA: dict[str, Callable[[Case], Criterion]] = {
     "love_book": love_book,
     "llewellyn": llewellyn,
 }
+
+
+def judge(name: str, case: Case) -> Criterion:
+    """One criterion of `CRITERIA`. Raises `OverflowError` for numbers that it cannot compute with."""
+    try:
+        with np.errstate(all="ignore"):
+            found = CRITERIA[name](case)
+    except (ArithmeticError, ValueError, np.linalg.LinAlgError):
+        raise OverflowError(name) from None
+    if any(value is not None and isnan(value) for value in (found.stiffness, found.quantised)):
+        raise OverflowError(name)
+    return found
 
 
 def case_of(scene: Scene, edge: WorkingEdge) -> Case:

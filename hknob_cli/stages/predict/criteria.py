@@ -6,10 +6,11 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.errors import ComputationError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import PredictPlan, scene_at
+from hknob_cli.specs.plan import COUNTS, RATE, PredictPlan, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.theory.laws import working_edge
 
@@ -50,13 +51,16 @@ AGAINST = (Column("sweep_cycles", _FLAG, "", "whether any trial of the sweep cyc
 
 
 def evaluate(plan: PredictPlan) -> pa.Table:
-    """Every criterion of a plan in every cell. Raises `UsageError` for a sweep that is not there."""
+    """Every criterion of a plan in every cell.
+
+    Raises `ComputationError` for numbers that overflow, and `UsageError` for a sweep that is not there.
+    """
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     return build_table([*axes, *COLUMNS, *(AGAINST if plan.against else ())], list(_rows(plan)))
 
 
 def _rows(plan: PredictPlan) -> Iterator[dict[str, Any]]:
-    from hknob_cli.theory.criteria import CRITERIA, case_of
+    from hknob_cli.theory.criteria import case_of, judge
 
     every = cells_of(plan)
     against = compare.Against(plan.against, list(plan.axes), every) if plan.against else None
@@ -65,7 +69,11 @@ def _rows(plan: PredictPlan) -> Iterator[dict[str, Any]]:
         edge = working_edge(scene, cell)
         case = case_of(scene, edge)
         for name in plan.criteria:
-            found = CRITERIA[name](case)
+            try:
+                found = judge(name, case)
+            except ArithmeticError:
+                message = f"at {cell[RATE]:g} Hz and {cell[COUNTS]} counts the scene's numbers overflow"
+                raise ComputationError(message) from None
             limit = found.stiffness
             yield {
                 **cell,

@@ -27,11 +27,11 @@ def _cases(evidence: ResultSet, result: str, where: Where | None) -> "Iterator[t
 
 
 def _word(name: str, case: "Case") -> "Criterion":
-    from hknob_cli.theory.criteria import CRITERIA
+    from hknob_cli.theory.criteria import CRITERIA, judge
 
     if name not in CRITERIA:
         raise UsageError(f"criterion: must be one of {', '.join(CRITERIA)}, got '{name}'")
-    return CRITERIA[name](case)
+    return judge(name, case)
 
 
 @check
