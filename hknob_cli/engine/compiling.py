@@ -78,7 +78,7 @@ def left_to_compile(dispatcher: Any) -> int:
             continue
         seen[id(one)] = one
         called = (one.py_func.__globals__.get(name) for name in one.py_func.__code__.co_names)
-        waiting += [other for other in called if type(other) is type(one)]
+        waiting += [other for other in called if hasattr(other, "signatures")]
     return len(seen)
 
 
