@@ -9,17 +9,17 @@ from typing import Any
 
 # Processor seconds that compiling a group of `engine.jit` takes (two cores, 2026): a rough guide.
 COMPILING_S = {
-    "plain": 12.0,
-    "cells": 13.0,
-    "arc_cells": 25.0,
-    "bounces": 3.0,
-    "general": 40.0,
-    "laws": 60.0,
-    "sets": 25.0,
-    "general sets": 90.0,
-    "friction sets": 120.0,
-    "unsampled": 12.0,
-    "pulse": 4.0,
+    "plain": 6.0,
+    "cells": 7.0,
+    "arc_cells": 10.0,
+    "bounces": 1.0,
+    "general": 12.0,
+    "laws": 18.0,
+    "sets": 9.0,
+    "general sets": 26.0,
+    "friction sets": 36.0,
+    "unsampled": 5.0,
+    "pulse": 2.0,
 }
 EVERY_S = 10.0  # between two lines on how far it is
 

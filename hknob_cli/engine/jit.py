@@ -85,19 +85,19 @@ UNSAMPLED = (
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
 PULSE = ("pulse",)
-# What is compiled for a scene, or for a recorded pulse: its modules, and a function without which they are of no use.
+# What is compiled for a scene, or for a recorded pulse: its modules, and functions of which Python calls one first.
 GROUPS = {
-    "plain": (PLAIN, "ensemble.ensemble"),
-    "cells": (CELLS, "cells.run_cells"),
-    "arc_cells": (ARC_CELLS, "cells.run_arc_cells"),
-    "bounces": (BOUNCES, "bounces.bounce_peaks"),
-    "general": (GENERAL, "ensemble.run_trials"),
-    "laws": (LAWS, "trials.run_trials_with_law"),
-    "unsampled": (UNSAMPLED, "settling.settle_motion"),
-    "sets": (SETS, "ball.follow_ball"),
-    "general sets": (GENERAL_SETS, "ball.follow_ball"),
-    "friction sets": (FRICTION_SETS, "friction_box.follow_friction"),
-    "pulse": (PULSE, "pulse.follow_linear"),
+    "plain": (PLAIN, ("ensemble.ensemble",)),
+    "cells": (CELLS, ("cells.run_cells",)),
+    "arc_cells": (ARC_CELLS, ("cells.run_arc_cells",)),
+    "bounces": (BOUNCES, ("bounces.bounce_peaks",)),
+    "general": (GENERAL, ("ensemble.run_trials",)),
+    "laws": (LAWS, ("trials.run_trials_with_law",)),
+    "unsampled": (UNSAMPLED, ("settling.settle_motion",)),
+    "sets": (SETS, ("box.follow_generation", "cells.follow_cell")),
+    "general sets": (GENERAL_SETS, ("box.follow_generation", "arc.follow_arcs")),
+    "friction sets": (FRICTION_SETS, ("friction_box.follow_friction", "friction_phases.follow_phases")),
+    "pulse": (PULSE, ("pulse.follow_linear",)),
 }
 
 
@@ -146,7 +146,8 @@ def is_kept(group: str = "plain") -> bool:
     folder = cache_directory()
     if _not_kept() or folder is None:
         return False
-    begin = f"{GROUPS[group][1]}-"  # folders may go while one looks: make_own_folder tries one, in every process
+    # Folders may go while one looks: make_own_folder tries one, in every process.
+    begin = tuple(f"{entry}-" for entry in GROUPS[group][1])
     return any(name.startswith(begin) and name.endswith(".nbi") for _, _, names in os.walk(folder) for name in names)
 
 
