@@ -19,6 +19,8 @@ from tests.forked import HKNOB, Forks
 
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"
+# Folders of tests that take longest come first, so that no worker is left alone with one at the end.
+FIRST = ("verification", "cli", "docs", "engine", "crosscheck", "faults", "stages", "hardware", "page", "figures")
 LONGEST_S = 600  # that a command may take; compiling for a new machine may take minutes
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background: what is run here would ignore it, too
@@ -37,6 +39,16 @@ grid:
   counts_per_rev: [1024]
 starts: {angle: 0.02, phases: 8}
 """
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order tests by how long those of their folder take."""
+
+    def place(item: pytest.Item) -> int:
+        folder = item.path.relative_to(ROOT / "tests").parts[0]
+        return FIRST.index(folder) if folder in FIRST else len(FIRST)
+
+    items.sort(key=place)
 
 
 def loaded(text: str = SPEC) -> SweepPlan:
