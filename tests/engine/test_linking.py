@@ -24,7 +24,7 @@ def test_functions_that_share_one_are_linked_with_it() -> None:
         return left(x) - lowest(x, 3)
 
     def top(x):
-        return lowest(x, 5) + right(x) + left(x)
+        return 2.0 * right(x)  # calls neither of the others
 
     expected = top(0.7)
     lowest = kinds().part(lowest)
