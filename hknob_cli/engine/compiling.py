@@ -14,7 +14,7 @@ COMPILING_S = {
     "arc_cells": 10.0,
     "bounces": 1.0,
     "general": 12.0,
-    "laws": 18.0,
+    "laws": 15.0,
     "sets": 9.0,
     "general sets": 26.0,
     "friction sets": 36.0,
