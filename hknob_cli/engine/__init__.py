@@ -13,7 +13,7 @@
 - `attractors` of a cell, with their shares
 - `cells` many of them without leaving compiled code, `cell_run` as columns
 - `bounces` peaks outside the wall
-- `jit` the same source compiled, kept in an `own_folder`; `linking` what is optimised where; `compiling` what is said of it
+- `jit` the same source compiled, kept in an `own_folder`, `compiling` what is said of it, `linking` what is optimised
 - `alarm` the time a cell may take
 
 One source, interpreted or compiled. Engine functions are plain Python over floats. `jit.py` compiles copies of them

@@ -9,8 +9,8 @@ from typing import Any
 
 # Processor seconds that compiling a group of `engine.jit` takes (two cores, 2026): a rough guide.
 COMPILING_S = {
-    "plain": 6.0,
-    "cells": 7.0,
+    "plain": 7.0,
+    "cells": 8.0,
     "arc_cells": 10.0,
     "bounces": 1.0,
     "general": 12.0,
