@@ -93,18 +93,21 @@ def main_grid() -> dict[str, list[dict[str, Any]]]:
 
 
 class Command:
-    """The installed command, run in a folder: see `tests.forked`; ``anew``: from its start, as a user runs it."""
+    """The installed command, run in a folder: see `tests.forked`; from its start where its environment is another."""
 
     def __init__(self, forks: Forks, folder: Path) -> None:
         self._forks, self._folder = forks, folder
 
-    def __call__(self, *args: object) -> subprocess.CompletedProcess[str]:
+    def __call__(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
+        if env:
+            return self.anew(*args, **env)
         words = [str(arg) for arg in args]
-        env = {**os.environ, "COLUMNS": "120"}
-        code, out, err = self._forks.run(words, cwd=self._folder, env=env, timeout=LONGEST_S)
+        here = {**os.environ, "COLUMNS": "120"}
+        code, out, err = self._forks.run(words, cwd=self._folder, env=here, timeout=LONGEST_S)
         return subprocess.CompletedProcess([HKNOB, *words], code, out, err)
 
     def anew(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
+        """From its start, as a user runs it."""
         return subprocess.run(
             [HKNOB, *map(str, args)],
             cwd=self._folder,

@@ -93,7 +93,7 @@ def test_a_method_that_flies_off_has_failed(hknob, spec_file) -> None:
 def test_a_missing_reference_is_named(hknob, spec_file, tmp_path: Path) -> None:
     (tmp_path / "mpmath.py").write_text("raise ImportError('not here')\n")
     path = os.pathsep.join(filter(None, [str(tmp_path), os.environ.get("PYTHONPATH")]))
-    done = hknob.anew("bench", spec_file(TINY), PYTHONPATH=path)
+    done = hknob("bench", spec_file(TINY), PYTHONPATH=path)
     assert done.returncode == 2
     assert "reference: digits60 needs mpmath" in done.stderr
     assert "Traceback" not in done.stderr

@@ -140,7 +140,7 @@ def test_a_path_that_is_no_utf_8_is_said(hknob, spec_file, tmp_path: Path) -> No
 
 
 def test_a_terminal_of_few_letters_is_written_to(hknob) -> None:
-    done = hknob.anew("sweep", EXPERIMENTS / "smoke_grid.yaml", "-o", "out", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
+    done = hknob("sweep", EXPERIMENTS / "smoke_grid.yaml", "-o", "out", PYTHONIOENCODING="ascii", PYTHONUTF8="0")
     assert (done.returncode, done.stderr) == (0, "")
 
 

@@ -84,6 +84,6 @@ def test_no_room_for_compiled_code(filler: int, small_disk: Path, hknob, spec_fi
     """It is compiled for this run alone: from no room for a folder to room for some of it."""
     (small_disk / "filler").write_bytes(bytes(filler))
     spec = spec_file(SPEC.replace("phases: 8", "phases: 200000"))  # fewer are done before a compiler would be
-    done = hknob.anew("sweep", spec, "-o", small_disk.parent / "out", HKNOB_CACHE_DIR=str(small_disk / "cache"))
+    done = hknob("sweep", spec, "-o", small_disk.parent / "out", HKNOB_CACHE_DIR=str(small_disk / "cache"))
     assert done.returncode == 0
     assert "compiling the engine for this machine" in done.stderr
