@@ -64,7 +64,7 @@ test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with 
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
-	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m 'not long'
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder -rs -m 'not long'
 
 long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
