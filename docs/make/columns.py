@@ -87,7 +87,10 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("as a recording", "hknob_cli.recordings.columns", "KEYS SAMPLES"),
         ("beside it", _HW, "MORE_SAMPLES"),
     ),
-    "`hw-run`: trials.parquet": (("always", _HW, "CELL TRIAL_KEYS TRIALS"),),
+    "`hw-run`: trials.parquet": (
+        ("always", _HW, "CELL TRIAL_KEYS TRIALS"),
+        ("`controller`", _HW, "CONTROLLED"),
+    ),
     "`hw-run`: timing.parquet": (("always", _HW, "TIMING"),),
     "`bench`: bench.parquet, a row for each run": (("always", "hknob_cli.stages.bench.run", "RUNS"),),
     "`report`: claims.parquet, a row for each claim": (("always", "hknob_cli.page.claims.verdict", "COLUMNS"),),

@@ -36,6 +36,31 @@ class LawKnob(NamedTuple):
     rate: float
 
 
+class ReducedLaw(NamedTuple):
+    """A controller's function by name, its numbers, its memory before the first sample, and what of that fades.
+
+    The first ``places`` rows of the memory begin with the place that the encoder shows.
+    """
+
+    act: str
+    fixed: list[float]
+    first: list[float]
+    places: int
+    fading: Fading
+
+
+def reduce_law(plan: Controller, control: ControlLaw, lane: PlantBatch) -> ReducedLaw:
+    """Reduce a controller to the numbers of one lane."""
+    fixed, fading = _numbers(plan, control, lane)
+    first = [float(one) for one in control.recall(lane, np.zeros(1))[:, 0]]
+    places = control.places if isinstance(control, Differencing) else 0
+    first[:places] = [0.0] * places
+    if plan.kind == "passivity":
+        first = [*first, 0.0]
+    act = control.law if isinstance(control, EstimatedVelocity) else plan.kind
+    return ReducedLaw(act, [float(one) for one in fixed], first, places, fading)
+
+
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
     """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
     assert scene.controller
@@ -43,13 +68,8 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     plan, stiffness = scene.controller, scene.wall.stiffness
     control = make_control_law(plan)
     lane = _lane(knob, stiffness)
-    fixed, fading = _numbers(plan, control, lane)
-    rows = control.recall(lane, np.zeros(1)).shape[0]
-    first = [float(one) for one in control.recall(lane, np.zeros(1))[:, 0]]
-    places = control.places if isinstance(control, Differencing) else 0
-    first[:places] = [0.0] * places
-    if plan.kind == "passivity":
-        rows, first = rows + 1, [*first, 0.0]
+    act, fixed, first, places, fading = reduce_law(plan, control, lane)
+    rows = len(first)
     split = knob.wall.split
     whole = int(scene.actuator.delay_samples) if scene.actuator else 0
     ages = whole + 1 + (1 if split > 0.0 else 0)
@@ -61,8 +81,8 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     stepped = (knob.wall.step > 0.0 or knob.wall.band > 0.0) and fading.weight > 0.0
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
-        act=control.law if isinstance(control, EstimatedVelocity) else plan.kind,
-        fixed=[float(one) for one in fixed],
+        act=act,
+        fixed=fixed,
         first=first,
         rows=rows,
         places=places,

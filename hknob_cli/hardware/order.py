@@ -50,7 +50,7 @@ def period_ns(sample_rate_hz: float) -> int:
 def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
     """What the device is told for a trial."""
     block = round(trial.sample_rate_hz * BLOCK_S)
-    return Settings(
+    settings = Settings(
         period_ns=period_ns(trial.sample_rate_hz),
         counts_per_rev=trial.counts_per_rev,
         wall_stiffness=plan.wall.stiffness,
@@ -60,3 +60,8 @@ def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
         watchdog_us=round(plan.limits.watchdog * 1e6),
         block_samples=min(max(block, 1), MOST_BLOCK),
     )
+    if plan.controller is None:
+        return settings
+    from hknob_cli.hardware.control import control_of
+
+    return settings._replace(control=control_of(plan.controller, settings))

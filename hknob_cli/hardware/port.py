@@ -50,12 +50,26 @@ class Simulated(NamedTuple):
     grip_sines: tuple[Sine, ...] = ()
 
 
+class Control(NamedTuple):
+    """A controller of the wall as a target computes it: one reading and one torque an interval.
+
+    ``law``: its number (`wire.codes.Law`); ``numbers`` that its function takes; ``rows``: its memory before the first
+    sample, of which the first ``places`` begin with the place at which the knob is.
+    """
+
+    law: int
+    places: int
+    numbers: tuple[float, ...]
+    rows: tuple[float, ...]
+
+
 class Identity(NamedTuple):
     """What a device says it is; ``native_counts`` per revolution of its own encoder; ``boot`` differs after a restart.
 
     ``simulated``: it has no knob but the simulated one of `Simulated`. ``shortest_period_ns`` of its sample clock.
     ``no_grip_cell``: its grip force is 0 and means nothing. ``own_time``: its clock is simulated too, and may run
     faster or slower than any other. ``knows_zero``: it can make the present angle zero.
+    ``knows_control``: it can run controllers.
     """
 
     name: str
@@ -66,6 +80,7 @@ class Identity(NamedTuple):
     no_grip_cell: bool = False
     own_time: bool = False
     knows_zero: bool = False
+    knows_control: bool = False
 
 
 class Torque(str, Enum):
@@ -94,6 +109,7 @@ class Settings(NamedTuple):
     ``period_ns`` of the sample clock; ``counts_per_rev`` of the encoder that the wall sees; ``wall_stiffness`` in
     N·m/rad, ``wall_damping`` in N·m·s/rad, on the differenced coarse angle; torque is cut off at ±``torque_limit_nm``;
     a speed above ``speed_limit_rad_s``, or ``watchdog_us`` without a word from the host, ends the trial at the target.
+    ``control``: what acts in place of the wall's spring, or beside it; None: the plain wall.
     """
 
     period_ns: int
@@ -104,6 +120,7 @@ class Settings(NamedTuple):
     speed_limit_rad_s: float
     watchdog_us: int
     block_samples: int
+    control: Control | None = None
 
     @property
     def interval_s(self) -> float:

@@ -30,6 +30,8 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
         if not least <= value <= most or (name in above and value == 0.0):
             allowed = f"above {least:g}, at most {most:g}" if name in above else f"from {least:g} to {most:g}"
             faults.append(f"{name} must be {allowed}, got {value:.10g}")
+    if settings.control is not None and not identity.knows_control:
+        faults.append("it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)")
     return faults
 
 

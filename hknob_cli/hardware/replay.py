@@ -18,7 +18,7 @@ import pyarrow.csv as pc
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Flags, Identity, Settings, Simulated
-from hknob_cli.hardware.safety import wall_torque
+from hknob_cli.hardware.safety import AgreedWall
 from hknob_cli.recordings.files import RecordingFile, first_line
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
@@ -96,7 +96,7 @@ def is_of_wall(take: RecordedTrial, settings: Settings) -> bool:
     A recording in which the knob was never inside the wall fits any.
     """
     on = np.flatnonzero(take.running)
-    expected = wall_torque(take.angle_counts, settings, take.native_counts, before=None).torque_nm[on]
+    expected = AgreedWall(settings, take.native_counts).follow(take.angle_counts, take.running).torque_nm[on]
     found = take.torque_nm[on]
     acts = (expected != 0.0) | (found != 0.0)
     if not acts.any():
@@ -200,7 +200,7 @@ class ReplayDevice(ComputedDevice):
         self._takes = read_takes(paths)
         if not self._takes:
             raise UsageError("there is nothing to replay")
-        self._identity = Identity("replay", self._takes[0].native_counts, 1, False, 1)
+        self._identity = Identity("replay", self._takes[0].native_counts, 1, False, 1, knows_control=True)
         self._turns: dict[tuple[int, int], int] = {}
         self._chosen: tuple[RecordedTrial, Settings] | None = None
         self._playing: _Playing | None = None

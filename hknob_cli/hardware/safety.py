@@ -22,7 +22,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Array, Block, Counts, Settings
+from hknob_cli.hardware.control import ControlledWall
+from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
+from hknob_cli.hardware.wire.codes import Law
 
 _INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _SLACK = 1.01  # a limit and what is measured by a clock and an encoder are not equal to the last digit
@@ -41,6 +43,29 @@ class WallTorque(NamedTuple):
     torque_nm: Array
     terms: Array
     coarse: Counts
+
+
+class AgreedWall:
+    """The wall that host and device agreed on, followed over the samples of a trial as they come."""
+
+    def __init__(self, settings: Settings, native_counts: int) -> None:
+        self._settings, self._native = settings, native_counts
+        self._before: int | None = None
+        self._controlled = ControlledWall(settings, settings.control) if settings.control else None
+
+    def follow(self, angle_counts: Counts, running: Flags) -> WallTorque:
+        """Torque at the next angles (n,), in counts of the device's own encoder.
+
+        Under a controller, whose memory begins with the wall, it is 0 where the wall is off.
+        """
+        wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
+        before = wall.coarse[:1] if self._before is None else [self._before]
+        self._before = int(wall.coarse[-1])
+        if self._controlled is None:
+            return wall
+        torque, terms = self._controlled.follow(wall.coarse, np.concatenate([before, wall.coarse[:-1]]), running)
+        limit = self._settings.torque_limit_nm
+        return WallTorque(np.clip(torque, -limit, limit), terms, wall.coarse)
 
 
 def wall_torque(angle_counts: Counts, settings: Settings, native_counts: int, *, before: int | None) -> WallTorque:
@@ -91,7 +116,7 @@ class LimitMonitor:
         self._told_to_start = False
         self._on = False
         self._unflagged = False
-        self._coarse: int | None = None
+        self._wall = AgreedWall(settings, native_counts)
         self.gaps = 0
 
     def start(self) -> None:
@@ -141,8 +166,7 @@ class LimitMonitor:
     def _check_law(self, block: Block) -> None:
         """The torque follows from the angle, the stiffness, the counts and the limit that the device took."""
         settings = self._settings
-        wall = wall_torque(block.angle_counts, settings, self._native, before=self._coarse)
-        self._coarse = int(wall.coarse[-1])
+        wall = self._wall.follow(block.angle_counts, block.running)
         expected: Array = np.where(block.running, wall.torque_nm, 0.0)
         allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm
         bad = np.abs(block.torque_nm - expected) > allowed
@@ -154,10 +178,12 @@ class LimitMonitor:
         if not block.running[i]:
             raise DeviceError(f"the torque is {torque * 1e3:.4g} mN m where the wall is off, {at}")
         times = f", {torque / expected[i]:.3g} times as much" if expected[i] else ""
+        under = f" under {Law(settings.control.law).name.lower()}" if settings.control else ""
         raise DeviceError(
-            f"the torque is not that of the wall: {torque * 1e3:.4g} mN m, where {settings.wall_stiffness:g} N m/rad "
-            f"with {settings.wall_damping:g} N m s/rad at {settings.counts_per_rev} counts, at most "
-            f"{settings.torque_limit_nm:g} N m, give {expected[i] * 1e3:.4g}{times}, {at}"
+            f"the torque is not that of the wall{under}: {torque * 1e3:.4g} mN m, where "
+            f"{settings.wall_stiffness:g} N m/rad with {settings.wall_damping:g} N m s/rad at "
+            f"{settings.counts_per_rev} counts, at most {settings.torque_limit_nm:g} N m, "
+            f"give {expected[i] * 1e3:.4g}{times}, {at}"
         )
 
     def _refuse(self, bad: np.ndarray[tuple[int], np.dtype[np.bool_]], block: Block, what: str) -> None:

@@ -15,17 +15,24 @@ from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.campaign_files import TIMING, TRIALS
+from hknob_cli.results.campaign_files import CONTROLLED, TIMING, TRIALS
 from hknob_cli.specs.campaign import Course
+from hknob_cli.specs.controller import Controller
 
 
-def campaign_tables(done: list[Recorded], course: Course) -> tuple[pa.Table, pa.Table, pa.Table]:
+def campaign_tables(
+    done: list[Recorded], course: Course, controller: Controller | None = None
+) -> tuple[pa.Table, pa.Table, pa.Table]:
     """Samples, trials and timing of finished trials, in the order they were run.
 
-    A trial that cannot be measured has a row without measures, which says why.
+    ``controller``: that of the campaign. A trial that cannot be measured has a row without measures, which says why.
     """
     samples = pa.concat_tables([one.table for one in done]).combine_chunks()
-    trials = build_table(TRIALS, [_row(one, course) for one in done])
+    rows = [_row(one, course) for one in done]
+    if controller is None:
+        trials = build_table(TRIALS, rows)
+    else:
+        trials = build_table((*TRIALS, *CONTROLLED), [{**row, "controller": controller.words} for row in rows])
     return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
 
 

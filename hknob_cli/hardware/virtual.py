@@ -17,6 +17,7 @@ from typing import NoReturn
 import numpy as np
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Disturbances, Nuisances
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
@@ -26,7 +27,7 @@ _MOST_COUNTS = 2**31
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
-IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1)
+IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, knows_control=True)
 
 
 class VirtualLoop:
@@ -47,6 +48,7 @@ class VirtualLoop:
         self._coarse: int | None = None
         self._began: float | None = None  # when the wall was switched on, in periods
         self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
+        self._controlled = ControlledWall(settings, settings.control) if settings.control else None
         self._last = 0.0
         self._told_us = -1
 
@@ -99,16 +101,22 @@ class VirtualLoop:
                 limit = f"limit {settings.speed_limit_rad_s:g} rad/s"
                 self.fault = f"the knob moved at {speed:.4g} rad/s, {limit}, at sample {index}"
                 return counts, 0.0
-        if not running or coarse >= 0:
+        if not running or (coarse >= 0 and not self._controlled):
             return counts, 0.0
-        quantum = tau / settings.counts_per_rev
-        step = coarse - (coarse if coarse_before is None else coarse_before)
-        torque = -settings.wall_stiffness * (coarse * quantum)
-        torque -= settings.wall_damping * (step * quantum) / settings.interval_s
+        torque = self._torque(coarse, coarse if coarse_before is None else coarse_before)
         if not isfinite(torque):
             self.fault = f"the torque is not a number, at sample {index}"
             return counts, 0.0
         return counts, max(-settings.torque_limit_nm, min(settings.torque_limit_nm, torque))
+
+    def _torque(self, coarse: int, before: int) -> float:
+        """Torque of the wall, before the limit, where it acts."""
+        if self._controlled:
+            return self._controlled.torque(coarse, before)
+        settings = self._settings
+        quantum = tau / settings.counts_per_rev
+        torque = -settings.wall_stiffness * (coarse * quantum)
+        return torque - settings.wall_damping * ((coarse - before) * quantum) / settings.interval_s
 
     def _person(self, begins: Array, running: bool) -> tuple[Array, Array]:
         """Push (N·m) and what the grip cell shows (N) at the samples of a block."""

@@ -56,6 +56,7 @@ def hw_run_text(summary: dict[str, Any]) -> str:
         f"{held}{stale}"
     ]
     lines += ["", grid_verdict(cells, [axis for axis in AXES if len({cell[axis] for cell in cells}) > 1])]
+    lines += [f"controller: {one}" for one in dict.fromkeys(row["controller"] for row in rows if "controller" in row)]
     across = len({cell[RATE] for cell in cells})
     if len(cells) <= MAX_ROWS and across <= 24:
         for column, scale, title in (

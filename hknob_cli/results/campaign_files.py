@@ -73,6 +73,8 @@ TRIALS = (
     Column("device", _TEXT, "", "what the device calls itself"),
     Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
 )
+# Where a controller is asked for.
+CONTROLLED = (Column("controller", _TEXT, "", "what acts in place of the wall's spring, or beside it, in SI units"),)
 # How evenly a trial was sampled, by the device's own clock; intervals are those between samples of consecutive index.
 TIMING = (
     *TRIAL_KEYS,

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.errors import Fault
+from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.quantity import (
     AngleNoise,
@@ -137,7 +138,7 @@ class HwRunPlan(NamedTuple):
     """A campaign of trials over a grid of sample rates and counts. ``axes`` as in a sweep; ``subject`` who holds.
 
     ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
-    force.
+    force. ``controller``: what acts in place of the wall's spring, or beside it.
     """
 
     name: str
@@ -157,6 +158,7 @@ class HwRunPlan(NamedTuple):
     nuisances: Nuisance
     values: dict[str, Any]
     grip_place: Fault
+    controller: Controller | None = None
 
     @property
     def is_source(self) -> bool:

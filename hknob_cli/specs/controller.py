@@ -41,6 +41,7 @@ KINDS = {
         needs=("damping",),
     ),
 }
+MODELLED = ("half_sample", "matched_wall")  # kinds whose numbers follow from the knob and the hand
 
 
 def _by_kind(schema: dict[str, Any]) -> None:
@@ -102,6 +103,13 @@ class Controller(NamedTuple):
     depth: Annotated[PositiveAngle, "where the wall has all of its stiffness"] = 0.01
     keep: Annotated[_Share, "part of a count's torque step that acts at once"] = 0.2
     time_constant: Annotated[PositiveSeconds, "over which the rest of a step follows"] = 0.2
+
+    @property
+    def words(self) -> str:
+        """Its kind and the numbers that this kind has, in SI units."""
+        numbers = {key: getattr(self, key) for key in KINDS[self.kind].keys}
+        shown = (f"{value:.6g}" if isinstance(value, float) else str(value).lower() for value in numbers.values())
+        return ", ".join([self.kind, *(f"{key} {value}" for key, value in zip(numbers, shown, strict=True))])
 
     @property
     def estimates(self) -> bool:

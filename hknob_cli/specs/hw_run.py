@@ -1,7 +1,7 @@
 """The spec of a campaign on a knob, real or simulated: the sixteen trials of Chapter 8 where nothing else is said."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
@@ -20,10 +20,12 @@ from hknob_cli.specs.campaign import (
     Wall,
     url_fault,
 )
+from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
+from hknob_cli.specs.refusals import controller_faults, device_refusals
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
 
@@ -53,6 +55,7 @@ class HwRunSpec(Part):
     name: Annotated[Name, Field(description="names the results folder")]
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
+    controller: Controller | None = None
     grid: Annotated[TrialGridSpec, Field(default_factory=TrialGridSpec)]
     grip: Annotated[
         Grip | Literal["none"],
@@ -87,7 +90,8 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
     axes, faults = _axes(source, spec)
     grip = None if spec.grip == "none" else spec.grip
-    faults += [source.fault(place, text) for place, text in (*_device_faults(spec), *_faults(spec, axes))]
+    found = (*_device_faults(spec), *_controller_faults(spec, source.value, axes), *_faults(spec, axes))
+    faults += [source.fault(place, text) for place, text in found]
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
@@ -109,6 +113,7 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         nuisances=spec.nuisances or Nuisance(),
         values=source.value,
         grip_place=source.fault(("grip", "target"), ""),
+        controller=spec.controller,
     )
 
 
@@ -149,6 +154,18 @@ def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
             found.append(((name,), "must be absent: what is replayed was recorded"))
     if spec.nuisances is not None and device.driver != "virtual":
         found.append((("nuisances",), "must be absent: they are for the driver virtual"))
+    return found
+
+
+def _controller_faults(spec: HwRunSpec, values: dict[str, Any], axes: Axes) -> list[tuple[Place, str]]:
+    """What is wrong with the controller, and what of it no target runs."""
+    if spec.controller is None:
+        return []
+    given = frozenset(values["controller"])
+    found = controller_faults(spec.controller, given, axes) or device_refusals(spec.controller, given)
+    found = [(place[1:], text) for place, text in found]  # a campaign has no scene around it
+    if spec.wall.stiffness == 0.0:
+        found.append((("wall", "stiffness"), "must be > 0 where a controller is given"))
     return found
 
 

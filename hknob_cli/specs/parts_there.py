@@ -1,5 +1,6 @@
 """Which parts a scene has, by the names of the table of `specs.capabilities`."""
 
+from hknob_cli.specs.controller import MODELLED
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene
@@ -40,6 +41,10 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "speed_sensor": controller is not None and controller.velocity == "sensor",
         "estimated_speed": controller is not None and controller.estimates,
         "kalman": controller is not None and controller.estimate == "kalman",
+        "several_readings": controller is not None and controller.detections > 1,
+        "pulses": controller is not None
+        and (controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0)),
+        "knob_model": controller is not None and controller.kind in MODELLED,
         **over_angle,
         "motor": written.motor is not None,
         "coil": scene.coil is not None,

@@ -12,6 +12,7 @@ from hknob_cli.specs.capabilities import (
     SAID_OF_STARTS,
     STARTS,
     VERDICTS,
+    parts_of,
     reason,
 )
 from hknob_cli.specs.controller import KINDS, Controller
@@ -20,12 +21,19 @@ from hknob_cli.specs.motor_faults import motor_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
-from hknob_cli.specs.plan import Axes
+from hknob_cli.specs.plan import Axes, Knob, Scene, Wall
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.squeeze_faults import squeeze_contradictions
 from hknob_cli.specs.velocity_faults import velocity_contradictions
 
 Faults = list[tuple[Place, str]]
+# Parts that a controller may be, and the keys that make it so: the first that is listed is at fault.
+_ON_A_DEVICE = {
+    "speed_sensor": ("velocity",),
+    "several_readings": ("detections",),
+    "pulses": ("pulse", "steps", "kind"),
+    "knob_model": ("kind",),
+}
 
 
 def refusals(scene: SceneSpec, axes: Axes, columns: Sequence[str], *, people: bool = False, when: str = "") -> Faults:
@@ -126,7 +134,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += motor_contradictions(scene, axes)
     found += squeeze_contradictions(scene, axes)
     if scene.controller:
-        found += _of_another_kind(scene.controller, scene.given, axes)
+        found += controller_faults(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])
         if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
             found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
@@ -135,7 +143,20 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     return found
 
 
-def _of_another_kind(spec: Controller, given: frozenset[str], axes: Axes) -> Faults:
+def device_refusals(controller: Controller, given: frozenset[str]) -> Faults:
+    """What of a controller no target runs; ``given``: the keys that are listed."""
+    found: Faults = []
+    there = parts_of(Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0), controller=controller))
+    for part, keys in _ON_A_DEVICE.items():
+        if part in there and VERDICTS[part, "device"] == REFUSED:
+            key = next((key for key in keys if key in given), None)
+            title = PARTS[part].title
+            text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
+            found.append((("scene", "controller", key) if key else ("scene", "controller"), text))
+    return found
+
+
+def controller_faults(spec: Controller, given: frozenset[str], axes: Axes) -> Faults:
     """Numbers of a controller, or of a grid, that its kind does not have or lacks; ``given``: the keys that are."""
     keys = KINDS[spec.kind].keys
     found: Faults = []

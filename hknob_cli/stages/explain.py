@@ -143,13 +143,14 @@ def _hw_run(plan: Any) -> Found:
     wall = Wall(*plan.wall)
     knob = Knob(*plan.knob)
     bias = Bias(torque=plan.person.push) if simulated else None
-    scene = Scene(knob=knob, wall=wall, bias=bias)
+    scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.controller)
     if simulated:
         parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
         wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
         parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
     else:
-        parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(("Wall:", "Encoder:", "Clock:"))]
+        said = ("Wall:", "Encoder:", "Clock:", "Controller:")
+        parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
     course, limits = plan.course, plan.limits
     about = {
         "parts": parts,

@@ -151,6 +151,32 @@ def test_replayed_trials_are_those_that_were_recorded(done, hknob) -> None:
     assert refused.stderr.startswith("trial 1 of 4 (")
 
 
+LAG = "{kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
+
+
+def test_a_controller_runs_in_every_trial_and_its_recordings_are_told_apart(done, hknob, tmp_path: Path) -> None:
+    folder, _ = done
+    (tmp_path / "spec.yaml").write_text(SPEC)
+    under = hknob("hw-run", "spec.yaml", "-o", "lag", "--set", f"controller={LAG}")
+    assert under.returncode == 0, under.stderr
+    assert "controller: bounded_lag, keep 0.15, time_constant 0.2" in under.stdout.splitlines()
+    rows = pq.read_table(tmp_path / "lag" / "trials.parquet").to_pylist()
+    plain = pq.read_table(folder / "out" / "trials.parquet").to_pylist()
+    assert {row["controller"] for row in rows} == {"bounded_lag, keep 0.15, time_constant 0.2"}
+    assert "controller" not in plain[0]
+    size = {(row["sample_rate_hz"], row["counts_per_rev"]): row["p2p_rad"] for row in plain}
+    assert all(row["p2p_rad"] < 0.5 * size[row["sample_rate_hz"], row["counts_per_rev"]] for row in rows)
+    text = SPEC.replace("person: {wandering_push: false, grip_wander: false}\n", f"controller: {LAG}\n")
+    (tmp_path / "again.yaml").write_text(text + "device: {driver: replay, recordings: [lag]}\n")
+    replayed = hknob("hw-run", "again.yaml", "-o", "replayed")
+    assert replayed.returncode == 0, replayed.stderr
+    one, other = (pq.read_table(tmp_path / name / "samples.parquet") for name in ("lag", "replayed"))
+    assert one["torque_nm"].equals(other["torque_nm"])
+    refused = hknob("hw-run", "again.yaml", "-o", "plain", "--set", "controller=null")
+    assert refused.returncode == 4
+    assert "its torque is another" in refused.stderr
+
+
 def test_nuisances_are_audited(hknob, tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text(SPEC + "nuisances: {overruns: 0.01, jitter: 20 us, grip_noise: 0.01}\n")
     done = hknob("hw-run", "spec.yaml", "-o", "out", "--json")
@@ -180,7 +206,9 @@ def test_in_a_pipeline(hknob, tmp_path: Path) -> None:
     assert one["frequency_hz"].to_pylist() != other["frequency_hz"].to_pylist()
 
 
-@pytest.mark.parametrize("name", ["ch8_hardware", "ch8_hardware_plain", "ch8_serial_host", "ch8_serial_qemu"])
+@pytest.mark.parametrize(
+    "name", ["ch8_hardware", "ch8_hardware_plain", "ch8_hardware_bounded_lag", "ch8_serial_host", "ch8_serial_qemu"]
+)
 def test_experiments_are_good(hknob, name: str) -> None:
     done = hknob("check", EXPERIMENTS / f"{name}.yaml")
     assert done.returncode == 0

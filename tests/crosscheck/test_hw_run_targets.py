@@ -45,13 +45,19 @@ def runs(spec: Path, out: Path, *more: str) -> None:
     pytest.fail(f"{TRIES} times broken off: {said}")
 
 
-@pytest.mark.parametrize(("target", "rates"), [("host", "[1000, 4000]"), ("qemu", "[455, 1000]")])
-def test_a_target_gives_the_samples_of_the_virtual_device(tmp_path: Path, target: str, rates: str) -> None:
+LAG = "controller: {kind: bounded_lag, keep: 0.15}\n"
+
+
+@pytest.mark.parametrize(
+    ("target", "rates", "more"),
+    [("host", "[1000, 4000]", ""), ("host", "[1000, 2000]", LAG), ("qemu", "[455, 1000]", "")],
+)
+def test_a_target_gives_the_samples_of_the_virtual_device(tmp_path: Path, target: str, rates: str, more: str) -> None:
     for names in NEEDED[target]:
         if not any(shutil.which(name) for name in names):
             pytest.skip(f"needs {' or '.join(names)}: make firmware says how to get it")
     spec = tmp_path / "spec.yaml"
-    spec.write_text(SPEC.replace("TARGET", target).replace("RATES", rates))
+    spec.write_text(SPEC.replace("TARGET", target).replace("RATES", rates) + more)
     runs(spec, tmp_path / "wire")
     runs(spec, tmp_path / "virtual", "--set", "device={driver: virtual}")
     wire, virtual = (pq.read_table(tmp_path / name / "samples.parquet").to_pandas() for name in ("wire", "virtual"))

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Settings, Simulated
+from hknob_cli.hardware.port import Control, Settings, Simulated
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind
@@ -53,6 +53,20 @@ class CSimulated(c.Structure):
         return cls(*simulated[:9], *counts, (CSine * 8)(*(CSine(*sine) for sine in sines)))
 
 
+class CControl(c.Structure):
+    _fields_ = (
+        *((name, c.c_uint8) for name in ("law", "places", "number_count", "row_count")),
+        ("numbers", c.c_double * 9),
+        ("rows", c.c_double * 65),
+    )
+
+    @classmethod
+    def of(cls, control: Control) -> "CControl":
+        numbers, rows = control.numbers, control.rows
+        counts = len(numbers), len(rows)
+        return cls(control.law, control.places, *counts, (c.c_double * 9)(*numbers), (c.c_double * 65)(*rows))
+
+
 class CCommand(c.Structure):
     _fields_ = (
         ("type", c.c_uint8),
@@ -62,6 +76,7 @@ class CCommand(c.Structure):
         ("angle", c.c_int32),
         ("settings", CSettings),
         ("simulated", CSimulated),
+        ("control", CControl),
     )
 
 
@@ -95,6 +110,12 @@ def library() -> c.CDLL:
     built.wall_torque.restype = built.wall_limit.restype = c.c_double
     built.wall_torque.argtypes = (c.c_int64, c.c_int64, *4 * (c.c_double,))
     built.wall_limit.argtypes = (c.c_double, c.c_double)
+    built.law_act.restype = built.wall_controlled.restype = c.c_double
+    built.law_act.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double), c.c_double)
+    built.law_begin.argtypes = built.law_act.argtypes
+    built.wall_controlled.argtypes = (c.c_double, c.c_int64, c.c_int64, *4 * (c.c_double,))
+    built.control_in_range.restype = c.c_bool
+    built.control_in_range.argtypes = (c.POINTER(CControl),)
     built.command_read.restype = built.target_serve.restype = built.target_busy.restype = c.c_bool
     built.scripted_follow.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *3 * (c.c_void_p,))
     built.scripted_person.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *2 * (c.c_void_p,))

@@ -17,7 +17,7 @@ use IO::Socket::INET;
 use Time::HiRes qw(clock_gettime CLOCK_MONOTONIC);
 
 use constant { HELLO => 1, CONFIGURE => 2, ARM => 3, START => 4, STOP => 5, RELEASE => 6, ALIVE => 7, AGAIN => 8,
-    ZERO => 9, SIMULATE => 16, ACK => 0x81, BLOCK => 0x82, EVENT => 0x83 };
+    ZERO => 9, SIMULATE => 16, CONTROL => 17, ACK => 0x81, BLOCK => 0x82, EVENT => 0x83 };
 use constant { DONE => 0, NOT_NOW => 1, OUT_OF_RANGE => 2, NOT_KNOWN => 3 };
 use constant { IDLE => 0, ARMED => 1, RUNNING => 2, TRIPPED => 3 };
 use constant { NO_FAULT => 0, WATCHDOG => 1, SPEED => 2, NOT_A_NUMBER => 3, NO_ROOM => 5 };
@@ -156,8 +156,8 @@ sub obey {
     return if length $body < 6;
     my ($type, $nonce) = unpack "xCV", $body;
     my $rest = substr $body, 6;
-    return if !exists $LENGTH{$type} && $type != SIMULATE;
-    return if $type != SIMULATE ? length $rest != $LENGTH{$type} : !foreign_knob::fits($rest);
+    return if !exists $LENGTH{$type} && $type != SIMULATE && $type != CONTROL;
+    return if $type == CONTROL ? length $rest < 4 : $type != SIMULATE ? length $rest != $LENGTH{$type} : !foreign_knob::fits($rest);
     $self{heard_at} = now();
     if ($type == ALIVE) {
         my $expected = unpack "V", $rest;

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings, Simulated, Sine
+from hknob_cli.hardware.port import Block, Control, Settings, Simulated, Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
-from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero
+from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate, Zero
 from hknob_cli.hardware.wire.frame import frame
 from hknob_cli.hardware.wire.messages import Message, encode
 
@@ -45,6 +45,10 @@ SIMULATED = Simulated(
 WITH_SINES = SIMULATED._replace(
     push_sines=(Sine(1e-4, 0.5, 0.25), Sine(5e-5, 9.0, 1.0)), grip_sines=(Sine(0.03, 1.5, -0.5),)
 )
+
+# Bounded lag and passivity control at the settings above: numbers that a double holds only nearly, memory, places.
+LAG = Control(Law.BOUNDED_LAG, 0, (0.0, 0.0012492190758457357, 0.2), (0.0,))
+PASSIVITY = Control(Law.PASSIVITY, 1, (0.0, 0.4444444444444444, 1.0), (0.0, 0.0, 0.0, 0.0))
 
 
 def block(count: int, *, first: int = 0, overruns: int = 0, start_us: int = 0) -> Block:
@@ -85,15 +89,22 @@ GOLDEN: dict[str, Message] = {
     "alive": Alive(9, 256),
     "again": Again(10, 3, 2),
     "zero": Zero(11, -1024),
+    "control": SetControl(12, LAG),
+    "control_with_a_place": SetControl(13, PASSIVITY),
     "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
     "ack_of_hello_of_a_knob": ack(
         1, Kind.HELLO, said=About(16384, 250000, simulated=False, name="knob", no_grip_cell=True, knows_zero=True)
+    ),
+    "ack_of_hello_of_a_target_with_controllers": ack(
+        1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference", knows_zero=True, knows_control=True)
     ),
     "ack_of_zero": ack(11, Kind.ZERO, said=-1024),
     "ack_of_configure": ack(2, Kind.CONFIGURE, said=SETTINGS),
     "ack_of_configure_refused": ack(2, Kind.CONFIGURE, status=Status.OUT_OF_RANGE),
     "ack_of_simulate": ack(4, Kind.SIMULATE, said=WITH_SINES),
     "ack_of_simulate_not_known": ack(4, Kind.SIMULATE, status=Status.NOT_KNOWN),
+    "ack_of_control": ack(13, Kind.CONTROL, said=PASSIVITY),
+    "ack_of_control_not_known": ack(12, Kind.CONTROL, status=Status.NOT_KNOWN),
     "ack_of_arm": ack(5, Kind.ARM, state=State.ARMED),
     "ack_of_start": ack(6, Kind.START, state=State.RUNNING, blocks=12),
     "ack_of_stop": ack(7, Kind.STOP, blocks=301),
@@ -116,12 +127,13 @@ def fields(message: Any) -> list[str]:
     """A message's fields as the file writes them."""
     found = []
     for name, value in message._asdict().items():
-        if isinstance(value, Settings | Simulated | About):
+        if isinstance(value, Settings | Simulated | About | Control):
             found += fields(value)
         elif isinstance(value, Block):
             found += [f"first={value.first}", f"overruns={value.overruns}", *samples(value)]
         elif isinstance(value, tuple):
-            found.append(f"{name}=[{';'.join(str(tuple(sine)).replace(' ', '') for sine in value)}]")
+            texts = (repr(one) if isinstance(one, float) else str(tuple(one)).replace(" ", "") for one in value)
+            found.append(f"{name}=[{';'.join(texts)}]")
         elif isinstance(value, int):
             found += [f"{name}={int(value)}"] if name != "kind" else []
         elif value is not None:

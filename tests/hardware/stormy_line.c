@@ -21,15 +21,19 @@ static uint32_t chance(uint32_t below)
 
 static size_t good_frame(uint8_t *frame)
 {
-    static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE};
-    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u};
+    static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE, CONTROL};
+    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u, 42u};
     uint8_t body[80];
-    uint32_t which = chance(9u);
+    uint32_t which = chance(10u);
     for (size_t i = 0; i < sizeof body; i++) {
         body[i] = (uint8_t)(chance(3u) == 0u ? 0u : chance(256u));
     }
     body[0] = WIRE_VERSION;
     body[1] = types[which];
+    if (which == 9u) { /* four numbers of a controller, shared out between its numbers and rows */
+        body[8] = (uint8_t)chance(5u);
+        body[9] = (uint8_t)(4u - body[8]);
+    }
     return frame_encode(frame, body, lengths[which]);
 }
 

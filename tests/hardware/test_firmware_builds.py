@@ -24,6 +24,7 @@ from hknob_cli.hardware.wire.commands import Configure, Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 from tests.conftest import ROOT
+from tests.hardware.controllers import told
 
 SETTINGS = Settings(1_000_000, 1024, 0.27, 1e-5, 0.05, 100.0, 50_000, 5)
 PERSON = Simulated(
@@ -98,6 +99,30 @@ def test_the_same_samples_as_the_virtual_device(target: Target, rate: int, built
     assert (column(found, "torque_nm", count=count) > 0).any()
     grip = np.abs(column(found, "grip_n", count=count) - column(expected, "grip_n", count=count))
     assert grip.max() <= np.spacing(np.float32(1.0))
+
+
+@pytest.mark.parametrize("name", ["lag", "passivity", "timed through a low-pass", "phase by Kalman"])
+def test_under_a_controller_the_same_samples_as_the_virtual_device(name: str, built: Path) -> None:
+    need("host")
+    settings = told(name, wall_damping=1e-5)
+    with VirtualDevice() as device:
+        expected = trial(device, settings, 500)
+    found = undisturbed_trial("host", built, settings, 500)
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=500), column(expected, what, count=500)), what
+    with VirtualDevice() as device:
+        plain = trial(device, settings._replace(control=None), 500)
+    assert not np.array_equal(column(plain, "torque_nm", count=500), column(expected, "torque_nm", count=500))
+
+
+def test_the_emulated_target_runs_a_controller(built: Path) -> None:
+    need("qemu")
+    settings = told("lag", 455, block_samples=5)
+    with VirtualDevice() as device:
+        expected = trial(device, settings, 100)
+    found = undisturbed_trial("qemu", built, settings, 100)
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=100), column(expected, what, count=100)), what
 
 
 @pytest.mark.parametrize("target", TARGETS)

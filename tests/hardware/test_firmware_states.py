@@ -54,7 +54,7 @@ def take(target: ScriptedTarget, count: int) -> list[Samples]:
 
 def test_who_it_is(target: ScriptedTarget) -> None:
     answer = target.plain(Kind.HELLO)
-    assert answer.said == About(NATIVE, 40_000, simulated=True, name="scripted", knows_zero=True)
+    assert answer.said == About(NATIVE, 40_000, simulated=True, name="scripted", knows_zero=True, knows_control=True)
     assert answer[2:7] == (Status.DONE, State.IDLE, Trip.NONE, 7, 0)
 
 
@@ -84,8 +84,8 @@ def test_settings_out_of_range_are_refused(target: ScriptedTarget, name: str, va
 
 
 def test_edges_of_the_ranges_are_taken(target: ScriptedTarget) -> None:
-    low = (40_000, 1, 0.0, 0.0, 5e-324, 5e-324, 1000, 1)
-    high = (1_000_000_000, NATIVE, 1e3, 1e3, 10.0, 1e4, 50_000, 48)
+    low = (40_000, 1, 0.0, 0.0, 5e-324, 5e-324, 1000, 1, None)
+    high = (1_000_000_000, NATIVE, 1e3, 1e3, 10.0, 1e4, 50_000, 48, None)
     for nonce, edge in enumerate((low, high), start=1):
         assert target.command(Configure(nonce, TRIAL._make(edge))).said == TRIAL._make(edge)
 

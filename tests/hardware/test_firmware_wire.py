@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate
 from hknob_cli.hardware.wire.frame import body_of, frame
 from hknob_cli.hardware.wire.messages import encode
 from tests.conftest import ROOT
-from tests.hardware.firmware import HERE, PARTS, SOURCES, CCommand, CSettings, CSimulated, compiled, library
+from tests.hardware.firmware import HERE, PARTS, SOURCES, CCommand, CControl, CSettings, CSimulated, compiled, library
 from tests.hardware.golden import GOLDEN
 
 LINES = [row.split(" | ") for row in (ROOT / "data/wire/golden_frames.txt").read_text().splitlines() if row[0] != "#"]
@@ -57,10 +57,12 @@ def test_the_target_reads_the_fields_of_golden_commands(name: str) -> None:
     assert command.nonce == said.nonce
     match said:
         case Configure():
-            assert values(command.settings) == tuple(said.settings)
+            assert values(command.settings) == said.settings[:-1]
         case Simulate():
             expected = CSimulated.of(said.simulated)
             assert bytes(command.simulated) == bytes(expected)
+        case SetControl():
+            assert bytes(command.control) == bytes(CControl.of(said.control))
         case Alive():
             assert command.first == said.expected
         case Again():
@@ -85,6 +87,14 @@ def test_five_sines_are_refused() -> None:
     body = bytearray(encode(GOLDEN["simulate"]))
     body[-2] = 5
     assert read(bytes(body) + bytes(5 * 24)) is None
+
+
+@pytest.mark.parametrize(("place", "count"), [(8, 10), (8, 255), (9, 66), (9, 255)])
+def test_more_numbers_or_rows_than_there_is_room_for_are_no_message(place: int, count: int) -> None:
+    body = bytearray(encode(GOLDEN["control"]))
+    body[place] = count
+    there = body[8] + body[9]
+    assert read(bytes(body[:10]) + bytes(8 * there)) is None
 
 
 def test_frames_of_every_length_come_back() -> None:
@@ -152,3 +162,4 @@ def test_structures_are_laid_out_as_in_c() -> None:
     """Else the other tests would compare garbage with garbage."""
     assert c.sizeof(CSettings) == 48
     assert c.sizeof(CSimulated) == 9 * 8 + 8 + 8 * 24
+    assert c.sizeof(CControl) == 8 + 9 * 8 + 65 * 8

@@ -11,11 +11,11 @@ import pytest
 
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
-from hknob_cli.hardware.wire.commands import Configure, Plain, Simulate, Zero
+from hknob_cli.hardware.wire.commands import Configure, Plain, SetControl, Simulate, Zero
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 from tests.hardware.foreign import arranged, foreign_target
-from tests.hardware.golden import SETTINGS, WITH_SINES
+from tests.hardware.golden import LAG, SETTINGS, WITH_SINES
 
 
 def ask(link: socket.socket, decoder: Decoder, command: Message) -> Ack:
@@ -110,6 +110,25 @@ def test_it_greets_and_answers_again_what_it_has_done() -> None:
         assert ask(link, decoder, Configure(5, SETTINGS)).status is Status.DONE
         first = ask(link, decoder, Plain(Kind.ARM, 6))
         assert ask(link, decoder, Plain(Kind.ARM, 6)) == first
+
+
+def test_it_knows_no_controller_and_says_so() -> None:
+    with foreign_target() as url, linked(url) as link:
+        decoder = Decoder()
+        assert ask(link, decoder, Configure(1, SETTINGS)).status is Status.DONE
+        answer = ask(link, decoder, SetControl(2, LAG))
+        assert (answer.status, answer.state, answer.said) == (Status.NOT_KNOWN, State.IDLE, None)
+
+
+def test_a_campaign_under_a_controller_is_refused_before_anything_is_armed(hknob, tmp_path: Path) -> None:
+    with foreign_target() as url:
+        refused = hknob(*arranged(tmp_path, url, "controller: {kind: bounded_lag}\n"))
+    assert refused.returncode == 2
+    assert (
+        "trial 1 of 1 (1000 Hz, 256 counts): the device 'perl' cannot do that: it runs the plain wall" in refused.stderr
+    )
+    assert "no controller: it does not know CONTROL (docs/reference/wire.md)" in refused.stderr
+    assert not (tmp_path / "out" / "trials.parquet").exists()
 
 
 def test_its_knob_moves_as_the_virtual_one(hknob, tmp_path: Path) -> None:

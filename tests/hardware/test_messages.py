@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.port import Block, Control, Settings
 from hknob_cli.hardware.wire.answers import Samples
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.commands import Configure, Plain, Simulate
+from hknob_cli.hardware.wire.commands import Configure, Plain, SetControl, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import decode, encode
 from tests.conftest import ROOT
-from tests.hardware.golden import BOOT, GOLDEN, SETTINGS, SIMULATED, WITH_SINES, block, text
+from tests.hardware.golden import BOOT, GOLDEN, LAG, SETTINGS, SIMULATED, WITH_SINES, block, text
 
 FILE = ROOT / "data" / "wire" / "golden_frames.txt"
 LINES = [line.split(" | ") for line in FILE.read_text().splitlines() if not line.startswith("#")]
@@ -63,6 +63,9 @@ def test_floats_that_are_sent_must_be_numbers_and_of_those_that_come_it_can_be_s
         encode(Configure(1, SETTINGS._replace(wall_stiffness=bad)))
     with pytest.raises(ValueError, match="finite"):
         encode(Simulate(1, SIMULATED._replace(push_nm=bad)))
+    for values in ({"numbers": (0.0, bad)}, {"rows": (bad,)}):
+        with pytest.raises(ValueError, match="finite"):
+            encode(SetControl(1, LAG._replace(**values)))
     body = bytearray(encode(GOLDEN["block_of_2"]))
     for offset in (8, 12):  # torque and grip of the first sample
         spoilt = bytearray(body)
@@ -108,12 +111,21 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @settings(deadline=None)
-@given(u32, st.builds(Settings, u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1)))
+@given(u32, st.builds(Settings, u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1), st.none()))
 def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:
     body = encode(Configure(nonce, settings))
     assert decode(body) == Configure(nonce, settings)
     back = decode(body)
     assert back is not None
+    assert encode(back) == body
+
+
+@settings(deadline=None)
+@given(u32, st.builds(Control, st.integers(0, 255), st.integers(0, 255), st.tuples(finite, finite), st.tuples(finite)))
+def test_controllers_come_back_bit_by_bit(nonce: int, control: Control) -> None:
+    body = encode(SetControl(nonce, control))
+    back = decode(body)
+    assert back == SetControl(nonce, control)
     assert encode(back) == body
 
 

@@ -83,6 +83,9 @@ CHANGES: dict[str, dict[str, Any]] = {
         "scene": {"controller": {"kind": "velocity_damping", "damping": 1e-4, "velocity": "adaptive", "window": 4}}
     },
     "kalman": {"scene": {"controller": {"kind": "phase_damping", "estimate": "kalman"}}},
+    "several_readings": {"scene": {"controller": {"kind": "impulse_damping", "pulse": 1.0, "detections": 4}}},
+    "pulses": {"scene": {"controller": {"kind": "impulse_damping"}}},
+    "knob_model": {"scene": {"controller": {"kind": "half_sample"}}},
     "profile": {"scene": {"profile": {"points": [[-0.5, 0.002], [0.0, 0.0], [0.5, -0.002]]}}},
     "detents": {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}},
     "end_stops": {"scene": {"end_stops": {"low": -0.5, "high": 0.5, "stiffness": 0.5}}},
@@ -219,6 +222,21 @@ def test_a_benchmark_refuses_what_the_table_says(part: str) -> None:
     except SpecError:
         refused = True
     assert refused == (VERDICTS[part, "bench"] == REFUSED)
+
+
+CONTROLLED = [part for part in CHANGES if "controller" in CHANGES[part].get("scene", {})]
+
+
+@pytest.mark.parametrize("part", CONTROLLED)
+def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {"kind": "hw-run", "name": "small", "controller": CHANGES[part]["scene"]["controller"]}
+    if VERDICTS[part, "device"] != REFUSED:
+        validate(source)
+        return
+    with pytest.raises(SpecError) as error:
+        validate(source)
+    assert all(one.message.startswith("must be one that a device can run") for one in error.value.faults)
 
 
 @pytest.mark.parametrize("part", CHANGES)

@@ -2,6 +2,7 @@
 #include "loop.h"
 
 #include "board.h"
+#include "law.h"
 #include "target.h"
 #include "wall.h"
 
@@ -19,6 +20,7 @@ bool loop_arm(void)
     }
     record_begin(&loop.record, loop.settings.block_samples);
     loop.overruns = 0u;
+    loop.control_begun = false;
     loop.quantum_rad = TWO_PI / loop.settings.counts_per_rev;
     loop.native_rad = TWO_PI / board_identity.native_counts;
     loop.interval_s = loop.settings.period_ns * 1e-9;
@@ -98,6 +100,22 @@ static uint32_t time_of(uint32_t index, uint64_t now)
     return time_us;
 }
 
+/* Torque of the wall at a count, before the limit. */
+static double torque_at(int64_t count)
+{
+    const struct settings *s = &loop.settings;
+    if (loop.control.law == 0u) {
+        return wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
+    }
+    if (!loop.control_begun) {
+        law_begin(&loop.control, loop.past, (double)loop.count_before);
+        loop.control_begun = true;
+    }
+    double depth = law_act(&loop.control, loop.past, (double)count);
+    return wall_controlled(depth, count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness,
+                           s->wall_damping);
+}
+
 void target_sample(void)
 {
     const struct settings *s = &loop.settings;
@@ -122,8 +140,7 @@ void target_sample(void)
     }
     double torque = 0.0;
     if (loop.state == RUNNING) {
-        torque = wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
-        torque = wall_limit(torque, s->torque_limit_nm);
+        torque = wall_limit(torque_at(count), s->torque_limit_nm);
     }
     uint8_t fault = fault_of(angle, torque, now);
     if (fault != NO_FAULT) {

@@ -11,6 +11,7 @@
 struct loop {
     uint8_t state, fault;
     struct settings settings;
+    struct control control; /* law 0: the plain wall */
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
     int64_t zero_counts; /* added to the board's angle */
@@ -21,6 +22,8 @@ struct loop {
     int64_t count_before;
     int32_t angle_before;
     uint32_t told_us; /* time of the sample before */
+    bool control_begun;
+    double past[LAW_ROWS_MOST + 1u]; /* the controller's memory, then the last reading */
 };
 
 extern struct loop loop;

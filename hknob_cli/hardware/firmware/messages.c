@@ -90,6 +90,31 @@ static void read_settings(struct settings *s, struct reader *r)
     s->block_samples = (uint16_t)get(r, 2u);
 }
 
+enum { CONTROL_SHORTEST = 6 + 4 };
+
+/* Counts beyond what there is room for are no message: no law takes so many. */
+static bool read_control(struct control *c, struct reader *r, size_t count)
+{
+    if (count < CONTROL_SHORTEST) {
+        return false;
+    }
+    c->law = (uint8_t)get(r, 1u);
+    c->places = (uint8_t)get(r, 1u);
+    c->number_count = (uint8_t)get(r, 1u);
+    c->row_count = (uint8_t)get(r, 1u);
+    if (c->number_count > LAW_NUMBERS_MOST || c->row_count > LAW_ROWS_MOST ||
+        count != CONTROL_SHORTEST + 8u * ((unsigned)c->number_count + c->row_count)) {
+        return false;
+    }
+    for (unsigned i = 0; i < c->number_count; i++) {
+        c->numbers[i] = get_f64(r);
+    }
+    for (unsigned i = 0; i < c->row_count; i++) {
+        c->rows[i] = get_f64(r);
+    }
+    return true;
+}
+
 bool command_read(struct command *command, const uint8_t *body, size_t count)
 {
     struct reader r = {body, 2u};
@@ -127,6 +152,8 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
         return true;
     case SIMULATE:
         return read_simulated(&command->simulated, &r, count);
+    case CONTROL:
+        return read_control(&command->control, &r, count);
     default:
         return false;
     }
@@ -182,7 +209,7 @@ size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 {
     at = put(body, at, i->native_counts, 4u);
     at = put(body, at, i->shortest_period_ns, 4u);
-    at = put(body, at, i->flags | (unsigned)KNOWS_ZERO, 1u);
+    at = put(body, at, i->flags | (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL, 1u);
     memcpy(body + at, i->name, NAME_BYTES);
     return at + NAME_BYTES;
 }
@@ -216,6 +243,21 @@ size_t simulated_write(uint8_t *body, size_t at, const struct simulated *s)
         at = put_f64(body, at, s->sines[i].amplitude);
         at = put_f64(body, at, s->sines[i].frequency_hz);
         at = put_f64(body, at, s->sines[i].phase);
+    }
+    return at;
+}
+
+size_t control_write(uint8_t *body, size_t at, const struct control *c)
+{
+    at = put(body, at, c->law, 1u);
+    at = put(body, at, c->places, 1u);
+    at = put(body, at, c->number_count, 1u);
+    at = put(body, at, c->row_count, 1u);
+    for (unsigned i = 0; i < c->number_count; i++) {
+        at = put_f64(body, at, c->numbers[i]);
+    }
+    for (unsigned i = 0; i < c->row_count; i++) {
+        at = put_f64(body, at, c->rows[i]);
     }
     return at;
 }

@@ -10,9 +10,11 @@
 #define BLOCK_SAMPLES_MOST 48u
 #define SINES_MOST 4u
 #define NAME_BYTES 16u
+#define LAW_NUMBERS_MOST 9u
+#define LAW_ROWS_MOST 65u
 
 enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
-       AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+       AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, CONTROL = 0x11, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
 enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
 enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
 enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
@@ -37,6 +39,13 @@ struct simulated {
     struct sine sines[2u * SINES_MOST]; /* of the push first, then of the grip */
 };
 
+/* A controller: its law, 0 for the plain wall; the numbers of its function; its memory before the first sample, of which
+   `places` rows begin with the place of the knob. */
+struct control {
+    uint8_t law, places, number_count, row_count;
+    double numbers[LAW_NUMBERS_MOST], rows[LAW_ROWS_MOST];
+};
+
 struct command {
     uint8_t type;
     uint32_t nonce;
@@ -45,10 +54,11 @@ struct command {
     int32_t angle;  /* of ZERO */
     struct settings settings;
     struct simulated simulated;
+    struct control control;
 };
 
-/* What a target is and can do, in its answer to HELLO. The target itself adds KNOWS_ZERO. */
-enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8 };
+/* What a target is and can do, in its answer to HELLO. The target itself adds the last two. */
+enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8, KNOWS_CONTROL = 16 };
 
 struct identity {
     uint32_t native_counts, shortest_period_ns;
@@ -91,6 +101,7 @@ size_t identity_write(uint8_t *body, size_t at, const struct identity *identity)
 size_t settings_write(uint8_t *body, size_t at, const struct settings *settings);
 size_t zero_write(uint8_t *body, size_t at, int32_t angle);
 size_t simulated_write(uint8_t *body, size_t at, const struct simulated *simulated);
+size_t control_write(uint8_t *body, size_t at, const struct control *control);
 size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
 
 bool settings_in_range(const struct settings *settings, const struct identity *identity);

@@ -8,6 +8,7 @@
 
 #include "board.h"
 #include "frame.h"
+#include "law.h"
 #include "loop.h"
 
 #define EVENT_EVERY_NS 20000000u
@@ -59,6 +60,7 @@ static uint8_t configure(const struct settings *settings)
     }
     /* What is still kept of the run before stays readable: the record has its own length of a block. */
     loop.settings = *settings;
+    loop.control.law = 0u; /* its numbers are of other settings */
     self.configured = true;
     return DONE;
 }
@@ -76,6 +78,18 @@ static uint8_t simulate(const struct simulated *simulated)
         self.simulated = *simulated;
     }
     return status;
+}
+
+static uint8_t control(const struct control *control)
+{
+    if (loop.state != IDLE || !self.configured) {
+        return NOT_NOW;
+    }
+    if (!control_in_range(control)) {
+        return OUT_OF_RANGE;
+    }
+    loop.control = *control;
+    return DONE;
 }
 
 static uint8_t zero(int32_t angle)
@@ -104,6 +118,8 @@ static uint8_t carry_out(const struct command *c)
         return configure(&c->settings);
     case SIMULATE:
         return simulate(&c->simulated);
+    case CONTROL:
+        return control(&c->control);
     case ZERO:
         return zero(c->angle);
     case ARM:
@@ -166,6 +182,8 @@ static size_t answer(void)
         count = zero_write(self.body, count, self.zero);
     } else if (self.last_type == SIMULATE && self.last_status == DONE) {
         count = simulated_write(self.body, count, &self.simulated);
+    } else if (self.last_type == CONTROL && self.last_status == DONE) {
+        count = control_write(self.body, count, &loop.control);
     }
     return count;
 }

@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings, Simulated
+from hknob_cli.hardware.port import Block, Control, Settings, Simulated
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import (
     ZERO,
+    pack_control,
     pack_settings,
     pack_simulated,
+    unpack_control,
     unpack_settings,
     unpack_simulated,
 )
@@ -23,7 +25,7 @@ EVENT = struct.Struct("<IIBIII")
 
 MOST_SAMPLES = 48
 SIMULATED_FLAG = RUNNING_FLAG = 1
-NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG = 2, 4, 8
+NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG = 2, 4, 8, 16
 
 
 class About(NamedTuple):
@@ -36,10 +38,14 @@ class About(NamedTuple):
     no_grip_cell: bool = False
     own_time: bool = False
     knows_zero: bool = False
+    knows_control: bool = False
+
+
+Said = About | Settings | Simulated | Control | int
 
 
 class Ack(NamedTuple):
-    """The answer to the command ``nonce`` of type ``of``; ``said``: what HELLO, CONFIGURE and SIMULATE are told."""
+    """The answer to the command ``nonce`` of type ``of``; ``said``: what commands with values are told."""
 
     nonce: int
     of: int
@@ -48,7 +54,7 @@ class Ack(NamedTuple):
     fault: Trip
     boot: int
     blocks: int
-    said: About | Settings | Simulated | int | None = None
+    said: Said | None = None
 
     @property
     def kind(self) -> Kind:
@@ -117,11 +123,12 @@ def unpack_answer(kind: Kind, data: bytes) -> Answer:
     return _unpack_block(data)
 
 
-def _pack_said(said: About | Settings | Simulated | int | None) -> bytes:
+def _pack_said(said: Said | None) -> bytes:
     match said:
         case About():
             flags = said.simulated * SIMULATED_FLAG + said.no_grip_cell * NO_GRIP_CELL_FLAG
             flags += said.own_time * OWN_TIME_FLAG + said.knows_zero * KNOWS_ZERO_FLAG
+            flags += said.knows_control * KNOWS_CONTROL_FLAG
             return HELLO.pack(said.native_counts, said.shortest_period_ns, flags, said.name.encode("ascii"))
         case int():
             return ZERO.pack(said)
@@ -129,10 +136,12 @@ def _pack_said(said: About | Settings | Simulated | int | None) -> bytes:
             return pack_settings(said)
         case Simulated():
             return pack_simulated(said)
+        case Control():
+            return pack_control(said)
     return b""
 
 
-def _unpack_said(of: int, status: Status, data: bytes) -> About | Settings | Simulated | int | None:
+def _unpack_said(of: int, status: Status, data: bytes) -> Said | None:
     if of == Kind.HELLO:
         native_counts, shortest_period_ns, flags, name = HELLO.unpack(data)
         text = name.rstrip(b"\0").decode("ascii")
@@ -146,11 +155,14 @@ def _unpack_said(of: int, status: Status, data: bytes) -> About | Settings | Sim
             no_grip_cell=bool(flags & NO_GRIP_CELL_FLAG),
             own_time=bool(flags & OWN_TIME_FLAG),
             knows_zero=bool(flags & KNOWS_ZERO_FLAG),
+            knows_control=bool(flags & KNOWS_CONTROL_FLAG),
         )
     if status is Status.DONE and of == Kind.CONFIGURE:
         return unpack_settings(data)
     if status is Status.DONE and of == Kind.SIMULATE:
         return unpack_simulated(data)
+    if status is Status.DONE and of == Kind.CONTROL:
+        return unpack_control(data)
     if status is Status.DONE and of == Kind.ZERO:
         (angle,) = ZERO.unpack(data)
         return int(angle)

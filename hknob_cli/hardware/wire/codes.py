@@ -18,9 +18,26 @@ class Kind(IntEnum):
     AGAIN = 0x08
     ZERO = 0x09
     SIMULATE = 0x10
+    CONTROL = 0x11
     ACK = 0x81
     BLOCK = 0x82
     EVENT = 0x83
+
+
+class Law(IntEnum):
+    """Controllers that a target can run; the names are those of their functions in `engine.general.laws`."""
+
+    BOUNDED_LAG = 1
+    FIRST_ORDER_HOLD = 2
+    PASSIVITY = 3
+    PHASE_DAMPING = 4
+    STIFFENING = 5
+    VELOCITY_DAMPING = 6
+    DIFFERENCED_VELOCITY = 7
+    TIMED_VELOCITY = 8
+    ADAPTIVE_VELOCITY = 9
+    TRACKED_VELOCITY = 10
+    IMPULSE_DAMPING = 11
 
 
 class Status(IntEnum):

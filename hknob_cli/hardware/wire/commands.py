@@ -3,7 +3,7 @@
 import struct
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import MOST_SINES, Settings, Simulated, Sine
+from hknob_cli.hardware.port import MOST_SINES, Control, Settings, Simulated, Sine
 from hknob_cli.hardware.wire.codes import Kind
 
 NONCE = struct.Struct("<I")
@@ -13,6 +13,7 @@ SINE = struct.Struct("<3d")
 ALIVE = struct.Struct("<I")
 AGAIN = struct.Struct("<IH")
 ZERO = struct.Struct("<i")
+LAW = struct.Struct("<4B")
 
 PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE)
 
@@ -85,12 +86,24 @@ class Zero(NamedTuple):
         return Kind.ZERO
 
 
-Command = Plain | Configure | Simulate | Alive | Again | Zero
+class SetControl(NamedTuple):
+    """The controller of the wall of a trial."""
+
+    nonce: int
+    control: Control
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.CONTROL
+
+
+Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl
 
 
 def pack_settings(settings: Settings) -> bytes:
-    """Settings as they lie in CONFIGURE, and in its ACK."""
-    return SETTINGS.pack(*settings)
+    """Settings as they lie in CONFIGURE, and in its ACK; the controller has a command of its own."""
+    return SETTINGS.pack(*settings._replace(control=None)[:-1])
 
 
 def unpack_settings(data: bytes) -> Settings:
@@ -116,6 +129,20 @@ def unpack_simulated(data: bytes) -> Simulated:
     return Simulated._make((*knob, sines[:push_count], sines[push_count:]))
 
 
+def pack_control(control: Control) -> bytes:
+    """A controller as it lies in CONTROL, and in its ACK."""
+    numbers = (*control.numbers, *control.rows)
+    head = LAW.pack(control.law, control.places, len(control.numbers), len(control.rows))
+    return head + struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+def unpack_control(data: bytes) -> Control:
+    """A controller; raises struct.error for another length."""
+    law, places, count, rows = LAW.unpack_from(data)
+    numbers = struct.unpack(f"<{count + rows}d", data[LAW.size :])
+    return Control(law, places, numbers[:count], numbers[count:])
+
+
 def pack_command(command: Command) -> bytes:
     """What follows version and type."""
     nonce = NONCE.pack(command.nonce)
@@ -132,6 +159,8 @@ def pack_command(command: Command) -> bytes:
             return nonce + AGAIN.pack(command.first, command.count)
         case Zero():
             return nonce + ZERO.pack(command.angle)
+        case SetControl():
+            return nonce + pack_control(command.control)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -148,6 +177,8 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return Again(nonce, *AGAIN.unpack(rest))
     if kind is Kind.ZERO:
         return Zero(nonce, *ZERO.unpack(rest))
+    if kind is Kind.CONTROL:
+        return SetControl(nonce, unpack_control(rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

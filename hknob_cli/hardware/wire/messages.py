@@ -5,10 +5,10 @@ import struct
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Settings, Simulated
+from hknob_cli.hardware.port import Block, Control, Settings, Simulated
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
 from hknob_cli.hardware.wire.codes import VERSION, Kind
-from hknob_cli.hardware.wire.commands import Command, Configure, Simulate, pack_command, unpack_command
+from hknob_cli.hardware.wire.commands import Command, Configure, SetControl, Simulate, pack_command, unpack_command
 
 Message = Command | Answer
 
@@ -41,7 +41,9 @@ def is_finite(message: Message) -> bool:
     """Whether every float of a message is a finite number."""
     match message:
         case Configure(settings=Settings() as values) | Ack(said=Settings() as values):
-            return all(map(math.isfinite, values))
+            return all(map(math.isfinite, values._replace(control=None)[:-1]))
+        case SetControl(control=Control() as control) | Ack(said=Control() as control):
+            return all(map(math.isfinite, (*control.numbers, *control.rows)))
         case Simulate(simulated=Simulated() as knob) | Ack(said=Simulated() as knob):
             sines = (number for sine in (*knob.push_sines, *knob.grip_sines) for number in sine)
             return all(map(math.isfinite, (*knob[:9], *sines)))

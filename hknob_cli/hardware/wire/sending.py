@@ -8,7 +8,7 @@ What was sent and what the target says it took, compared value by value, bit by 
 import struct
 from typing import Any
 
-from hknob_cli.hardware.port import Block, Settings, Simulated, Sine
+from hknob_cli.hardware.port import Block, Control, Settings, Simulated, Sine
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
 
@@ -20,6 +20,7 @@ _AFTER = {
     Kind.CONFIGURE: (State.IDLE,),
     Kind.SIMULATE: (State.IDLE,),
     Kind.ZERO: (State.IDLE,),
+    Kind.CONTROL: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
@@ -88,7 +89,7 @@ class AfterRelease:
             self.seen = f"the target acknowledged RELEASE, but goes on sending samples with {what}"
 
 
-def differences(sent: Settings | Simulated, taken: object) -> list[str]:
+def differences(sent: Settings | Simulated | Control, taken: object) -> list[str]:
     """One text for each value that differs: its name, sent, taken."""
     if type(taken) is not type(sent):
         return ["the target did not say what it took"]
@@ -104,8 +105,9 @@ def _flat(values: Any) -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in values._asdict().items():
         if isinstance(value, tuple):
-            for index, sine in enumerate(value):
-                flat |= {f"{name}[{index}].{part}": getattr(sine, part) for part in Sine._fields}
+            for index, one in enumerate(value):
+                parts = one._asdict() if isinstance(one, Sine) else {"": one}
+                flat |= {f"{name}[{index}]{part and f'.{part}'}": number for part, number in parts.items()}
         else:
             flat[name] = value
     return flat

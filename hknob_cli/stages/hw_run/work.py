@@ -106,7 +106,7 @@ class HwRunWork(Work):
         if job.verbose:
             seconds = time.perf_counter() - begin
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
-        return campaign_tables(done, job.plan.course)
+        return campaign_tables(done, job.plan.course, job.plan.controller)
 
     def partial_results(self, job: Job) -> list[Path]:
         """Single trials of a simulation."""

@@ -1,0 +1,111 @@
+"""Controllers on a device: the numbers that it is told, the virtual device under them, and the host's own check."""
+
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.controllers.scalar_law import make_law
+from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.control import control_of
+from hknob_cli.hardware.port import Block
+from hknob_cli.hardware.replay import RecordedTrial, is_of_wall
+from hknob_cli.hardware.safety import LimitMonitor
+from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
+from hknob_cli.hardware.wire.codes import Law
+from hknob_cli.specs.controller import Controller
+from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
+from tests.hardware.controllers import CONTROLLERS, told
+from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
+
+KNOWING = ALIGNED._replace(knows_control=True)
+NAMES = ["lag", "passivity", "damping everywhere", "timed", "phase by halves"]
+SCENE = Scene(knob=Knob(inertia=1.9e-6), wall=Wall(stiffness=0.27), hand=Hand(3e-7, 3.45e-4, 0.04), encoder=Encoder())
+
+
+@pytest.mark.parametrize("name", CONTROLLERS)
+def test_the_numbers_are_those_of_a_sweep(name: str) -> None:
+    law = make_law(SCENE._replace(controller=CONTROLLERS[name]), sample_rate_hz=1000, counts_per_rev=1024).law
+    control = told(name).control
+    assert control is not None
+    assert Law(control.law).name.lower() == law.act
+    assert control.numbers == pytest.approx([min(one, sys.float_info.max) for one in law.fixed], rel=1e-14)
+    assert control.rows == tuple(law.first)
+    assert (control.places, law.parts, law.looks) == (law.places, 1, 0)
+
+
+@pytest.mark.parametrize("controller", [Controller("half_sample"), Controller("matched_wall")])
+def test_what_needs_a_model_of_the_knob_is_none_of_a_target(controller: Controller) -> None:
+    with pytest.raises(ValueError, match="no target runs"):
+        control_of(controller, settings())
+
+
+def trial(name: str, **changes: float) -> Block:
+    return virtual_trial(told(name, **changes), HAND._replace(push_nm=3e-3), duration_s=0.5, identity=KNOWING)
+
+
+def watched(name: str, block: Block) -> None:
+    watch = LimitMonitor(told(name), KNOWING.native_counts, wired=True)
+    size = 40
+    for i in range(0, len(block.time_us), size):
+        part = Block(block.first + i, *(column[i : i + size] for column in block[1:6]), block.overruns)
+        if part.running.any():
+            watch.start()
+        watch.check(part)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_virtual_device_runs_what_was_agreed(name: str) -> None:
+    block = trial(name)
+    watched(name, block)
+    plain = virtual_trial(settings(), HAND._replace(push_nm=3e-3), duration_s=0.5)
+    assert not np.array_equal(plain.torque_nm, block.torque_nm)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_the_torque_of_another_wall_is_noticed(name: str) -> None:
+    plain = virtual_trial(settings(), HAND._replace(push_nm=3e-3), duration_s=0.5)
+    law = Law(told(name).control.law).name.lower()
+    with pytest.raises(DeviceError, match=f"is not that of the wall under {law}"):
+        watched(name, plain)
+
+
+CHANGES: list[Any] = [
+    lambda torque: 1.001 * torque * (np.abs(torque) < 4.9e-2),
+    lambda torque: np.concatenate([[0.0], torque[:-1]]),
+    lambda torque: torque + 1e-5,
+]
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_torque_that_is_not_quite_the_law_is_noticed(change: Any) -> None:
+    block = trial("lag")
+    with pytest.raises(DeviceError, match=r"is not that of the wall under|where the wall is off"):
+        watched("lag", block._replace(torque_nm=change(block.torque_nm)))
+
+
+def test_a_lag_that_keeps_all_of_a_step_is_the_plain_wall_to_the_last_bit() -> None:
+    plain = settings(wall_damping=1e-6)
+    whole = plain._replace(control=control_of(Controller("bounded_lag", keep=1.0), plain))
+    one, other = virtual_trial(plain), virtual_trial(whole, identity=KNOWING)
+    assert np.array_equal(one.torque_nm, other.torque_nm)
+    assert np.array_equal(one.angle_counts, other.angle_counts)
+
+
+def test_a_device_that_does_not_know_controllers_says_so() -> None:
+    with (
+        VirtualDevice(identity=IDENTITY._replace(knows_control=False)) as device,
+        pytest.raises(DeviceError, match="it runs the plain wall alone, no controller"),
+    ):
+        device.configure(told("lag"), HAND)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_recording_is_told_from_one_under_another_controller(name: str) -> None:
+    block = trial(name)
+    take = RecordedTrial(
+        "one", 1000.0, 1024, KNOWING.native_counts, np.arange(len(block.time_us)), *block[1:5], block.running
+    )
+    assert is_of_wall(take, told(name))
+    assert not is_of_wall(take, settings())

@@ -1,0 +1,186 @@
+"""The target's controllers: the same torques as the engine's functions, to the last bit, and what CONTROL takes."""
+
+import ctypes as c
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from hknob_cli.hardware.control import ControlledWall
+from hknob_cli.hardware.port import Control
+from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
+from hknob_cli.hardware.wire.commands import Alive, Configure, SetControl
+from tests.hardware.controllers import CONTROLLERS, readings, told
+from tests.hardware.firmware import CControl, ScriptedTarget, events_of, library, samples_of
+from tests.hardware.golden import LAG, SETTINGS
+
+NAMES = list(CONTROLLERS)
+NATIVE = 640_000  # of the scripted board
+
+
+def made(name: str) -> Control:
+    control = told(name).control
+    assert control is not None
+    return control
+
+
+def test_every_law_of_the_wire_is_tested() -> None:
+    assert {made(name).law for name in NAMES} == set(Law)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_torques_are_those_of_the_engine_to_the_last_bit(name: str) -> None:
+    settings = told(name, wall_damping=1e-6)
+    wall = ControlledWall(settings, made(name))
+    control, past = CControl.of(made(name)), (c.c_double * 66)()
+    assert library().control_in_range(control)
+    quantum = math.tau / settings.counts_per_rev
+    before, seen = -2, set()
+    library().law_begin(control, past, float(before))
+    for count in readings(NAMES.index(name), 20_000):
+        depth = library().law_act(control, past, float(count))
+        torque = library().wall_controlled(depth, count, before, quantum, settings.interval_s, 0.27, 1e-6)
+        assert torque == wall.torque(count, before)
+        before = count
+        seen.add(torque)
+    assert len(seen) > 100
+    rows = len(made(name).rows)
+    assert [*past][: rows + 1] == wall.memory
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_trial_is_that_of_the_law(name: str) -> None:
+    """Armed, started, limited and recorded: what the loop sends is the law's, rounded as the wire does."""
+    settings = told(name, 4000, block_samples=5, wall_damping=1e-6, torque_limit_nm=0.2, speed_limit_rad_s=1e4)
+    assert settings.control is not None
+    target, wall = ScriptedTarget(), ControlledWall(settings, settings.control)
+    assert target.command(Configure(1, settings._replace(control=None))).status == Status.DONE
+    assert target.command(SetControl(2, settings.control)).said == settings.control
+    target.plain(Kind.ARM)
+    target.angle = -900  # before the wall is on: the knob stands there when the law begins
+    for _ in range(3):
+        target.sample()
+    assert target.torque == 0.0
+    target.plain(Kind.START)
+    before, expected, sent = -900 * 1024 // NATIVE, [], []
+    for count in readings(7, 1000):
+        target.angle = count * NATIVE // 1024
+        coarse = target.angle * 1024 // NATIVE
+        target.sample()
+        expected.append(max(-0.2, min(0.2, wall.torque(coarse, before))))
+        assert target.torque == expected[-1]
+        before = coarse
+        target.nonce += 1
+        sent += samples_of(target.tell(Alive(target.nonce, 0)))
+    assert len(set(expected)) > 20
+    told_of = np.concatenate([one.samples.torque_nm[one.samples.running] for one in sent])
+    assert told_of.size > 990
+    assert np.array_equal(told_of, np.array(expected[: told_of.size]).astype(np.float32))
+
+
+def begun(state: State) -> ScriptedTarget:
+    target = ScriptedTarget()
+    assert target.command(Configure(1, SETTINGS)).status == Status.DONE
+    if state >= State.ARMED:
+        target.plain(Kind.ARM)
+    if state >= State.RUNNING:
+        target.plain(Kind.START)
+    if state == State.TRIPPED:
+        target.emergency = 1
+        target.sample()
+        target.c.target_serve()
+    return target
+
+
+@pytest.mark.parametrize("state", list(State))
+def test_a_controller_is_taken_when_idle_only(state: State) -> None:
+    target = begun(state)
+    target.said()
+    answer = target.command(SetControl(50, LAG))
+    assert answer.status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
+    assert answer.said == (LAG if state is State.IDLE else None)
+    assert answer.state == state
+
+
+def test_it_needs_settings() -> None:
+    assert ScriptedTarget().command(SetControl(1, LAG)).status == Status.NOT_NOW
+
+
+def torque_at_once(target: ScriptedTarget) -> float:
+    """Torque of the first sample with the wall on, a count inside, where the knob was not before."""
+    target.angle = 0
+    target.plain(Kind.ARM)
+    target.sample()
+    target.plain(Kind.START)
+    target.angle = -NATIVE // 1024
+    target.sample()
+    torque = target.torque
+    target.plain(Kind.RELEASE)
+    return torque
+
+
+def test_settings_make_it_forget_and_nothing_else_does() -> None:
+    target = begun(State.IDLE)
+    plain = torque_at_once(target)
+    target.command(SetControl(2, LAG))
+    other = torque_at_once(target)
+    assert other != plain
+    target.plain(Kind.HELLO)
+    assert torque_at_once(target) == other  # RELEASE came in between
+    target.command(SetControl(3, LAG._replace(law=77)))  # refused: changes nothing
+    assert torque_at_once(target) == other
+    target.command(Configure(4, SETTINGS._replace(watchdog_us=1)))  # so is this
+    assert torque_at_once(target) == other
+    target.command(Configure(5, SETTINGS))
+    assert torque_at_once(target) == plain
+
+
+WRONG: list[tuple[str, dict[str, Any]]] = [
+    ("lag", {"law": 0}),
+    ("lag", {"law": 12}),
+    ("lag", {"law": 255}),
+    ("lag", {"numbers": (0.0, 0.1)}),
+    ("lag", {"numbers": (0.0, 0.1, 0.2, 0.3)}),
+    ("lag", {"rows": ()}),
+    ("lag", {"rows": (0.0, 0.0)}),
+    ("lag", {"places": 1}),
+    ("hold", {"numbers": (0.0, 1.0, 3.0, 1.0)}),  # four readings a sample
+    ("hold", {"numbers": (0.0, 1.0, 0.0, 2.0)}),  # two torques a sample
+    ("passivity", {"places": 0}),
+    ("damping", {"numbers": (0.0, -1.0, 1.0, 0.0, 1.0, 0.0, 9.0)}),  # a sensor of the speed
+    ("damping", {"numbers": (0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 9.0)}),  # a window that the rows do not have
+    *(("damping", {"numbers": (0.0, -1.0, 0.0, 0.0, window, 0.0, 9.0)}) for window in (0.0, 1.5, -1.0, 65.0, 1e300)),
+    ("adaptive", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 6.0, 8.0)}),  # another place of the last reading
+    ("adaptive", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 1e9, 8.0)}),
+    ("timed", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 2.0, 4.0, 80.0)}),  # four readings a sample
+    ("impulse as long as an interval", {"numbers": (0.0, 0.5, 1.0, 0.0)}),  # two torques a sample
+    ("impulse as long as an interval", {"numbers": (0.0, 1.0, 1.0, 3.0)}),
+]
+
+
+@pytest.mark.parametrize(("name", "changes"), WRONG)
+def test_what_no_target_runs_is_out_of_range(name: str, changes: dict[str, Any]) -> None:
+    answer = begun(State.IDLE).command(SetControl(2, made(name)._replace(**changes)))
+    assert (answer.status, answer.said) == (Status.OUT_OF_RANGE, None)
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_numbers_must_be_numbers(bad: float) -> None:
+    for changes in ({"numbers": (0.0, bad, 0.2)}, {"rows": (bad,)}):
+        assert not library().control_in_range(CControl.of(LAG._replace(**changes)))
+
+
+def test_a_torque_that_is_no_number_trips() -> None:
+    target = begun(State.IDLE)
+    target.command(SetControl(2, LAG._replace(numbers=(0.0, 1e308, 0.2), rows=(-1e308,))))
+    target.plain(Kind.ARM)
+    target.sample()
+    target.plain(Kind.START)
+    target.angle = -600
+    for _ in range(3):
+        if target.call_at < 2**64 - 1:
+            target.sample()
+    assert target.torque == 0.0
+    target.c.target_serve()
+    assert events_of(target.said())[0].fault == Trip.NOT_A_NUMBER
