@@ -35,6 +35,7 @@ from hknob_cli.theory.sampled_plant import (
 )
 
 MOST_SHIFT = 8  # samples; of the multipliers of `tsai_colgate`
+MOST_DELAY = 20  # samples; beyond, the roots of `love_book` are too badly told by its coefficients
 _STEPS = 25  # of a golden section
 
 UNDAMPED = "nothing damps the knob"
@@ -192,9 +193,11 @@ def love_book(case: Case) -> Criterion:
         period_s=edge.period_s,
         transport_s=edge.transport_s,
     )
+    if plant.delay > MOST_DELAY:
+        return Criterion(None, None, False, f"it is computed for delays of up to {MOST_DELAY} samples")
     grid = frequencies(plant)
     changed = np.polymul(plant.over, [1.0, 0.0]) / edge.period_s  # (z - 1) / (T z), times z
-    longer = [np.polymul(one, [1.0, 1.0]) for one in (plant.under, plant.over)]
+    longer = [np.polymul(one, [1.0, 1.0]) for one in (plant.whole, plant.over)]
     stiff = stable_gains(
         np.polyadd(longer[0], edge.wall_damping * changed), longer[1], grid, around=edge.wall_stiffness
     )

@@ -25,16 +25,28 @@ _STEPS = 60  # of a bisection or golden section
 
 
 class SampledPlant(NamedTuple):
-    """``over`` and ``under``: P and D, in rad/(N·m); ``pole``: angle and damping of its poles, rad/sample."""
+    """``over`` and ``under``: P and D, in rad/(N·m); D lacks z^``delay``, the whole samples.
+
+    ``pole``: angle and damping of its poles, rad/sample.
+    """
 
     over: Polynomial
     under: Polynomial
+    delay: int
     pole: tuple[float, float]
+
+    @property
+    def whole(self) -> Polynomial:
+        """D with the delay; of many samples its coefficients are too large to compute with."""
+        found = self.under
+        for _ in range(self.delay):
+            found = np.polymul(found, _Z)
+        return found
 
     def at(self, omega: Array) -> Complex:
         """Frequency response, rad/(N·m), at ``omega`` (rad/sample)."""
         w = on_circle(omega)
-        found: Complex = np.polyval(self.over, w) / np.polyval(self.under, w)
+        found: Complex = np.polyval(self.over, w) / np.polyval(self.under, w) * np.exp(-1j * self.delay * omega)
         return found
 
 
@@ -56,10 +68,8 @@ def sampled_plant(
         new, old = np.array([late_g, g]), np.array([late_s, s])
         under = np.polymul(under, _Z)
     over = np.polyadd(np.polymul([1.0, lost], new), s * old)
-    for _ in range(whole):
-        under = np.polymul(under, _Z)
     turn = max(beta - 0.25 * alpha * alpha, 0.0) ** 0.5
-    return SampledPlant(over * (period_s**2 / inertia), under, (turn, 0.5 * alpha))
+    return SampledPlant(over * (period_s**2 / inertia), under, whole, (turn, 0.5 * alpha))
 
 
 def on_circle(omega: Array) -> Complex:

@@ -32,7 +32,7 @@ def response(body: dict[str, float], period: float, delay: float, omega: np.ndar
 
 
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
-@pytest.mark.parametrize("delay", [0.0, 0.3, 1.0, 2.75])
+@pytest.mark.parametrize("delay", [0.0, 0.3, 1.0, 2.75, 300.5])
 @pytest.mark.parametrize("period", [1e-2, 1e-3, 1e-4])
 def test_the_fraction_is_the_response_of_the_state_space(body: dict[str, float], delay: float, period: float) -> None:
     """The state space loses up to 1/(w^2) roundings at a low frequency: tolerance 1e-6 at w = 1e-3."""
