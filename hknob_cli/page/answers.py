@@ -130,6 +130,8 @@ def _surely(result: Result) -> str:
     least = min(float(columns_of(table, [name])[name].min()) for table in result.tables("cells", [name]))
     if not np.isfinite(least):
         raise ValueError("some cells are neither proven nor not")
+    if least == 0.0:
+        return " In some cells no trial is proven." if len(varying_axes(result)) else " No trial is proven."
     part = "Every trial is" if least == 1.0 else f"At least {100 * least:.0f} % of the trials of a cell are"
     return f" {part} proven."
 
