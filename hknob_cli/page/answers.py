@@ -11,6 +11,7 @@ from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.large import varying
 from hknob_cli.report.population import describe_people
+from hknob_cli.report.remedies_over import over_the_grid
 from hknob_cli.report.table import short
 from hknob_cli.report.verdicts import (
     Buzz,
@@ -20,6 +21,7 @@ from hknob_cli.report.verdicts import (
     calibrated,
     compared,
     expected,
+    found_of,
     people_buzz,
     quietest,
     scope_of,
@@ -28,8 +30,6 @@ from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.means import WORST
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
-from hknob_cli.stages.remedies.text import over_the_grid
-from hknob_cli.stages.sysid.text import found_of
 
 _SHARES = ("at_rest_fraction", "certified_fraction")
 

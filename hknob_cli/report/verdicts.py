@@ -8,6 +8,7 @@ from hknob_cli.report.table import short
 
 Row = Mapping[str, Any]
 RECORDED = ", in the trials recorded"
+ERROR, DEVIATION = "standard error", "standard deviation over persons"  # what stands behind a plus and minus
 # Parameters of a hand: columns, names, and scales to units that are read easily.
 _HAND = {
     "inertia_kg_m2": ("inertia", 1e7, "g·cm²"),
@@ -144,6 +145,19 @@ def identified(rows: Sequence[Row], *, errors: str) -> str:
         else f"It is doubtful in {doubts} of these: their flags say why."
     )
     return f"By {name} (± {errors}): {'; '.join(found)}{where}. {trust}"
+
+
+def alone(rows: Sequence[Row]) -> Sequence[Row]:
+    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
+    own = [row for row in rows if row["level"] == "subject"]
+    held = any(row["grip_target_n"] for row in own)
+    return own if not held or len({row["subject"] for row in own}) == 1 else []
+
+
+def found_of(rows: Sequence[Row]) -> str:
+    """What all conditions of ``conditions.parquet`` say together."""
+    single = alone(rows)
+    return identified(single or [row for row in rows if row["level"] == "all"], errors=ERROR if single else DEVIATION)
 
 
 def _known(row: Row, column: str) -> bool:
