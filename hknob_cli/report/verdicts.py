@@ -1,7 +1,6 @@
 """The answer first: what a result of many cells says, in a sentence with its scope."""
 
 from collections.abc import Collection, Mapping, Sequence
-from statistics import median
 from typing import Any, NamedTuple
 
 from hknob_cli.report.table import short
@@ -170,6 +169,8 @@ def _doubts(rows: Sequence[Row]) -> int:
 
 
 def _explained(rows: Sequence[Row]) -> float:
+    from statistics import median
+
     return float(median([row["vaf"] for row in rows if row["vaf"] is not None] or [0.0]))
 
 
@@ -228,6 +229,8 @@ def compared(scenes: Sequence[Row]) -> str:
 
     ``scenes``: times at equal error, a row a scene, of `bench.equal_error`.
     """
+    from statistics import median
+
     good = [row for row in scenes if row["exact_seconds"] is not None]
     ratios = [row["ratio"] for row in good if row["ratio"] is not None]
     text = f"The exact engine is accurate in {len(good)} of {len(scenes)} scenes."
