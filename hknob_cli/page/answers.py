@@ -11,6 +11,7 @@ from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.large import varying
 from hknob_cli.report.population import describe_people
+from hknob_cli.report.remedies_over import over_the_grid
 from hknob_cli.report.table import short
 from hknob_cli.report.verdicts import (
     Buzz,
@@ -20,6 +21,7 @@ from hknob_cli.report.verdicts import (
     calibrated,
     compared,
     expected,
+    found_of,
     people_buzz,
     quietest,
     scope_of,
@@ -28,8 +30,6 @@ from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.means import WORST
 from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
-from hknob_cli.stages.remedies.text import over_the_grid
-from hknob_cli.stages.sysid.text import found_of
 
 _SHARES = ("at_rest_fraction", "certified_fraction")
 
@@ -130,6 +130,8 @@ def _surely(result: Result) -> str:
     least = min(float(columns_of(table, [name])[name].min()) for table in result.tables("cells", [name]))
     if not np.isfinite(least):
         raise ValueError("some cells are neither proven nor not")
+    if least == 0.0:
+        return " In some cells no trial is proven." if len(varying_axes(result)) else " No trial is proven."
     part = "Every trial is" if least == 1.0 else f"At least {100 * least:.0f} % of the trials of a cell are"
     return f" {part} proven."
 

@@ -1,13 +1,13 @@
 """The answer first: what a result of many cells says, in a sentence with its scope."""
 
 from collections.abc import Collection, Mapping, Sequence
-from statistics import median
 from typing import Any, NamedTuple
 
 from hknob_cli.report.table import short
 
 Row = Mapping[str, Any]
 RECORDED = ", in the trials recorded"
+ERROR, DEVIATION = "standard error", "standard deviation over persons"  # what stands behind a plus and minus
 # Parameters of a hand: columns, names, and scales to units that are read easily.
 _HAND = {
     "inertia_kg_m2": ("inertia", 1e7, "g·cm²"),
@@ -146,6 +146,19 @@ def identified(rows: Sequence[Row], *, errors: str) -> str:
     return f"By {name} (± {errors}): {'; '.join(found)}{where}. {trust}"
 
 
+def alone(rows: Sequence[Row]) -> Sequence[Row]:
+    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
+    own = [row for row in rows if row["level"] == "subject"]
+    held = any(row["grip_target_n"] for row in own)
+    return own if not held or len({row["subject"] for row in own}) == 1 else []
+
+
+def found_of(rows: Sequence[Row]) -> str:
+    """What all conditions of ``conditions.parquet`` say together."""
+    single = alone(rows)
+    return identified(single or [row for row in rows if row["level"] == "all"], errors=ERROR if single else DEVIATION)
+
+
 def _known(row: Row, column: str) -> bool:
     """Whether a parameter was found: what was given has no error."""
     return row[column] is not None and row[f"{column}_std"] != 0.0
@@ -156,6 +169,8 @@ def _doubts(rows: Sequence[Row]) -> int:
 
 
 def _explained(rows: Sequence[Row]) -> float:
+    from statistics import median
+
     return float(median([row["vaf"] for row in rows if row["vaf"] is not None] or [0.0]))
 
 
@@ -214,6 +229,8 @@ def compared(scenes: Sequence[Row]) -> str:
 
     ``scenes``: times at equal error, a row a scene, of `bench.equal_error`.
     """
+    from statistics import median
+
     good = [row for row in scenes if row["exact_seconds"] is not None]
     ratios = [row["ratio"] for row in good if row["ratio"] is not None]
     text = f"The exact engine is accurate in {len(good)} of {len(scenes)} scenes."

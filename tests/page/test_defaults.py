@@ -110,3 +110,14 @@ def test_a_large_design_is_said_and_shown_part_by_part(tmp_path: Path, monkeypat
     shown = [[line.get_ydata().tolist() for panel in one.axes for line in panel.lines] for one in drawn]
     np.testing.assert_equal(shown[1], shown[0])
     assert len(shown[0]) > 4
+
+
+@pytest.mark.parametrize(
+    ("proven", "said"),
+    [
+        ([0.0, 1.0], "In some cells no trial is proven."),
+        ([0.25, 1.0], "At least 25 % of the trials of a cell are proven."),
+    ],
+)
+def test_what_is_not_proven_is_said(tmp_path: Path, proven: list[float], said: str) -> None:
+    assert answers_of(evidence(tmp_path, certified_fraction=proven))[0].endswith(said)

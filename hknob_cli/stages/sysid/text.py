@@ -13,7 +13,7 @@ import pyarrow as pa
 from hknob_cli.identify.fit import MISFIT, ODDS
 from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.table import short, table
-from hknob_cli.report.verdicts import biased, calibrated, identified
+from hknob_cli.report.verdicts import DEVIATION, ERROR, alone, biased, calibrated, identified
 from hknob_cli.stages.sysid.remarks import DISAGREE
 
 Row = dict[str, Any]
@@ -28,7 +28,6 @@ NUISANCES = {
 PARAMETERS = ("inertia", "damping", "stiffness", "coulomb")
 
 MOST_REMARKS = 6
-_ERROR, _DEVIATION = "standard error", "standard deviation over persons"
 _NUMBER = re.compile(r"-?\d+(\.\d+)?(e[-+]?\d+)?")
 _COLUMNS = (
     ("J g*cm^2", "inertia_kg_m2", 1e7),
@@ -109,19 +108,6 @@ def _remark(row: dict[str, Any]) -> str:
     return f"{row['subject']}, experiment {row['experiment']}, {row['grip_target_n']:g} N: {'; '.join(said)}"
 
 
-def alone(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
-    own = [row for row in rows if row["level"] == "subject"]
-    held = any(row["grip_target_n"] for row in own)
-    return own if not held or len({row["subject"] for row in own}) == 1 else []
-
-
-def found_of(rows: list[dict[str, Any]]) -> str:
-    """What all conditions of ``conditions.parquet`` say together."""
-    single = alone(rows)
-    return identified(single or [row for row in rows if row["level"] == "all"], errors=_ERROR if single else _DEVIATION)
-
-
 def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
     """Averages whose residuals are not white for no other reason than that their trials differ; None if there are none.
 
@@ -147,7 +133,7 @@ def sysid_text(summary: dict[str, Any]) -> str:
         return _calibration_text(summary)
     rows = summary["alone"] or summary["conditions"]
     named = len({row["subject"] for row in rows}) > 1 or not any(row["grip_target_n"] for row in rows)
-    whose = _ERROR if summary["alone"] else _DEVIATION
+    whose = ERROR if summary["alone"] else DEVIATION
     first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
