@@ -5,10 +5,12 @@
 #include <string.h>
 
 #include "frame.h"
+#include "law.h"
 #include "scripted_board.h"
 #include "target.h"
 
 static uint64_t seed = 20260u;
+static unsigned controllers; /* that could be taken */
 
 /* xorshift64*: the same numbers everywhere. */
 static uint32_t chance(uint32_t below)
@@ -77,10 +79,53 @@ static void serve(size_t count)
     (void)target_serve();
 }
 
-/* Settings that can be taken, else any good frame. */
+/* A controller that can be taken, of any law, with any window. */
+static struct control sensible_control(void)
+{
+    static const uint8_t numbers[] = {0u, 3u, 2u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u};
+    static const uint8_t rows[] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u};
+    struct control c = {(uint8_t)(1u + chance(11u)), 0u, 0u, 0u, {0.0}, {0.0}};
+    unsigned window = 1u + chance(64u), filter = chance(2u);
+    c.number_count = numbers[c.law];
+    c.row_count = rows[c.law];
+    for (unsigned i = 1u; i < c.number_count; i++) {
+        c.numbers[i] = 0.01 * chance(200u);
+    }
+    if (c.law == 3u) { /* passivity */
+        c.places = 1u;
+    } else if (c.law == 6u) { /* velocity damping */
+        c.numbers[2] = 0.0;
+        c.numbers[4] = window;
+        c.numbers[5] = 0.5 * filter;
+        c.places = (uint8_t)window;
+        c.row_count = (uint8_t)(window + filter);
+    } else if (c.law == 11u) { /* impulse damping */
+        c.numbers[1] = 1.0;
+        c.numbers[3] = 0.0;
+    } else if (c.law >= 7u) { /* of an estimated speed */
+        c.numbers[3] = 0.5 * filter;
+        c.numbers[5] = chance(2u);
+        c.row_count = c.law == 7u || c.law == 9u ? (uint8_t)(window - 1u) : 2u;
+        c.row_count = (uint8_t)(c.row_count + (c.law == 10u || filter == 0u ? 0u : c.numbers[5] > 0.0 ? 2u : 1u));
+        c.numbers[6] = c.row_count;
+        c.numbers[7] = c.law == 8u ? 1.0 : c.law == 10u ? 0.1 : window;
+    }
+    return c;
+}
+
+/* Settings or a controller that can be taken, else any good frame. */
 static size_t sensible_frame(uint8_t *frame)
 {
-    uint8_t body[64] = {WIRE_VERSION, CONFIGURE};
+    uint8_t body[1024] = {WIRE_VERSION, CONFIGURE};
+    if (chance(5u) == 0u) {
+        struct control control = sensible_control();
+        body[1] = CONTROL;
+        for (size_t i = 2u; i < 6u; i++) {
+            body[i] = (uint8_t)chance(256u);
+        }
+        controllers += control_in_range(&control) ? 1u : 0u;
+        return frame_encode(frame, body, control_write(body, 6u, &control));
+    }
     if (chance(4u) != 0u) {
         return good_frame(frame);
     }
@@ -134,5 +179,6 @@ int main(void)
     unsigned running = 0u, astray = wander(&running);
     printf("torque without a clock %u, locks %s, torque seen %s\n", astray,
            scripted_locks < 100000000u && scripted_locks % 2u == 0u ? "in order" : "astray", running > 1000u ? "often" : "never");
+    printf("controllers %s\n", controllers > 8000u ? "many" : "few");
     return 0;
 }

@@ -147,9 +147,10 @@ def test_100000_frames_that_are_none_and_50000_that_are(tmp_path: Path) -> None:
     assert done.stderr == ""
     assert done.returncode == 0
     # An answer to HELLO is a body of 43 bytes, 4 of CRC, one of stuffing and the zero.
-    storm, wander = done.stdout.splitlines()
+    storm, wander, controllers = done.stdout.splitlines()
     assert storm == "taken 0, trials 0, bytes answered 0, to a good frame then 49"
     assert wander == "torque without a clock 0, locks in order, torque seen often"
+    assert controllers == "controllers many"
 
 
 def test_the_template_compiles(tmp_path: Path) -> None:
