@@ -44,7 +44,7 @@ def lowest() -> str:
     """Constraints: each dependency at the lowest version that pyproject.toml admits."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         declared = tomllib.load(file)["project"]["dependencies"]
-    bounds = [re.fullmatch(r"([\w.-]+)(?:>=|~=)([\w.]+)", one) for one in declared]
+    bounds = [re.fullmatch(r"([\w.-]+)(?:>=|~=)([\w.]+)(?:,<[\w.]+)?", one) for one in declared]
     if not all(bounds):
         sys.exit(
             f"a dependency without a lower bound: {[one for one, hit in zip(declared, bounds, strict=True) if not hit]}"
