@@ -64,7 +64,7 @@ test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with 
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
-	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m 'not long'
+	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder -rs -m 'not long'
 
 long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
@@ -90,6 +90,7 @@ schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ th
 	@$(BIN)/python -c 'from hknob_cli.specs.presets_page import page; print(page(), end="")' > docs/reference/presets.md
 	@for name in columns spec_keys contents; do $(BIN)/python docs/make/$$name.py > docs/reference/$$name.md || exit 1; done
 	@$(BIN)/python docs/make/signs.py
+	@$(BIN)/hknob explore --no-open --json --out docs/play/knob.html > /dev/null
 
 docs: $(VENV)/.docs ## the pages of docs/ as a site with a search, to open in a browser without a server
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet --site-dir $(abspath $(OUT)/site)

@@ -14,7 +14,8 @@ class Stage(NamedTuple):
     ``name`` is its command and the `kind` of its spec, ``summary`` says what it does and ``picture`` what ``--plot``
     draws. ``model`` validates its spec, and ``validate`` makes a plan of one; without it the spec is of a scene over a
     grid. ``work`` is its `stages.work.Work`. ``spread``: whether a cluster can share the work. ``command``: its own
-    command, where that takes more options than others. ``panel``: where the help lists it.
+    command, where that takes more options than others. ``panel``: where the help lists it. ``then``: the kind of spec
+    that a user would write after it.
     """
 
     name: str
@@ -26,6 +27,7 @@ class Stage(NamedTuple):
     spread: bool = False
     command: str = ""
     panel: str = "Find out"
+    then: str = ""
 
 
 _ROWS = (
@@ -37,6 +39,7 @@ _ROWS = (
         validate="hknob_cli.specs.sysid:validate_sysid",
         work="hknob_cli.stages.sysid.work:WORK",
         panel="Measure",
+        then="sweep",
     ),
     Stage(
         "sweep",
@@ -45,6 +48,7 @@ _ROWS = (
         model="hknob_cli.specs.sweep:SweepSpec",
         work="hknob_cli.stages.sweep.work:WORK",
         spread=True,
+        then="remedies",
     ),
     Stage(
         "dfa",
@@ -52,6 +56,7 @@ _ROWS = (
         "Draw Nyquist curves, sizes and differences into dfa.png beside the results.",
         model="hknob_cli.specs.analysis:DfaSpec",
         work="hknob_cli.stages.dfa.work:WORK",
+        then="sweep",
     ),
     Stage(
         "predict",
@@ -59,6 +64,7 @@ _ROWS = (
         "Draw every law into predict.png beside the results.",
         model="hknob_cli.specs.analysis:PredictSpec",
         work="hknob_cli.stages.predict.work:WORK",
+        then="sweep",
     ),
     Stage(
         "remedies",
@@ -68,6 +74,7 @@ _ROWS = (
         validate="hknob_cli.specs.remedies:validate_remedies",
         work="hknob_cli.stages.remedies.work:WORK",
         panel="Fix",
+        then="design",
     ),
     Stage(
         "design",
@@ -77,6 +84,7 @@ _ROWS = (
         validate="hknob_cli.specs.design_check:validate_design",
         work="hknob_cli.stages.design.work:WORK",
         panel="Fix",
+        then="hw-run",
     ),
     Stage(
         "hw-run",
@@ -87,6 +95,7 @@ _ROWS = (
         work="hknob_cli.stages.hw_run.work:WORK",
         command="hknob_cli.cli.stages:hw_run",
         panel="Measure",
+        then="report",
     ),
     Stage(
         "bench",

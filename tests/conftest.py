@@ -3,8 +3,7 @@
 import os
 import signal
 import subprocess
-import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,10 +15,13 @@ from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables
+from tests.forked import HKNOB, Forks
 
 ROOT = Path(__file__).parent.parent
 EXPERIMENTS = ROOT / "experiments"
-HKNOB = Path(sys.executable).with_name("hknob")
+# Folders of tests that take longest come first, so that no worker is left alone with one at the end.
+FIRST = ("verification", "cli", "docs", "engine", "crosscheck", "faults", "stages", "hardware", "page", "figures")
+LONGEST_S = 600  # that a command may take; compiling for a new machine may take minutes
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background: what is run here would ignore it, too
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -37,6 +39,16 @@ grid:
   counts_per_rev: [1024]
 starts: {angle: 0.02, phases: 8}
 """
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Order tests by how long those of their folder take."""
+
+    def place(item: pytest.Item) -> int:
+        folder = item.path.relative_to(ROOT / "tests").parts[0]
+        return FIRST.index(folder) if folder in FIRST else len(FIRST)
+
+    items.sort(key=place)
 
 
 def loaded(text: str = SPEC) -> SweepPlan:
@@ -80,19 +92,42 @@ def main_grid() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-@pytest.fixture
-def hknob(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Runs ``hknob`` in a temporary folder."""
+class Command:
+    """The installed command, run in a folder: see `tests.forked`; from its start where its environment is another."""
 
-    def run(*args: object, **env: str) -> subprocess.CompletedProcess[str]:
+    def __init__(self, forks: Forks, folder: Path) -> None:
+        self._forks, self._folder = forks, folder
+
+    def __call__(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
+        if env:
+            return self.anew(*args, **env)
+        words = [str(arg) for arg in args]
+        here = {**os.environ, "COLUMNS": "120"}
+        code, out, err = self._forks.run(words, cwd=self._folder, env=here, timeout=LONGEST_S)
+        return subprocess.CompletedProcess([HKNOB, *words], code, out, err)
+
+    def anew(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
+        """From its start, as a user runs it."""
         return subprocess.run(
             [HKNOB, *map(str, args)],
-            cwd=tmp_path,
+            cwd=self._folder,
             capture_output=True,
             text=True,
             check=False,
-            timeout=600,  # compiling for a new machine may take minutes
+            timeout=LONGEST_S,
             env={**os.environ, "COLUMNS": "120", **env},
         )
 
-    return run
+
+@pytest.fixture(scope="session")
+def forks() -> Iterator[Forks]:
+    """The command, loaded once for all tests of a process."""
+    forks = Forks()
+    yield forks
+    forks.end()
+
+
+@pytest.fixture
+def hknob(tmp_path: Path, forks: Forks) -> Command:
+    """Runs ``hknob`` in a temporary folder."""
+    return Command(forks, tmp_path)

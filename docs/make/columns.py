@@ -49,6 +49,10 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("`against`", "hknob_cli.stages.compare", "COLUMNS"),
     ),
     "`predict`: passivity.parquet": (("always", _PREDICT, "PASSIVITY"), ("a hand", _PREDICT, "WITH_HAND")),
+    "`predict`: criteria.parquet, with `criteria`": (
+        ("always", "hknob_cli.stages.predict.criteria", "COLUMNS"),
+        ("a sweep to compare with", "hknob_cli.stages.predict.criteria", "AGAINST"),
+    ),
     "`dfa`, `predict`: differences.parquet, with `against`": (("always", "hknob_cli.stages.compare", "_STATISTICS"),),
     "`remedies`: remedies.parquet, and cases.parquet": (
         ("always", _REMEDIES, "KEYS AXES BUZZ"),

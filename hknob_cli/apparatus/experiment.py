@@ -1,15 +1,18 @@
 """The five experiments, recorded: subjects, grips, blocks and trials as in Chapters 4 and 5."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Literal
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder, split
-from hknob_cli.apparatus.hand_recording import record_trial, scaled_pulse
-from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, numbers, trial_hand
+from hknob_cli.apparatus.hand_recording import PEAK_RAD, record_trial, scaled_pulse
+from hknob_cli.apparatus.inputs import scaled_input
+from hknob_cli.apparatus.people import EXPERIMENTS, Place, Variation, grips, mean_hand, numbers, trial_hand
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
-from hknob_cli.recordings.trial import Key, Trial
+from hknob_cli.recordings.trial import Array, Key, Trial
+from hknob_cli.specs.identification import InputPlan
 
 Subjects = int | Sequence[int] | None
 
@@ -25,14 +28,16 @@ def record_experiments(
     grips: Sequence[float] | None = None,
     variation: Variation | None = None,
     model: Literal["second", "fourth"] = "second",
+    torque: InputPlan | None = None,
     progress: Callable[[int, int], None] = lambda _done, _total: None,
 ) -> list[Trial]:
     """Record trials, ordered by experiment, subject, block, grip (the lightest first) and trial, as they were run.
 
     ``subjects``: how many in every experiment, or their numbers from 1; by default as printed, 9 in the first and 5 in
     the others. ``grips`` (N): of those in the tables; by default all six. ``model``: "fourth" gives the hand finger and
-    fingerpad of its own (`split`). What is left out changes nothing of the rest. Raises `UsageError` for what is not in
-    the tables, or numbers below 1. ``progress`` is told of the trials recorded, and of how many.
+    fingerpad of its own (`split`). ``torque``: an input in place of the pulse, recorded to its end. What is left out
+    changes nothing of the rest. Raises `UsageError` for what is not in the tables, or numbers below 1. ``progress`` is
+    told of the trials recorded, and of how many.
     """
     every = list(places(experiments, subjects, blocks, trials, grips))
     recorded: list[Trial] = []
@@ -40,8 +45,14 @@ def record_experiments(
         progress(len(recorded), len(every))
         hand = _held(trial_hand(place, seed=seed, variation=variation), place, rig, model)
         chance = stream(seed, Purpose.RECORDING, *numbers(place))
-        recorded.append(record_trial(rig, hand, scaled_pulse(place.experiment, place.grip_n), key_of(place), chance))
+        push = scaled_pulse(place.experiment, place.grip_n) if torque is None else _input(torque, place, rig)
+        until = rig if torque is None else replace(rig, after_s=torque.duration_s)
+        recorded.append(record_trial(until, hand, push, key_of(place), chance))
     return recorded
+
+
+def _input(torque: InputPlan, place: Place, rig: Rig) -> Array:
+    return scaled_input(torque, mean_hand(place.experiment, place.grip_n), rig.interval_s, PEAK_RAD)
 
 
 def truths(

@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder
+from hknob_cli.apparatus.inputs import runs
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.simulated_motion import follow, mechanism
@@ -54,27 +55,34 @@ def scaled_pulse(experiment: int, grip_n: float, *, peak_rad: float = PEAK_RAD) 
     return Pulse(peak_rad / peak_per_torque(mean_hand(experiment, grip_n)))
 
 
-def record_trial(rig: Rig, hand: Hand, pulse: Pulse, key: Key, rng: np.random.Generator) -> Trial:
+def record_trial(rig: Rig, hand: Hand, pulse: Pulse | Array, key: Key, rng: np.random.Generator) -> Trial:
     """Record a pulse on a hand, from before its onset, which is at ``rig.before_s``, to after it.
+
+    Or another torque (n,), N·m, sample by sample: then the grip is held at its threshold.
 
     Torque of a row is commanded from that sample to the next; angle and grip are read just before. The angle is a whole
     number of counts, rounded down. ``rng`` is drawn from in an order that does not depend on the hand.
     """
     before, after = (round(time * rig.sample_rate_hz) for time in (rig.before_s, rig.after_s))
     samples = before + after + 1
-    pushed = min(round(pulse.duration_s * rig.sample_rate_hz), after)
+    pulsed = isinstance(pulse, Pulse)
+    if isinstance(pulse, Pulse):
+        commanded = np.full(min(round(pulse.duration_s * rig.sample_rate_hz), after), pulse.torque_nm)
+    else:
+        commanded = pulse[:after]
+    pushed = len(commanded)
     posture, loaded = rig.posture_rad * rng.uniform(-1.0, 1.0), rig.preload * rng.uniform(-1.0, 1.0)
     noise = rng.standard_normal(samples)
     body = mechanism(hand, coulomb=rig.coulomb_nm, lag_s=rig.amplifier_s)
     start = body.rest(loaded * rig.coulomb_nm)
-    actual = (1.0 + rig.torque_error) * pulse.torque_nm
-    stretches = [(0.0, before), (actual, pushed), (0.0, after - pushed)]
+    acts = [((1.0 + rig.torque_error) * torque, count) for torque, count in runs(commanded)]
+    stretches = [(0.0, before), *acts, (0.0, after - pushed)]
     states = follow(body, start, [one for one in stretches if one[1] > 0], rig.interval_s)
     torque = np.zeros(samples)
-    torque[before : before + pushed] = pulse.torque_nm
+    torque[before : before + pushed] = commanded
     angle = posture + states[:, 0] + rig.angle_noise_rad * noise
     measured = None
-    grip = squeeze(rig, key.grip_target_n, before, samples, rng)
+    grip = squeeze(rig, key.grip_target_n, before, samples, rng, held=not pulsed)
     if rig.torque_noise_nm is not None:
         acting = states[:, -1] if rig.amplifier_s > 0.0 else (1.0 + rig.torque_error) * torque
         measured = acting + rig.torque_noise_nm * rng.standard_normal(samples)
@@ -88,10 +96,13 @@ def record_trial(rig: Rig, hand: Hand, pulse: Pulse, key: Key, rng: np.random.Ge
     )
 
 
-def squeeze(rig: Rig, target_n: float, before: int, samples: int, rng: np.random.Generator) -> Array:
+def squeeze(
+    rig: Rig, target_n: float, before: int, samples: int, rng: np.random.Generator, *, held: bool = False
+) -> Array:
     """Measured grip force (N): a ramp with noise, cut so that sample ``before`` is the first at the threshold or above.
 
-    The ramp goes on through the pulse, which is over before a hand can answer. Nothing is held for a target of 0.
+    The ramp goes on through the pulse, which is over before a hand can answer; or it ends at the threshold, ``held``.
+    Nothing is held for a target of 0.
     """
     threshold, rate = rig.trigger_share * target_n, target_n / rig.grip_ramp_s * rig.interval_s
     if rate == 0.0:
@@ -99,6 +110,6 @@ def squeeze(rig: Rig, target_n: float, before: int, samples: int, rng: np.random
     climb = int(np.ceil(2.0 * _REACH * rig.grip_noise_n / rate)) + 1
     total = before + climb + samples
     steps = np.arange(total) - before - climb // 2
-    force = threshold + rate * steps + rig.grip_noise_n * rng.standard_normal(total)
+    force = threshold + rate * (np.minimum(steps, 0) if held else steps) + rig.grip_noise_n * rng.standard_normal(total)
     fired = before + int((force[before:] >= threshold).argmax())
     return force[fired - before : fired - before + samples]

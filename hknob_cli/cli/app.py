@@ -1,5 +1,6 @@
 """The ``hknob`` command and its subcommands."""
 
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -7,6 +8,7 @@ import typer
 from hknob_cli import __version__
 from hknob_cli.cli.check import check, schema
 from hknob_cli.cli.explain import explain
+from hknob_cli.cli.explore import explore
 from hknob_cli.cli.new import new
 from hknob_cli.cli.run import run
 from hknob_cli.cli.stages import stage_command
@@ -20,7 +22,11 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-OTHERS = {"Find out": (explain,), "Automate": (new, run), "Check": (check, verify, schema)}
+OTHERS: dict[str, tuple[Callable[..., None], ...]] = {
+    "Find out": (explain, explore),
+    "Automate": (new, run),
+    "Check": (check, verify, schema),
+}
 for panel in ("Find out", "Fix", "Measure", "Automate", "Check"):
     for kind, stage in STAGES.items():
         if stage.panel == panel:

@@ -44,7 +44,7 @@ def submit_stage(
 
         plan = load(spec, tuple(sets or ()), kind=kind)
         where = out or Path("results") / plan.name
-        submit(Job(kind=kind, plan=plan, out=where, overrides=tuple(sets or ()), **options))
+        submit(Job(kind=kind, plan=plan, out=where, overrides=tuple(sets or ()), spec=str(spec), **options))
 
 
 def stage_command(kind: str) -> Callable[..., None]:

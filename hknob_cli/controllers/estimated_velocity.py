@@ -5,10 +5,12 @@ Timed: counts over the time between changes of the count, "fixed position", whic
 Encoder.cpp. Adaptive: the longest line that is within a count of all readings that it passes and ends in the newest
 (Janabi-Sharifi, Hayward & Chen 2000, end-fit-FOAW). Tracking: a second-order filter, critically damped, that predicts
 the angle by its speed and corrects both, as moteus (aux_port and motor_position.h) has it; an ODrive compares with its
-own angle in whole counts, which is not linear. The laws are in `engine.general.laws.speeds`.
+own angle in whole counts, which is not linear. Kalman: the same filter with the gains of a stationary Kalman filter,
+as Belanger (1992) proposed for shaft encoders; in closed form by Kalata (1984). The laws are in
+`engine.general.laws.speeds`.
 """
 
-from math import exp, expm1, inf, log
+from math import exp, expm1, inf, log, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +23,25 @@ from hknob_cli.specs.controller import Controller
 LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
 LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
 # Functions of `engine.general.laws.speeds`.
-LAWS = {"timed": "timed_velocity", "adaptive": "adaptive_velocity", "tracking": "tracked_velocity"}
+LAWS = {
+    "timed": "timed_velocity",
+    "adaptive": "adaptive_velocity",
+    "tracking": "tracked_velocity",
+    "kalman": "tracked_velocity",
+}
+
+
+def kalman_gains(acceleration: float, period_s: float, quantum_rad: float) -> tuple[float, float]:
+    """Gains on angle and pace of the stationary Kalman filter of an angle with a random acceleration.
+
+    The acceleration (rad/s^2, root mean square) is constant in a sample and drawn anew for each; the reading's error is
+    that of a uniform rounding, a count over sqrt(12). P. R. Kalata, "The tracking index", IEEE Trans. Aerospace and
+    Electronic Systems 20 (1984) 174-182: alpha = d (2 - d), beta = 2 d^2, d = (sqrt(8 g + g^2) - g)/4 with the index
+    g = acceleration * period^2 / error.
+    """
+    index = acceleration * period_s * period_s * sqrt(12.0) / quantum_rad
+    way = 2.0 * index / (sqrt(index * (8.0 + index)) + index)
+    return way * (2.0 - way), 2.0 * way * way
 
 
 class Fading(NamedTuple):
@@ -50,8 +70,8 @@ class EstimatedVelocity(Plain):
 
     @property
     def tracks(self) -> bool:
-        """Whether the estimate is the tracking filter's."""
-        return self.plan.velocity == "tracking"
+        """Whether the estimate is a tracking filter's, Kalman's or another."""
+        return self.law == "tracked_velocity"
 
     def settling(self, lanes: PlantBatch) -> Array:
         """Time constant of the filter."""
@@ -65,10 +85,13 @@ class EstimatedVelocity(Plain):
         most = inf if plan.cut_off is None else plan.cut_off * period / float(lanes.quantum_rad[0])
         shared = [float(lanes.offset[0]), self._gain(lanes), float(plan.everywhere), goes, most, float(self.filtered)]
         turn = plan.bandwidth * period
+        gains = (2.0 * turn, turn * turn)
+        if plan.velocity == "kalman":
+            gains = kalman_gains(plan.acceleration, period, float(lanes.quantum_rad[0]))
         still = float(plan.detections * max(1, round(plan.time_out / period)))
         own = {
             "timed_velocity": [float(plan.detections), still],
-            "tracked_velocity": [2.0 * turn, turn * turn],
+            "tracked_velocity": [*gains],
         }.get(self.law, [float(plan.window)])
         return [*shared, float(self.rows), *own]
 

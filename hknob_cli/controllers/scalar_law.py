@@ -20,6 +20,7 @@ from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Scene
 
+LINE = 8.0  # sum of the weights of torques on a line that is fitted, drawn out and corrected, at most
 KALMAN = 4.0  # units in the last place of an estimate, at most, by the roundings of its updates, times a turn
 SAME = 1e-12  # of two instants in an interval that are one
 
@@ -146,7 +147,7 @@ def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[l
         stays = min(float(np.exp(-lane.period_s[0] / plan.time_constant)), LONGEST)
         return [offset, own[0], plan.keep], Fading(0, stays, 1.0 - plan.keep)
     if plan.kind == "first_order_hold":
-        return [offset, float(plan.correct)], Fading()
+        return [offset, float(plan.correct), float(len(control.looks)), float(plan.steps)], Fading()
     if plan.kind == "impulse_damping":
         return [offset, plan.pulse, plan.gain, float(len(control.looks))], Fading()
     if plan.kind == "passivity":
@@ -174,6 +175,8 @@ def _coarseness(plan: Controller, fixed: list[float], fading: Fading) -> float:
     """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
     if plan.kind == "impulse_damping":
         return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
+    if plan.kind == "first_order_hold" and (plan.detections > 1 or plan.steps > 1):
+        return LINE
     if plan.kind == "phase_damping" and plan.estimate == "kalman":
         return 1.0 + KALMAN * plan.height
     if plan.kind == "velocity_damping":  # a filter adds up what its updates round

@@ -9,17 +9,17 @@ from typing import Any
 
 # Processor seconds that compiling a group of `engine.jit` takes (two cores, 2026): a rough guide.
 COMPILING_S = {
-    "plain": 12.0,
-    "cells": 13.0,
-    "arc_cells": 25.0,
-    "bounces": 3.0,
-    "general": 40.0,
-    "laws": 60.0,
-    "sets": 25.0,
-    "general sets": 90.0,
-    "friction sets": 120.0,
-    "unsampled": 12.0,
-    "pulse": 4.0,
+    "plain": 7.0,
+    "cells": 8.0,
+    "arc_cells": 10.0,
+    "bounces": 1.0,
+    "general": 12.0,
+    "laws": 15.0,
+    "sets": 9.0,
+    "general sets": 26.0,
+    "friction sets": 36.0,
+    "unsampled": 5.0,
+    "pulse": 2.0,
 }
 EVERY_S = 10.0  # between two lines on how far it is
 
@@ -78,7 +78,7 @@ def left_to_compile(dispatcher: Any) -> int:
             continue
         seen[id(one)] = one
         called = (one.py_func.__globals__.get(name) for name in one.py_func.__code__.co_names)
-        waiting += [other for other in called if type(other) is type(one)]
+        waiting += [other for other in called if hasattr(other, "signatures")]
     return len(seen)
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 from hknob_cli.engine.compiling import COMPILING_S, listen
 from hknob_cli.engine.kept_code import keep_sealed, load_numba
+from hknob_cli.engine.linking import kinds
 from hknob_cli.engine.own_folder import make_own_folder
 
 # In the order of use: a module's functions are compiled before those that call them.
@@ -84,19 +85,19 @@ UNSAMPLED = (
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
 PULSE = ("pulse",)
-# What is compiled for a scene, or for a recorded pulse: its modules, and a function without which they are of no use.
+# What is compiled for a scene, or for a recorded pulse: its modules, and functions of which Python calls one first.
 GROUPS = {
-    "plain": (PLAIN, "ensemble.ensemble"),
-    "cells": (CELLS, "cells.run_cells"),
-    "arc_cells": (ARC_CELLS, "cells.run_arc_cells"),
-    "bounces": (BOUNCES, "bounces.bounce_peaks"),
-    "general": (GENERAL, "ensemble.run_trials"),
-    "laws": (LAWS, "trials.run_trials_with_law"),
-    "unsampled": (UNSAMPLED, "settling.settle_motion"),
-    "sets": (SETS, "ball.follow_ball"),
-    "general sets": (GENERAL_SETS, "ball.follow_ball"),
-    "friction sets": (FRICTION_SETS, "friction_box.follow_friction"),
-    "pulse": (PULSE, "pulse.follow_linear"),
+    "plain": (PLAIN, ("ensemble.ensemble",)),
+    "cells": (CELLS, ("cells.run_cells",)),
+    "arc_cells": (ARC_CELLS, ("cells.run_arc_cells",)),
+    "bounces": (BOUNCES, ("bounces.bounce_peaks",)),
+    "general": (GENERAL, ("ensemble.run_trials",)),
+    "laws": (LAWS, ("trials.run_trials_with_law",)),
+    "unsampled": (UNSAMPLED, ("settling.settle_motion",)),
+    "sets": (SETS, ("box.follow_generation", "cells.follow_cell")),
+    "general sets": (GENERAL_SETS, ("box.follow_generation", "arc.follow_arcs")),
+    "friction sets": (FRICTION_SETS, ("friction_box.follow_friction", "friction_phases.follow_phases")),
+    "pulse": (PULSE, ("pulse.follow_linear",)),
 }
 
 
@@ -104,7 +105,7 @@ def _source_digest() -> str:
     """Digest of the engine's sources: compiled code of another version is never taken from the cache."""
     here = Path(__file__).parent
     digest = hashlib.sha256()
-    for name in sorted({"jit", "kept_code", *(name for modules, _ in GROUPS.values() for name in modules)}):
+    for name in sorted({"jit", "kept_code", "linking", *(name for modules, _ in GROUPS.values() for name in modules)}):
         digest.update((here / f"{name.replace('.', '/')}.py").read_bytes())
     return digest.hexdigest()[:16]
 
@@ -145,7 +146,8 @@ def is_kept(group: str = "plain") -> bool:
     folder = cache_directory()
     if _not_kept() or folder is None:
         return False
-    begin = f"{GROUPS[group][1]}-"  # folders may go while one looks: make_own_folder tries one, in every process
+    # Folders may go while one looks: make_own_folder tries one, in every process.
+    begin = tuple(f"{entry}-" for entry in GROUPS[group][1])
     return any(name.startswith(begin) and name.endswith(".nbi") for _, _, names in os.walk(folder) for name in names)
 
 
@@ -175,7 +177,7 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
     if keep:
         numba.config.CACHE_DIR = str(cache_directory())
     named: dict[str, Any] = {}
-    done: dict[types.FunctionType, Any] = {}
+    parts: dict[types.FunctionType, Any] = {}
     for name in GROUPS[group][0]:
         module = importlib.import_module(f"hknob_cli.engine.{name}")
         prefix = name.rpartition(".")[0]
@@ -183,33 +185,42 @@ def compiled(group: str = "plain") -> dict[str, Callable[..., Any]]:
             if not isinstance(function, types.FunctionType) or function.__module__ != module.__name__:
                 continue
             if key == "floor":
-                done[function] = np.floor
+                parts[function] = np.floor
                 continue
-            seen = {
-                other: done[value]
+            seen = tuple(
+                (other, parts[value])
                 for other, value in function.__globals__.items()
-                if isinstance(value, types.FunctionType) and value in done
-            }
-            copy = types.FunctionType(function.__code__, {**function.__globals__, **seen}, key)
-            copy.__qualname__ = key
-            copy.__module__ = module.__name__
-            done[function] = named[f"{prefix}.{key}" if prefix else key] = numba.njit(copy, cache=keep, nogil=True)
-            if keep:
-                keep_sealed(done[function])
+                if isinstance(value, types.FunctionType) and value in parts
+            )
+            parts[function], named[f"{prefix}.{key}" if prefix else key] = _compilable(function, seen, keep)
     return named
+
+
+@cache
+def _compilable(function: types.FunctionType, seen: tuple[tuple[str, Any], ...], keep: bool) -> tuple[Any, Any]:
+    """A function as a part of others and as an entry, with those that it calls; groups that have it share them."""
+    copy = types.FunctionType(function.__code__, {**function.__globals__, **dict(seen)}, function.__name__)
+    copy.__qualname__ = function.__name__
+    copy.__module__ = function.__module__
+    part, entry = kinds().part(copy), kinds().entry(copy)
+    if keep:
+        entry.enable_caching()
+        keep_sealed(entry)
+    return part, entry
 
 
 @cache
 def compiled_law(name: str) -> Any:
     """The address of a law of `general.laws`, compiled by itself: what calls it need not be compiled for it."""
     functions = compiled("laws")  # which loads numba
-    from numba import types as kinds
     from numba.core.ccallback import CFunc
+    from numba.core.types import float64
 
-    numbers = kinds.float64[::1]
+    numbers = float64[::1]
     source: Any = functions[f"general.laws.{name}"]
-    takes = (kinds.float64, kinds.float64, numbers, numbers, numbers)
-    law = CFunc(source.py_func, (takes, kinds.float64), locals={}, options={})  # numba.cfunc would not let it be sealed
+    takes = (float64, float64, numbers, numbers, numbers)
+    # numba.cfunc would not let it be sealed
+    law = CFunc(source.py_func, (takes, float64), locals={}, options={}, pipeline_class=kinds().pipeline)
     if not _not_kept():
         law.enable_caching()
         keep_sealed(law)

@@ -1,4 +1,4 @@
-"""Calibrations as straight lines: motor torque and friction over current, grip cell (Hasser, Figs 77, 78, 81)."""
+"""Benches of the apparatus: motor torque and friction, the amplifier's step, grip cell (Hasser, Figs 77-79, 81)."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -47,6 +47,38 @@ def grip_cell(evidence: ResultSet, of: str) -> "Figure":
     panel.set_xlabel("force on the knob, N")
     panel.set_ylabel("voltage of the cell, V")
     panel.legend(loc="upper left")
+    return drawn
+
+
+@drawing
+def amplifier_step(_evidence: ResultSet, _of: Any = None, *, current_a: float = 0.4) -> "Figure":
+    """Current (A) of amplifier and motor after a step of ``current_a``, over six samples of the apparatus.
+
+    It is the first-order lag of the virtual apparatus, a quarter of the 200 µs in which the printed one settles
+    (Appendix A.2): an assumption, since inductance and bandwidth are not printed. Needs no result.
+    """
+    import numpy as np
+
+    from hknob_cli.apparatus.rig import Rig
+
+    rig = Rig()
+    time = np.linspace(0.0, 6.0 * rig.interval_s, 241)
+    current = -current_a * np.expm1(-time / rig.amplifier_s)
+    settled = -rig.amplifier_s * np.log(0.02)  # within 2 %
+    drawn = theme.figure(2.6)
+    panel = drawn.subplots()
+    panel.plot([-100.0, 0.0, 0.0, 600.0], [0.0, 0.0, current_a, current_a], label="commanded", **theme.series(1))
+    panel.plot(np.concatenate(([-100.0], 1e6 * time)), np.concatenate(([0.0], current)), label="motor current",
+               **theme.series(0))  # fmt: skip
+    panel.axvline(1e6 * settled, color="black", linewidth=0.8, linestyle=(0, (1, 2)))
+    panel.annotate(f"within 2 % after {1e6 * settled:.0f} \u00b5s", (1e6 * settled, 0.5 * current_a), (6, 0),
+                   textcoords="offset points", fontsize=8, va="center")  # fmt: skip
+    panel.set_xticks(100.0 * np.arange(-1, 7))
+    panel.set_xlim(-100.0, 600.0)
+    panel.set_ylim(-0.05 * current_a, 1.12 * current_a)
+    panel.set_xlabel("time, \u00b5s: a division is a sample of the apparatus")
+    panel.set_ylabel("current, A")
+    panel.legend(loc="lower right")
     return drawn
 
 

@@ -11,6 +11,7 @@ import pyarrow.compute as pc
 
 from hknob_cli.figures.campaign import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
+from hknob_cli.figures.grid import MOST_WRITTEN
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
 from hknob_cli.report.sweep_words import perceived_levels
@@ -172,13 +173,13 @@ def _grown(result: Result, wide: list[str]) -> list[FigurePlan]:
 
 
 def _maps(result: Result, caption: str) -> list[FigurePlan]:
-    """Maps of the largest cycle, with that of the mean where other cycles coexist, and of the levels."""
+    """Maps of the largest cycle, which have the means written in or beside them, and of the levels."""
     rows = result.rows("cells")
     figures = [
         planned(result, "grid_map", "peak to peak", caption, column="p2p_max_rad"),
         planned(result, "grid_map", "frequency", caption, column="frequency_at_max_hz"),
     ]
-    if differs(rows):
+    if differs(rows) and max(len({row[axis] for row in rows}) for axis in result.axes) > MOST_WRITTEN:
         figures.append(planned(result, "grid_map", "mean peak to peak", _MEAN, column="p2p_rad"))
     return figures + [
         planned(result, "grid_map", level.head.removesuffix(" dB"), _NOTICED, column=level.column, log=False)

@@ -26,12 +26,15 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
     Raises `MissingError` where the scene has no sample clock.
     """
     from hknob_cli.scene.sampled_knob import sample_knob
+    from hknob_cli.specs.capabilities import parts_of
     from hknob_cli.theory.relay import crossing
 
     result = evidence[of]
     scene = result.scene
     if not scene.sampled:
         raise MissingError(f"'{of}' has no sample clock")
+    if result.stage == "dfa" and {"finger", "lag", "friction"} & set(parts_of(scene)):
+        raise MissingError(f"'{of}' has more than one body with damping and stiffness")
     chosen = [float(rate) for rate in rates] if rates else _values(result, RATE)
     counts = int(_values(result, COUNTS)[0])
     knobs = [sample_knob(scene, sample_rate_hz=rate, counts_per_rev=counts) for rate in chosen]

@@ -7,6 +7,7 @@ import pyarrow as pa
 from hknob_cli.figures.defaults import cases_of, figures_of, planned
 from hknob_cli.figures.sheet import write_sheet
 from hknob_cli.report.table import is_whole
+from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.results.result_set import Held, Rows
 from hknob_cli.specs.plan import DfaPlan
 
@@ -21,7 +22,8 @@ def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str
     if len(wide) > 2 or not axes or not is_whole(rows, wide):
         return False
     result = Held(title, "sweep", {"cells": cells, "orbits": orbits}, axes)
-    return write_sheet(result, figures_of(result), path=path)
+    answer = "" if "growth_j_per_s2" in cells.column_names else grid_verdict(rows, wide)
+    return write_sheet(result, figures_of(result), path=path, answer=answer)
 
 
 def draw_basins(basins: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> None:

@@ -4,6 +4,7 @@ import contextlib
 import io
 from collections.abc import Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import ComputationError
@@ -21,26 +22,27 @@ if TYPE_CHECKING:
 DPI = 130
 _ACROSS = 2  # figures beside one another
 _TITLE = 40  # pixels of height
+_LINE, _LETTER = 32, 14  # pixels of the answer: height of a line, and width of a letter
 
 
-def write_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path) -> bool:
+def write_sheet(result: Result, planned: Sequence[FigurePlan], *, path: Path, answer: str = "") -> bool:
     """Draw figures of a result, each under its title, two in a row, into ``path`` (PNG); False if it has none of them.
 
-    Raises `ComputationError` if the file cannot be written.
+    ``answer``: a sentence or two above them. Raises `ComputationError` if the file cannot be written.
     """
-    figure = sheet_of(result, planned)
+    figure = sheet_of(result, planned, answer)
     if figure is not None:
         save(figure, path, stage=result.stage, name=result.name)
     return figure is not None
 
 
-def sheet_of(result: Result, planned: Sequence[FigurePlan]) -> "Figure | None":
-    """Figures of a result, each under its title, two in a row; None if it has none of them."""
+def sheet_of(result: Result, planned: Sequence[FigurePlan], answer: str = "") -> "Figure | None":
+    """Figures of a result, each under its title, two in a row, below an answer; None if it has none of them."""
     drawn = []
     for one in planned:
         with contextlib.suppress(MissingError):
             drawn.append((one.title, draw(one.draw, One(result), result.name, one.options)))
-    return _beside(drawn) if drawn else None
+    return _beside(drawn, answer) if drawn else None
 
 
 def save(figure: "Figure", path: Path, *, stage: str, name: str) -> None:
@@ -64,8 +66,8 @@ def _render(figure: "Figure", stream: Any, **options: Any) -> None:
         figure.savefig(stream, dpi=DPI, format="png", facecolor="white", **options)
 
 
-def _beside(figures: "Sequence[tuple[str, Figure]]") -> "Figure":
-    """Figures as one, in rows of two, each at its own size under its title."""
+def _beside(figures: "Sequence[tuple[str, Figure]]", answer: str) -> "Figure":
+    """Figures as one, in rows of two, each at its own size under its title, below an answer in words."""
     from matplotlib.figure import Figure
     from matplotlib.image import imread
 
@@ -79,13 +81,18 @@ def _beside(figures: "Sequence[tuple[str, Figure]]") -> "Figure":
     rows = [images[i : i + _ACROSS] for i in range(0, len(images), _ACROSS)]
     wide = max(sum(image.shape[1] for _, image in row) for row in rows)
     heights = [_TITLE + max(image.shape[0] for _, image in row) for row in rows]
-    top = sum(heights)
-    whole = Figure(figsize=(wide / DPI, top / DPI))
+    said = wrap(answer, wide // _LETTER)
+    top = sum(heights)  # pixels from below, as pictures are placed
+    high = top + (_LINE * len(said) + _TITLE if said else 0)
+    whole = Figure(figsize=(wide / DPI, high / DPI))
+    for number, line in enumerate(said):
+        place = 1.0 - (0.75 * _TITLE + number * _LINE) / high
+        whole.text(0.25 * _TITLE / wide, place, line, ha="left", va="center", fontsize=13)
     for row, height in zip(rows, heights, strict=True):
         left = 0
         for title, image in row:
-            whole.text((left + 0.5 * image.shape[1]) / wide, 1.0 - (sum(heights) - top + 0.5 * _TITLE) / sum(heights),
-                       title, ha="center", va="center", fontsize=10)  # fmt: skip
+            place = (top - 0.5 * _TITLE) / high
+            whole.text((left + 0.5 * image.shape[1]) / wide, place, title, ha="center", va="center", fontsize=10)
             whole.figimage(image, left, top - _TITLE - image.shape[0])
             left += image.shape[1]
         top -= height

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import printable
+from hknob_cli.figures.compact import compact
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -175,7 +176,7 @@ def svg(drawn: "Figure", *, name: str, title: str, mark: str = "") -> str:
     text = _TAG.sub(lambda tag: _own(tag[0], name), text)
     # Without a colour, text is black by default, and so takes the page's colour by inheritance.
     text = text.replace("<svg ", f'<svg fill="currentColor" role="img" aria-label="{_escaped(title)}" ', 1)
-    return f"{mark}{text}"
+    return f"{mark}{compact(text)}"
 
 
 def _own(tag: str, name: str) -> str:

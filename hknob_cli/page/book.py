@@ -10,6 +10,14 @@ class Clip(NamedTuple):
     address: str
 
 
+class Tile(NamedTuple):
+    """A number that a page begins with: the number with its unit, what it is, and the result that it is of."""
+
+    value: str
+    words: str
+    result: str
+
+
 class Drawn(NamedTuple):
     """A figure: its id (the anchor), title, what to see in it, its SVG, and a description of it in words.
 
@@ -69,6 +77,25 @@ class Source(NamedTuple):
     spec: dict[str, Any]
 
 
+class Place(NamedTuple):
+    """A row of a text's table of contents: a place, what it is, and where it is here, as pieces; names are linked.
+
+    ``heads``: whether it is a section that heads others.
+    """
+
+    name: str
+    title: str
+    where: tuple[tuple[str, bool], ...]  # a piece of text, and whether it is a name
+    heads: bool
+
+
+class Part(NamedTuple):
+    """A part of a text's table of contents."""
+
+    title: str
+    places: tuple[Place, ...]
+
+
 class Page(NamedTuple):
     """The whole page. ``claims`` are rows of claims.parquet; ``lead`` the ids of the figures in the summary."""
 
@@ -83,3 +110,5 @@ class Page(NamedTuple):
     rerun: tuple[str, ...]  # command lines
     versions: dict[str, str]
     mark: str  # comment that says whose page it is, for the results folder
+    tiles: tuple[Tile, ...] = ()
+    contents: tuple[Part, ...] = ()  # of the text that the claims are about

@@ -11,6 +11,7 @@ import hashlib
 import json
 import re
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +19,11 @@ import numpy as np
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures import draw, drawing_of, theme
 from hknob_cli.figures.recording import settled_period
+from hknob_cli.page.answers import answers_of, tiles_of
 from hknob_cli.page.book import Chapter, Clip, Drawn, Page, Source, Table
 from hknob_cli.page.claims.checks import argument_fault, check_fault, compute
-from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.page.contents import read_contents
+from hknob_cli.page.defaults import chapters_of
 from hknob_cli.page.tables import table_of
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
 from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence, TablePlan
@@ -85,12 +88,14 @@ def compose(
         paragraphs = tuple(part.strip() for part in chapter.text.split("\n\n") if part.strip())
         tables = tuple(_tabulated(table, evidence) for table in chapter.tables)
         drawn.append(Chapter(_slug(chapter), chapter.title, paragraphs, tuple(figures), tables))
-    shown = [figure.id for chapter in chapters for figure in chapter.figures]
+    shown = [figure for chapter in chapters for figure in chapter.figures]
+    lead = plan.lead if plan.chapters else tuple(figure.id for figure in shown[:3])
+    leading = [name for one in lead for figure in shown if figure.id == one for name in figure.of]
     return Page(
         name=plan.name,
         title=plan.title,
-        sentences=tuple(_said(plan.summary, evidence) if plan.summary else sentences_of(evidence)),
-        lead=plan.lead if plan.chapters else tuple(shown[:3]),
+        sentences=tuple(_said(plan.summary, evidence) if plan.summary else answers_of(evidence)),
+        lead=lead,
         claims=judgement.rows,
         claims_of=judgement.text,
         chapters=tuple(drawn),
@@ -98,6 +103,8 @@ def compose(
         rerun=plan.rerun,
         versions=versions,
         mark=mark,
+        tiles=tiles_of(evidence, leading),
+        contents=read_contents(Path(plan.contents)) if plan.contents else (),
     )
 
 

@@ -1,18 +1,11 @@
-"""What a page says and shows where its spec lists neither sentences nor chapters: each result, by its kind.
-
-The tables that a page shows of each kind of result where its spec lists no chapters.
-"""
+"""What a page shows where its spec lists no chapters: pictures and tables of each result, by its kind."""
 
 from collections.abc import Callable
 from typing import TypeVar
 
-import numpy as np
-
 from hknob_cli.errors import MISSHAPEN, UsageError
 from hknob_cli.figures.defaults import figures_of
-from hknob_cli.report.what_matters import columns_of
-from hknob_cli.results.means import SAME, WORST
-from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultSet
+from hknob_cli.results.result_set import CAMPAIGN, Result, ResultSet
 from hknob_cli.specs.page_plan import ChapterPlan, TablePlan
 
 _MEAN = "Peak to peak and frequency are means over the trials that cycle."
@@ -106,55 +99,3 @@ def _of(result: Result, make: Callable[[Result], T]) -> T:
 
 def _chapter(result: Result) -> ChapterPlan:
     return ChapterPlan(f"{result.name} ({result.stage})", "", figures_of(result), tables_of(result))
-
-
-def sentences_of(evidence: ResultSet) -> tuple[str, ...]:
-    """A sentence for each sweep, and each campaign on a knob: how many cells, how large, what pitch, how surely."""
-    return tuple(text for name in evidence.names if (text := _of(evidence[name], _sentence)))
-
-
-def _sentence(result: Result) -> str:
-    size, pitch = WORST
-    names = ("p2p_rad", *WORST, "at_rest_fraction", "certified_fraction")
-    try:
-        parts = [columns_of(table, table.column_names) for table in result.tables("cells", names)]
-    except MissingError:
-        return ""
-    column = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    count = len(next(iter(column.values()), ()))
-    cells = f"{result.name}: {count:,} cell{'s' if count != 1 else ''}"
-    resting = column.get("at_rest_fraction", np.zeros(count))
-    moving = column[size] > 0.0 if size in column else np.zeros(count, dtype=bool)
-    if not moving.any():
-        where = "in all" if count > 1 else "there"
-        return f"{cells}, the knob comes to rest {where}." if count and (resting == 1.0).all() else ""
-    sizes, pitches = 1e3 * column[size][moving], column[pitch][moving]
-    proven = 1.0 if result.stage == CAMPAIGN else column["certified_fraction"].min()
-    if not (np.isfinite(pitches).all() and np.isfinite(proven)):
-        raise ValueError("of cells with a size some have no pitch, or are neither proven nor not")
-    means = 1e3 * column["p2p_rad"][moving] if "p2p_rad" in column else sizes
-    differs = bool((np.abs(means - sizes) > SAME * sizes).any())
-    mean = f"; mean of those that cycle {_span(means)} mrad" if differs else ""
-    surely = "recorded" if result.stage == CAMPAIGN else _surely(float(proven))
-    found = f"peak to peak of the largest cycle {_span(sizes)} mrad, {_span(pitches).removeprefix('from ')} Hz"
-    return f"{cells}: {found}{mean}{_rest(resting, count)}; {surely}."
-
-
-def _span(values: "np.ndarray") -> str:
-    """Least and largest of some values; the one, where they are equal as written."""
-    least, most = f"{values.min():.3g}", f"{values.max():.3g}"
-    return most if least == most else f"from {least} to {most}"
-
-
-def _rest(resting: "np.ndarray", count: int) -> str:
-    """In how many cells the knob comes to rest, always or from some starts."""
-    still, some = int((resting == 1.0).sum()), int(((resting > 0.0) & (resting < 1.0)).sum())
-    if count == 1:
-        return f"; {100.0 * float(resting[0]):.3g} % of the trials come to rest" if some else ""
-    found = [f"at rest in {still}"] if still else []
-    found += [f"some trials come to rest in {some}"] if some else []
-    return "".join(f"; {one}" for one in found)
-
-
-def _surely(proven: float) -> str:
-    return "every trial proven" if proven == 1.0 else f"at least {100 * proven:.0f} % of the trials of a cell proven"

@@ -1,5 +1,7 @@
 """From what a page says to one HTML file that needs nothing else: no request, no clock, the same text every time."""
 
+import base64
+import hashlib
 import json
 import re
 from collections import Counter
@@ -9,6 +11,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.figures.numbers import MINUS, numeral
 from hknob_cli.page.book import Drawn, Page, Source
+from hknob_cli.page.claims.checks import known
 from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
 from hknob_cli.page.tables import UPRIGHT
 
@@ -28,6 +31,9 @@ _CHAPTER = re.compile(r"(?:^|\b(?:sec|section|sections|secs|ch|chapter|chapters)
 _APPENDIX = re.compile(r"\bapp[a-z]*\.?\s*([A-Z])\b", re.IGNORECASE)
 _FIGURE = re.compile(r"figs?\b|figures?\b", re.IGNORECASE)
 _VIEWBOX = re.compile(r'<svg[^>]*\bviewBox="([-\d.]+) ([-\d.]+) ([\d.]+) ([\d.]+)"')
+_OPTIONS = re.compile(r"\W*``\w+``:.*$|`")  # of a computation's docstring, what its options say
+# What says too little about a number, and what says more than its unit would.
+_CLAUSE = re.compile(r"^(?:A statistic|Value of an expression|A column).*|[.,;:(].*$")
 _FIRST_GROUP = re.compile(r'<g id="([^"]+)"')
 
 
@@ -39,12 +45,13 @@ class _Origin(NamedTuple):
 
 
 class _Figure(NamedTuple):
-    """A figure with its number on the page, its size in points, and where it is from."""
+    """A figure with its number on the page, its size in points, the name of that size, and where it is from."""
 
     drawn: Drawn
     number: int
     box: str
     width: float
+    size: str
     group: str  # id of the group in the SVG that holds the picture, to show it twice; empty without one
     origins: tuple[_Origin, ...]
 
@@ -59,6 +66,8 @@ class _Row(NamedTuple):
     rank: int
     printed: str
     computed: str
+    unit: str
+    meaning: str  # what was computed, in words
     readings: tuple[tuple[str, bool], ...]
     figure: _Figure | None
     data: tuple[_Origin, ...]
@@ -81,13 +90,24 @@ def lay_out(page: Page) -> str:
     origins = _origins(page)
     rows = [_row(claim, figures, origins) for claim in page.claims]
     counts = Counter(row.kind for row in rows)
+    style = "\n" + _packaged("page.css") + (_packaged("tables.css") if _table_numbers(page) else "")
+    style += "".join(f".{one.size} {{ --width: {one.width:g}; }}\n" for one in _sizes(figures))
+    style += "".join(f".bar .is-{kind} {{ flex-grow: {count}; }}\n" for kind, count in sorted(counts.items()))
+    script = "\n" + _packaged("page.js")
     return environment.get_template("page.html.j2").render(
         page=page,
-        style=Markup(_packaged("page.css") + (_packaged("tables.css") if _table_numbers(page) else "")),
-        script=Markup(_packaged("page.js")),
+        style=Markup(style),
+        script=Markup(script),
+        digests={"style": _digest(style), "script": _digest(script)},
+        tiles=[(tile, _drawn_from(tile.result, figures, origins)) for tile in page.tiles],
+        linked={
+            **{figure: figure for figure in figures},
+            **{row.claim["claim"]: row.anchor for row in rows},
+        },
         figures=figures,
         numbers=_table_numbers(page),
         upright=UPRIGHT,
+        clause=lambda text: _CLAUSE.sub("", text),
         lead=[figures[name] for name in page.lead if name in figures],
         rows=rows,
         compared={name: [row for row in rows if row.claim["figure"] == name] for name in figures},
@@ -95,6 +115,22 @@ def lay_out(page: Page) -> str:
         parts=Counter(row.part for row in rows),
         sources=list(zip(page.sources, _anchors(page.sources), map(_spec, page.sources), strict=True)),
     )
+
+
+def _digest(text: str) -> str:
+    """SHA-256 as a page's policy names what it allows."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+
+
+def _sizes(figures: dict[str, _Figure]) -> list[_Figure]:
+    """A figure of each size."""
+    return list({one.size: one for one in figures.values() if one.size}.values())
+
+
+def _drawn_from(result: str, figures: dict[str, _Figure], origins: dict[str, _Origin]) -> str:
+    """The anchor of the first figure that is drawn from a result, else of the result's entry."""
+    first = next((name for name, one in figures.items() if result in one.drawn.results), "")
+    return first or (origins[result].anchor if result in origins else "")
 
 
 def part_of(place: str) -> str:
@@ -136,6 +172,7 @@ def _figures(page: Page) -> dict[str, _Figure]:
             number,
             " ".join(box.groups()) if box else "",
             float(box[3]) if box else 0.0,
+            f"wide-{box[3].replace('.', '-')}" if box else "",
             group[1] if box and group else "",
             tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
         )
@@ -159,10 +196,18 @@ def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, 
         _WORST_FIRST.index(claim["verdict"]) if claim["verdict"] in VERDICTS else len(VERDICTS),
         numeral(claim["printed"], _PRINTED_DIGITS),
         numeral(claim["computed"]),
+        "" if claim["unit"] == "1" else claim["unit"],
+        words_of(claim["check"]),
         tuple((reading, bool(claim["reading"]) and reading.startswith(used)) for reading in said),
         figures.get(claim["figure"]),
         tuple(origins.get(name, _Origin(name, "")) for name in claim["data"].split(", ") if name),
     )
+
+
+def words_of(check: str) -> str:
+    """What a computation computes, in words; empty of an unknown one."""
+    text = known()[check].__doc__ or "" if check in known() else ""
+    return " ".join(_OPTIONS.sub("", text.split("\n\n")[0].replace("\n", " ")).split()).rstrip(".;, ")
 
 
 def _anchors(sources: Iterable[Source]) -> list[str]:

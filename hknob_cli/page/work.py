@@ -11,6 +11,7 @@ from hknob_cli.figures.theme import library_defaults
 from hknob_cli.page.claims.ledger import load_ledger
 from hknob_cli.page.claims.verdict import VERDICTS, judge
 from hknob_cli.page.compose import Judgement, compose, plan_faults
+from hknob_cli.page.contents import read_contents
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
@@ -39,6 +40,8 @@ class ReportWork(Work):
             raise UsageError("\n".join(wrong))
         if job.plan.claims:
             load_ledger(Path(job.plan.claims))
+        if job.plan.contents:
+            read_contents(Path(job.plan.contents))
 
     def files(self, job: Job) -> tuple[str, ...]:
         """The claims, where there is a ledger."""
@@ -55,12 +58,13 @@ class ReportWork(Work):
         return *sorted(figures), *(() if job.plan.claims else ("claims.parquet",))
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
-        """The results, the ledger, and the printed tables that its claims read."""
+        """The results, the ledger, the printed tables that its claims read, and the text's contents."""
         ledger = (Path(job.plan.claims), *map(file_of, NUMBERS)) if job.plan.claims else ()
-        return *map(Path, job.plan.results.values()), *ledger
+        contents = (Path(job.plan.contents),) if job.plan.contents else ()
+        return *map(Path, job.plan.results.values()), *ledger, *contents
 
     def inputs(self, job: Job) -> dict[str, str]:
-        """Every table of every result, the ledger, and the printed tables."""
+        """Every table of every result, the ledger, the printed tables, and the contents."""
         digests: dict[str, str] = {}
         for name, folder in job.plan.results.items():
             try:

@@ -4,6 +4,7 @@ The standard has parameters at 29 frequencies and says nothing of those between;
 over the logarithm of frequency.
 """
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import NamedTuple
 
@@ -120,15 +121,31 @@ def sensation_level(frequency_hz: ArrayLike, spl_db: ArrayLike, *, edition: int 
     return np.asarray(spl_db, dtype=np.float64) - hearing_threshold(frequency_hz, edition=edition)
 
 
-def heard_level(speed_rad_s: ArrayLike, *, gain_pa_s_per_rad: float) -> Array:
+def heard_level(speed_rad_s: ArrayLike, *, gain_pa_s_per_rad: ArrayLike) -> Array:
     """Sound pressure level (dB re 20 µPa) of sinusoids by their peak speed (rad/s) and the device's gain.
 
     The gain is sound pressure per speed of the knob, Pa/(rad/s), both of the same convention; it belongs to the device,
-    to where the ear is, and to how the device is mounted, so that only who has measured it can give it.
+    to where the ear is, and to how the device is mounted, so that only who has measured it can give it. It may be of
+    each sinusoid (`response`); they broadcast, and where it is NaN so is the level.
     """
-    if gain_pa_s_per_rad <= 0.0:
-        raise UsageError(f"the sound gain must be above 0, got {gain_pa_s_per_rad:g}")
-    return decibels(np.asarray(speed_rad_s, dtype=np.float64) * (gain_pa_s_per_rad / (sqrt(2.0) * REFERENCE_PA)))
+    gain = np.asarray(gain_pa_s_per_rad, dtype=np.float64)
+    if (gain <= 0.0).any():
+        raise UsageError(f"the sound gain must be above 0, got {gain.min():g}")
+    return decibels(np.asarray(speed_rad_s, dtype=np.float64) * (gain / (sqrt(2.0) * REFERENCE_PA)))
+
+
+def response(frequency_hz: ArrayLike, points: Sequence[tuple[float, float]], *, extrapolate: bool = False) -> Array:
+    """A device's gain at frequencies (Hz): through ``points`` of frequency and gain, both logarithmic between them.
+
+    NaN below the first and above the last; with ``extrapolate`` the gain of the nearest point.
+    """
+    at, gain = np.log(np.array(points, dtype=np.float64)).T
+    frequency = np.asarray(frequency_hz, dtype=np.float64)
+    with np.errstate(divide="ignore"):
+        where = np.log(frequency)
+    beyond = None if extrapolate else np.nan
+    found: Array = np.exp(np.interp(where, at, gain, left=beyond, right=beyond))
+    return found
 
 
 def gain_at(spl_db: float, *, speed_rad_s: float) -> float:

@@ -3,6 +3,7 @@
 from typing import Any
 
 from hknob_cli.report.table import table
+from hknob_cli.report.verdicts import compared
 
 VERDICTS = {
     "accurate": "A",
@@ -62,7 +63,14 @@ def bench_text(summary: dict[str, Any]) -> str:
     heading = f"{summary['name']}: {len(summary['scenes'])} scenes, {len(rows)} runs{stale}"
     used = {row["verdict"] for row in rows} | {*list(VERDICTS)[:-1]}
     key = ", ".join(f"{letter} {verdict}" for verdict, letter in VERDICTS.items() if verdict in used)
-    lines = [heading, "", f"verdicts, a letter for each setting, the coarsest first: {key}", ""]
+    lines = [
+        heading,
+        "",
+        compared(summary["equal_error"]),
+        "",
+        f"verdicts, a letter for each setting, the coarsest first: {key}",
+        "",
+    ]
     methods = len(summary["methods"])
     lines += table(["scene", *summary["methods"]], _letters(summary), left=range(methods + 1))
     lines += ["", "time of the fastest accurate run (processor time), and of the fastest accurate rival", ""]

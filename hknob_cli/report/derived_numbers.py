@@ -178,6 +178,8 @@ def cells_for(scene: Scene, axes: Axes, paths: tuple[str, ...]) -> Iterator[tupl
     Of many values only the two ends: each number here goes up or down with each of them, so that its smallest and its
     largest value are there.
     """
+    if scene.squeeze and any(path.startswith("hand") for path in paths):
+        paths = (*paths, "squeeze.", "bias.", "wall.", "controller.")  # by which its grip is chosen
     some = {name: _taken(name, values, paths) for name, values in axes.items()}
     if prod(map(len, some.values())) > MOST_COMBINATIONS:
         some = {name: values if name in _WHOLE else _ends(values) for name, values in some.items()}

@@ -7,6 +7,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.report.table import MAX_ROWS, grid, labels, matrix, short
+from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.results.campaign_files import cell_rows
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import COUNTS, RATE
@@ -54,6 +55,7 @@ def hw_run_text(summary: dict[str, Any]) -> str:
         f"{summary['sustained']} with sustained buzz; "
         f"{held}{stale}"
     ]
+    lines += ["", grid_verdict(cells, [axis for axis in AXES if len({cell[axis] for cell in cells}) > 1])]
     lines += [f"controller: {one}" for one in dict.fromkeys(row["controller"] for row in rows if "controller" in row)]
     across = len({cell[RATE] for cell in cells})
     if len(cells) <= MAX_ROWS and across <= 24:

@@ -8,6 +8,7 @@ Quantiles interpolate linearly between people.
 from typing import Any
 
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
+from hknob_cli.report.verdicts import people_buzz
 from hknob_cli.specs.plan import PERSON
 
 Row = dict[str, Any]
@@ -67,6 +68,7 @@ def people_text(summary: Row, axes: list[str]) -> list[str]:
     """Lines of the terminal's table: matrices over two axes, else a line for each cell."""
     rows, axes = summary["population"], [axis for axis in axes if axis != PERSON]
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
+    said = [people_buzz(rows), ""]
     if len(wide) == 2 and fits(rows, wide):
         titles = {
             "buzzing_fraction": (100.0, "people for whom the knob buzzes, %"),
@@ -81,7 +83,7 @@ def people_text(summary: Row, axes: list[str]) -> list[str]:
         lines = _list(rows, wide)
     if any(row["unknown_fraction"] for row in rows):
         lines += ["", "without those whose trials all diverge or stay undecided; unknown_fraction says how many"]
-    return lines
+    return [*said, *lines]
 
 
 def _list(rows: list[Row], axes: list[str]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Remedies over a further axis of the grid: where each helps and where it harms, for the hand that gains least."""
+"""Remedies over a grid, and over a further axis of it: where each helps and where it harms."""
 
 from collections.abc import Sequence
 from math import inf
@@ -8,6 +8,25 @@ from typing import Any
 from hknob_cli.report.table import table
 
 Row = dict[str, Any]
+
+
+def over_the_grid(rows: list[Row]) -> dict[str, Row]:
+    """Each remedy by name, over all cells and hands of ``remedies.parquet``."""
+    return {name: _grid(rows, name) for name in dict.fromkeys(row["remedy"] for row in rows)}
+
+
+def _grid(rows: list[Row], name: str) -> Row:
+    """A remedy over the grid, where the reference buzzes in the same cell: median and least of how much smaller."""
+    mine = [row for row in rows if row["remedy"] == name]
+    ratios = [row["p2p_ratio"] for row in mine if row["p2p_ratio"] is not None]
+    return {
+        "cells": len(mine),
+        "at_rest_fraction": sum(row["at_rest_fraction"] for row in mine) / len(mine),
+        "certified_fraction": sum(row["certified_fraction"] for row in mine) / len(mine),
+        "diverged_fraction": sum(row["diverged_fraction"] for row in mine) / len(mine),
+        "ratio_median": median(ratios) if ratios else None,
+        "ratio_least": min(ratios) if ratios else None,
+    }
 
 
 def over_axis(rows: list[Row], axis: str) -> dict[str, list[Row]]:

@@ -1,11 +1,13 @@
 """The parts of a scene in plain words: a sentence each, with SI values and units, and what varies over the grid."""
 
 from collections.abc import Iterator
+from itertools import product
 from math import pi
 from typing import Any
 
 from hknob_cli.report.table import short
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Axes, Hand, Scene, placed
+from hknob_cli.specs.squeeze import grip_of
 
 _UNITS = {"inertia": "kg*m^2", "damping": "N*m*s/rad", "stiffness": "N*m/rad"}
 _WINDINGS = {
@@ -77,6 +79,11 @@ class _Words:
         if hand.by_person:
             people = len(self.axes.get(PERSON, hand.by_person))
             return f"Hands: {people} of them: {_of_all(hand.by_person)}."
+        if self.scene.squeeze:
+            friction, margin = self._value("squeeze.friction", ""), self._value("squeeze.margin", "times")
+            asked = range_of(self._squeezes())
+            said = f"Hand: measured, at the grip that the push asks for, {asked} N"
+            return f"{said}: {margin} what holds at a friction of {friction.strip()}."
         if hand.by_grip and GRIP in self.axes:
             grips = self.axes[GRIP]
             return f"Hand: measured, at a grip of {range_of(grips)} N ({len(grips)} values)."
@@ -87,6 +94,13 @@ class _Words:
             return f"{said}. What follows takes finger and knob as one body."
         numbers = self._parts("hand", tuple(_UNITS))
         return f"Hand: {numbers}, turning with the knob." if numbers else "Hand: without inertia, damping or stiffness."
+
+    def _squeezes(self) -> list[float | int]:
+        """Grip forces at the ends of the axes that they depend on."""
+        deciding = ("squeeze.", "bias.", "wall.", "controller.", GRIP)
+        ends = {name: {min(values), max(values)} for name, values in self.axes.items() if name.startswith(deciding)}
+        cells = (dict(zip(ends, values, strict=True)) for values in product(*ends.values()))
+        return sorted(grip_of(placed(self.scene, cell)) for cell in cells)
 
     def _parts(self, path: str, keys: tuple[str, ...]) -> str:
         found = {key: self._value(f"{path}.{key}", _UNITS[key]) for key in keys}

@@ -1,42 +1,87 @@
 """The answer first: what a result of many cells says, in a sentence with its scope."""
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from hknob_cli.report.table import short
 
 Row = Mapping[str, Any]
+RECORDED = ", in the trials recorded"
+ERROR, DEVIATION = "standard error", "standard deviation over persons"  # what stands behind a plus and minus
+# Parameters of a hand: columns, names, and scales to units that are read easily.
+_HAND = {
+    "inertia_kg_m2": ("inertia", 1e7, "g·cm²"),
+    "damping_nm_s_per_rad": ("damping", 1e3, "mN·m·s/rad"),
+    "stiffness_nm_per_rad": ("stiffness", 1e3, "mN·m/rad"),
+}
+
+
+class Buzz(NamedTuple):
+    """What the cells of a sweep, or of a campaign on a knob, say together.
+
+    ``most`` and ``least``: rows of the cells with the largest and the smallest of the cells' largest cycles; None where
+    none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts.
+    """
+
+    cells: int
+    buzzing: int
+    resting: int
+    most: Row | None
+    least: Row | None
+    scope: str
+
+    def text(self, axes: Collection[str]) -> str:
+        """The answer in a sentence or three; ``axes``: the names that vary."""
+        if not self.cells:
+            return "No trial could be measured."
+        if self.most is None or self.least is None:
+            if self.scope == RECORDED:
+                return f"No sustained buzz in {_of_cells(0, self.cells)}{RECORDED}."
+            if self.resting == self.cells:
+                return f"It comes to rest in {_of_cells(self.cells, self.cells)}{self.scope}."
+            return f"No limit cycle in {_of_cells(0, self.cells)}{self.scope}."
+        where = f"It buzzes in {_of_cells(self.buzzing, self.cells)}{self.scope}"
+        if self.buzzing == 1:
+            return f"{where}: {buzz_size(self.most)}{_at(self.most, axes)}."
+        return (
+            f"{where}. The most: {buzz_size(self.most)}{_at(self.most, axes)}. "
+            f"The least: {buzz_size(self.least)}{_at(self.least, axes)}."
+        )
+
+
+def buzz_of(cells: Sequence[Row]) -> Buzz:
+    """Of rows of ``cells.parquet``, or of the cells of a campaign on a knob."""
+    buzz = [row for row in cells if row["p2p_max_rad"]]
+    return Buzz(
+        len(cells),
+        len(buzz),
+        sum(row["at_rest_fraction"] == 1.0 for row in cells),
+        max(buzz, key=lambda row: row["p2p_max_rad"], default=None),
+        min(buzz, key=lambda row: row["p2p_max_rad"], default=None),
+        scope_of(cells[0], complete=all(row.get("complete", True) for row in cells)) if cells else "",
+    )
 
 
 def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:
-    """Of a sweep: in how many cells it buzzes, and the largest and the smallest of the cells' largest cycles.
-
-    ``cells``: rows of ``cells.parquet``; ``axes``: the names that vary.
-    """
-    buzz = [row for row in cells if row["p2p_max_rad"]]
-    count = len(cells)
-    if not buzz:
-        rest = all(row["at_rest_fraction"] == 1.0 for row in cells)
-        return f"It comes to rest in all {count} cells." if rest else f"No limit cycle in any of {count} cells."
-    ends = sorted(buzz, key=lambda row: row["p2p_max_rad"])
-    where = f"all {count}" if len(buzz) == count else f"{len(buzz)} of {count}"
-    if len(buzz) == 1:
-        return f"It buzzes in {where} cells{_scope(cells)}: {_size(ends[0])} ({_place(ends[0], axes)})."
-    return (
-        f"It buzzes in {where} cells{_scope(cells)}. The most: {_size(ends[-1])} ({_place(ends[-1], axes)}). "
-        f"The least: {_size(ends[0])} ({_place(ends[0], axes)})."
-    )
+    """The answer of many cells in a sentence or three; ``axes``: the names that vary."""
+    return buzz_of(cells).text(axes)
 
 
-def _scope(cells: Sequence[Row]) -> str:
-    """From which starts: all of the ranges that were asked for, or those that were tried."""
-    if "complete" not in cells[0]:
+def _of_cells(some: int, count: int) -> str:
+    """So many of the cells, in words."""
+    if count == 1:
+        return "this cell"
+    how_many = "any of " if not some else "all " if some == count else f"{some:,} of "
+    return f"{how_many}{count:,} cells"
+
+
+def scope_of(columns: Collection[str], *, complete: bool) -> str:
+    """From which starts, by the columns of the cells: of a campaign, of starts tried, or of ranges of them."""
+    if "sustained" in columns:
+        return RECORDED
+    if "complete" not in columns:
         return ", from the starts tried"
-    return (
-        ", from the starts of the ranges"
-        if all(row["complete"] for row in cells)
-        else ", from the starts that were followed"
-    )
+    return ", from the starts of the ranges" if complete else ", from the starts that were followed"
 
 
 def expected(name: str, rows: Sequence[Row]) -> str:
@@ -56,24 +101,155 @@ def expected(name: str, rows: Sequence[Row]) -> str:
     return f"{name}: {size}{pitch}, where its assumptions hold ({of}{none})."
 
 
+def quietest(grid: Mapping[str, Row]) -> str:
+    """Of a trial of remedies: the one that makes the largest cycles smallest over the grid; empty if none does."""
+    helped = {name: row for name, row in grid.items() if (row["ratio_median"] or 0.0) > 1.0}
+    return max(helped, key=lambda key: helped[key]["ratio_median"]) if helped else ""
+
+
 def best_remedy(grid: Mapping[str, Row]) -> str:
     """Of a trial of remedies: which makes the largest cycles smallest over the grid, and how surely."""
-    helped = {name: row for name, row in grid.items() if (row["ratio_median"] or 0.0) > 1.0}
-    if not helped:
+    name = quietest(grid)
+    if not name:
         return "No remedy makes the buzz smaller over the grid."
-    name = max(helped, key=lambda key: helped[key]["ratio_median"])
-    row = helped[name]
+    row = grid[name]
     proven = "all proven" if row["certified_fraction"] == 1.0 else f"{100.0 * row['certified_fraction']:.3g} % proven"
     least = f"at least {row['ratio_least']:.3g} times" if row["ratio_least"] else "in some cell it buzzes anew"
     return f"Smallest buzz: {name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
 
 
-def _size(row: Row) -> str:
+def identified(rows: Sequence[Row], *, errors: str) -> str:
+    """Of an identification: what the most trustworthy estimator found, with errors, and how far to trust it.
+
+    ``rows``: conditions by all estimators; ``errors``: what stands behind the plus and minus. The most trustworthy
+    estimator is that with the fewest doubts; of several, that which explains most of the motion.
+    """
+    by = {
+        name: [row for row in rows if row["estimator"] == name]
+        for name in dict.fromkeys(row["estimator"] for row in rows)
+    }
+    by = {name: mine for name, mine in by.items() if any(_known(row, column) for row in mine for column in _HAND)}
+    if not by:
+        return "Nothing could be identified."
+    name = min(by, key=lambda one: (_doubts(by[one]) / len(by[one]), -_explained(by[one])))
+    mine = by[name]
+    found = [said for column in _HAND if (said := _spread(mine, column))]
+    where = "" if len(mine) == 1 else f", over {len(mine)} conditions"
+    doubts = _doubts(mine)
+    trust = (
+        "Nothing in the data speaks against it."
+        if not doubts
+        else "It is doubtful: the flags say why."
+        if len(mine) == 1
+        else f"It is doubtful in {doubts} of these: their flags say why."
+    )
+    return f"By {name} (± {errors}): {'; '.join(found)}{where}. {trust}"
+
+
+def alone(rows: Sequence[Row]) -> Sequence[Row]:
+    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
+    own = [row for row in rows if row["level"] == "subject"]
+    held = any(row["grip_target_n"] for row in own)
+    return own if not held or len({row["subject"] for row in own}) == 1 else []
+
+
+def found_of(rows: Sequence[Row]) -> str:
+    """What all conditions of ``conditions.parquet`` say together."""
+    single = alone(rows)
+    return identified(single or [row for row in rows if row["level"] == "all"], errors=ERROR if single else DEVIATION)
+
+
+def _known(row: Row, column: str) -> bool:
+    """Whether a parameter was found: what was given has no error."""
+    return row[column] is not None and row[f"{column}_std"] != 0.0
+
+
+def _doubts(rows: Sequence[Row]) -> int:
+    return sum(bool(row["flags"]) for row in rows)
+
+
+def _explained(rows: Sequence[Row]) -> float:
+    from statistics import median
+
+    return float(median([row["vaf"] for row in rows if row["vaf"] is not None] or [0.0]))
+
+
+def _spread(rows: Sequence[Row], column: str) -> str:
+    """A parameter with its error; of several conditions the least and the largest. Empty where none is known."""
+    known = sorted((row for row in rows if _known(row, column)), key=lambda row: row[column])
+    if not known:
+        return ""
+    what, scale, unit = _HAND[column]
+    ends = [_with_error(row[column], row[f"{column}_std"], scale) for row in (known[0], known[-1])]
+    return f"{what} {' to '.join(ends[: len(known)])} {unit}"
+
+
+def _with_error(value: float, error: float | None, scale: float) -> str:
+    return short(scale * value, 3) + (f" ± {short(scale * error, 2)}" if error is not None else "")
+
+
+def calibrated(quantities: Sequence[Row]) -> str:
+    """Of a calibration: how many of its quantities are doubtful."""
+    doubts, count = _doubts(quantities), len(quantities)
+    return f"{doubts} of {count} quantities are doubtful: their flags say why." if doubts else _no_doubt(count)
+
+
+def _no_doubt(count: int) -> str:
+    return f"Nothing speaks against any of the {count} quantities." if count > 1 else "Nothing speaks against it."
+
+
+def biased(rows: Sequence[Row]) -> str:
+    """Of a study of estimators: the largest bias of each over all causes and parameters, the least first."""
+    worst: dict[str, float] = {}
+    for row in rows:
+        worst[row["estimator"]] = max(worst.get(row["estimator"], 0.0), abs(row["bias_percent"]))
+    said = ", ".join(f"{name} {short(value, 3)} %" for name, value in sorted(worst.items(), key=lambda one: one[1]))
+    return f"Largest bias of a parameter over everything tried: {said}."
+
+
+def people_buzz(cells: Sequence[Row]) -> str:
+    """Of a population: how many people it buzzes for, and how much.
+
+    ``cells``: of each cell of the other axes the share, median and quantiles that `population.describe_people` gives.
+    """
+    shares = [100.0 * row["buzzing_fraction"] for row in cells]
+    where = "" if len(cells) == 1 else f", depending on the cell ({len(cells)} cells)"
+    buzz = [row for row in cells if row["buzzing_fraction"]]
+    text = f"It buzzes for {_range(shares, '%')} of {cells[0]['people']} people{where}, from the starts tried."
+    if not buzz:
+        return text
+    sizes = _range([1e3 * row["p2p_max_rad_median"] for row in buzz], "mrad")
+    large = _range([1e3 * row["p2p_max_rad_p95"] for row in buzz], "mrad")
+    pitch = _range([row["frequency_at_max_hz_median"] for row in buzz], "Hz")
+    return f"{text} The median of all people is {sizes}; one in twenty has more than {large}; median pitch {pitch}."
+
+
+def compared(scenes: Sequence[Row]) -> str:
+    """Of a benchmark: where the exact engine is accurate, and how much longer the fastest accurate rival takes.
+
+    ``scenes``: times at equal error, a row a scene, of `bench.equal_error`.
+    """
+    from statistics import median
+
+    good = [row for row in scenes if row["exact_seconds"] is not None]
+    ratios = [row["ratio"] for row in good if row["ratio"] is not None]
+    text = f"The exact engine is accurate in {len(good)} of {len(scenes)} scenes."
+    if ratios:
+        text += f" The fastest accurate rival takes {_range(ratios, 'times')} as long"
+        text += f" (median {short(median(ratios), 3)})" if len(ratios) > 1 else ""
+        without = len(good) - len(ratios)
+        text += f"; in {without} of these scenes no rival is accurate." if without else "."
+    return text
+
+
+def buzz_size(row: Row) -> str:
+    """Size and pitch of the largest cycle of a cell."""
     return f"{short(1e3 * row['p2p_max_rad'])} mrad at {short(row['frequency_at_max_hz'])} Hz"
 
 
-def _place(row: Row, axes: Collection[str]) -> str:
-    return ", ".join(f"{axis} = {short(row[axis], 6)}" for axis in axes)
+def _at(row: Row, axes: Collection[str]) -> str:
+    place = ", ".join(f"{axis} = {short(row[axis], 6)}" for axis in axes)
+    return f" ({place})" if place else ""
 
 
 def _range(values: Sequence[float], unit: str) -> str:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.scene.sampled_knob import SampledKnob, overflows, reduce_scene
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Hand, Scene, gripped, scene_at
+from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Hand, Scene, gripped, placed, scene_at
+from hknob_cli.specs.squeeze import squeezed
 
 Columns = Mapping[str, NDArray[Any]]
 
@@ -32,6 +33,8 @@ def sample_cells(scene: Scene, columns: Columns) -> SampledKnob:
 
 def scene_along(scene: Scene, columns: Columns) -> Scene:
     """The scene with columns of values in place, as `scene_at` puts those of one cell."""
+    if scene.squeeze:
+        return _squeezed_along(scene, columns)
     if scene.hand and GRIP in columns:
         grips, which = np.unique(columns[GRIP], return_inverse=True)
         hands = [gripped(scene.hand, float(grip)) for grip in grips]
@@ -41,6 +44,22 @@ def scene_along(scene: Scene, columns: Columns) -> Scene:
         inertia, damping, stiffness = hands_of(scene.hand, columns[PERSON])
         scene = scene._replace(hand=Hand(inertia=_any(inertia), damping=_any(damping), stiffness=_any(stiffness)))
     return scene_at(scene, {name: _any(values) for name, values in columns.items() if name not in (GRIP, PERSON)})
+
+
+def _squeezed_along(scene: Scene, columns: Columns) -> Scene:
+    """The same where the grip follows the push, and with it the hand of every cell."""
+    names = [name for name in columns if name not in (RATE, COUNTS)]
+    if not names:
+        return scene_along(squeezed(scene), columns)
+    different, which = np.unique(np.array([columns[name] for name in names]).T, axis=0, return_inverse=True)
+    cells = [dict(zip(names, row, strict=True)) for row in different.tolist()]
+    hands = [(squeezed(placed(scene, cell)).hand or Hand())[:3] for cell in cells]
+    inertia, damping, stiffness = np.array(hands).T[:, which.ravel()]
+    made = scene._replace(
+        hand=Hand(inertia=_any(inertia), damping=_any(damping), stiffness=_any(stiffness)), squeeze=None
+    )
+    kept = {name: values for name, values in columns.items() if name != GRIP and not name.startswith("squeeze.")}
+    return scene_along(made, kept)
 
 
 def hands_of(hand: Hand, persons: NDArray[Any]) -> NDArray[np.float64]:

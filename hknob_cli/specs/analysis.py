@@ -11,8 +11,9 @@ from hknob_cli.specs.quantity import PositiveAngle, SampleRate
 from hknob_cli.specs.scene import Part, SceneSpec
 from hknob_cli.specs.sweep import Name
 
-Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|sampled)$")]
+Method = Annotated[str, Field(pattern=r"^(df[1-9][0-9]{0,2}|tsypkin|staircase|sampled)$")]
 Law = Literal["quantum_period", "describing_function", "energy_balance"]
+Criterion = Literal["tsypkin", "tsai_colgate", "miller", "love_book", "llewellyn"]
 Folder = Annotated[str, Field(min_length=1, description="results folder of a sweep to compare with, cell by cell")]
 
 
@@ -25,7 +26,10 @@ class DfaSpec(Part):
     grid: Grid
     methods: Annotated[
         list[Method],
-        Field(min_length=1, description="dfN: first N odd harmonics; tsypkin: all; sampled: exact sampled cycles"),
+        Field(
+            min_length=1,
+            description="dfN: N odd harmonics; tsypkin: all; staircase: the whole wall; sampled: exact",
+        ),
         Field(default_factory=lambda: ["df1", "df4", "tsypkin", "sampled"]),
     ]
     against: Folder | None = None
@@ -66,6 +70,15 @@ class PredictSpec(Part):
         Field(min_length=1, description="laws to evaluate; default: all"),
         Field(default_factory=lambda: list(get_args(Law))),
     ]
+    criteria: (
+        Annotated[
+            list[Criterion],
+            Field(
+                min_length=1, description="further criteria of stability (docs/explanation/criteria.md); default: none"
+            ),
+        ]
+        | None
+    ) = None
     constant: Annotated[
         Annotated[float, Field(gt=0, strict=True, allow_inf_nan=False)] | CaseFile | None,
         Field(description="C of p2p = C q T, 1/s, or a known case to take it from; null: analytic, 2K/(pi b)"),
@@ -76,4 +89,6 @@ class PredictSpec(Part):
         """The spec as plain values, its axes resolved."""
         laws = tuple(dict.fromkeys(self.laws))
         constant = None if isinstance(self.constant, CaseFile) else self.constant
-        return PredictPlan(self.name, self.scene.plain(), axes, units, laws, constant, None, self.against, values)
+        criteria = tuple(dict.fromkeys(self.criteria or ()))
+        plan = PredictPlan(self.name, self.scene.plain(), axes, units, laws, constant, None, self.against, values)
+        return plan._replace(criteria=criteria)

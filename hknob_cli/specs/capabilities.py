@@ -76,10 +76,11 @@ COLUMNS = {
     "pulse": Column("pulse", "{what} is not built for pulses"),
     "perceive": Column("perceive", ""),
     "describing": Column("dfa: dfN, tsypkin", "{what} is not in dfa"),
-    "relay": Column("dfa: sampled", "{what} is not in dfa"),
+    "relay": Column("dfa: sampled", "{what} is not in dfa's method sampled"),
     "formulas": Column("predict", "{what} is not in predict"),
     "bench": Column("bench", "bench has no rival with {what}"),
     "device": Column("hw-run", "the spec of a device has no such key"),
+    "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
 ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
 
@@ -108,7 +109,7 @@ PARTS = {
     "estimated_speed": Part("a controller that estimates the velocity, or filters the angle", "controller.angle"),
     "kalman": Part("a controller with a Kalman filter", "controller.estimate"),
     "several_readings": Part("a controller that reads within an interval"),
-    "pulses": Part("a controller that pulses within an interval"),
+    "pulses": Part("a controller whose torque changes within an interval"),
     "knob_model": Part("a controller with a model of knob and hand"),
     "profile": Part("a profile of torque over the angle", "profile"),
     "detents": Part("a pattern of detents", "detents"),
@@ -119,6 +120,7 @@ PARTS = {
     "current_loop": Part("a current loop", "motor.bandwidth"),
     "supply": Part("a supply voltage", "motor.supply_voltage"),
     "eddy_brake": Part("an eddy brake", "eddy_brake.flux_density"),
+    "squeeze": Part("a grip that follows the push", "squeeze.friction"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
     "unpushed": Part(
@@ -138,13 +140,13 @@ _TABLE = {
     "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
     "people":          "P-PPP PPPPPP PEE~ -----",
     "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
-    "friction":        "--PPP ----P- -EE~ --~E~",
+    "friction":        "--PPP ----P- -EE~ ~-~E~",
     "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
     "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
-    "finger":          "--P-P ---P-- -EE~ ---E-",
+    "finger":          "--P-P ---P-- -EE~ ~--E-",
     "virtual_damping": "--P-P ---PP- -EE~ --~E~",
     "delay":           "PEP-P P--PP- -EE~ ~P~E-",
-    "lag":             "--P-P ---P-- -EE~ ---E~",
+    "lag":             "--P-P ---P-- -EE~ ~--E~",
     "torque_limit":    "--P-P ---PPP -EE~ ---E-",
     "torque_step":     "--P-P ---PP- -EE~ ---E-",
     "dead_band":       "--P-P ------ -EE~ -----",
@@ -168,20 +170,32 @@ _TABLE = {
     "current_loop":    "--P-P ---P-- -EE~ ---E-",
     "supply":          "--P-P ---PPP -EE~ ---E-",
     "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E-",
+    "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E--- EEE~ ~E~E-",
     "unheld":          "EEEPE --E--- EEE~ ~E~E-",
     "unpushed":        "P-PPE PEEEPP EEE~ ~P~E~",
     "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
+# Parts that the page of `hknob explore` follows; what is not named here it refuses.
+_EXPLORED = frozenset(
+    (
+        *("bias", "hand", "grip", "people", "knob_damping", "friction", "hand_damping", "hand_stiffness"),
+        *("virtual_damping", "delay", "torque_limit", "torque_step", "dead_band", "rounding", "offset"),
+        *("controller", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
+    )
+)
+
 
 def _rows() -> dict[tuple[str, str], str]:
     found: dict[tuple[str, str], str] = {}
+    listed = [column for column in COLUMNS if column != "explore"]
     for part in PARTS:
         letters = _TABLE[part].replace(" ", "")
-        if len(letters) != len(COLUMNS):
-            raise ValueError(f"the row of {part} has {len(letters)} verdicts for {len(COLUMNS)} columns")
-        found |= {(part, column): letter for column, letter in zip(COLUMNS, letters, strict=True)}
+        if len(letters) != len(listed):
+            raise ValueError(f"the row of {part} has {len(letters)} verdicts for {len(listed)} columns")
+        found |= {(part, column): letter for column, letter in zip(listed, letters, strict=True)}
+        found[part, "explore"] = EXACT if part in _EXPLORED else REFUSED
     return found
 
 
@@ -205,6 +219,10 @@ WHY = {
     ("controller", "pulse"): "a pulse is not built beside controllers",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
+    ("finger", "explore"): "the engine of its page has one body",
+    ("bare", "explore"): "the engine of its page reads counts",
+    ("unsampled", "explore"): "the engine of its page has a sample clock",
+    **{(name, "explore"): "its torque is that of a wall" for name in OVER_ANGLE},
     ("unsampled", "perceive"): "no cycle is proven there",
     ("bare", "describing"): "dfa needs an encoder's counts",
     ("bare", "relay"): "dfa needs an encoder's counts",

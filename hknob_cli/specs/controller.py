@@ -4,6 +4,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.quantity import (
+    Acceleration,
     Bandwidth,
     Bounds,
     PositiveAngle,
@@ -24,7 +25,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "bounded_lag": Kind("bounded_lag:BoundedLag", ("keep", "time_constant")),
-    "first_order_hold": Kind("first_order_hold:FirstOrderHold", ("correct",)),
+    "first_order_hold": Kind("first_order_hold:FirstOrderHold", ("correct", "detections", "steps")),
     "half_sample": Kind("half_sample:HalfSample", ("velocity",)),
     "impulse_damping": Kind("impulse_damping:ImpulseDamping", ("pulse", "gain", "detections")),
     "matched_wall": Kind("matched_wall:MatchedWall", ("velocity",)),
@@ -35,7 +36,7 @@ KINDS = {
         "velocity_damping:VelocityDamping",
         (
             *("damping", "velocity", "everywhere", "window", "low_pass", "cut_off"),
-            *("time_out", "detections", "bandwidth", "angle"),
+            *("time_out", "detections", "bandwidth", "acceleration", "angle"),
         ),
         needs=("damping",),
     ),
@@ -72,8 +73,8 @@ class Controller(NamedTuple):
 
     kind: Annotated[Literal[tuple(KINDS)], "which controller"]  # type: ignore[valid-type]
     velocity: Annotated[
-        Literal["differenced", "sensor", "timed", "adaptive", "tracking"],
-        "where the velocity is from: two counts, a sensor, the time between counts, a line, a tracking filter",
+        Literal["differenced", "sensor", "timed", "adaptive", "tracking", "kalman"],
+        "where the velocity is from: counts, a sensor, the time between counts, a line, a tracking or Kalman filter",
     ] = "differenced"
     damping: Annotated[SignedDamping, "velocity_damping: virtual damping; passivity: the most that it adds"] = 0.0
     everywhere: Annotated[_Flag, "virtual damping outside the wall, too"] = False
@@ -81,6 +82,7 @@ class Controller(NamedTuple):
     low_pass: Annotated[Seconds, "time constant of a low-pass on the velocity from counts; 0: none"] = 0.0
     time_out: Annotated[PositiveSeconds, "timed: time without a change of the count after which nothing moves"] = 0.1
     bandwidth: Annotated[Bandwidth, "tracking: bandwidth of the filter, critically damped"] = 1000.0
+    acceleration: Annotated[Acceleration, "kalman: root mean square of the acceleration that it expects"] = 1000.0
     angle: Annotated[
         Literal["counted", "filtered"], "where the spring is: at the count, or at the angle of the velocity's filter"
     ] = "counted"
@@ -88,7 +90,10 @@ class Controller(NamedTuple):
     correct: Annotated[_Flag, "add what the last prediction missed"] = True
     pulse: Annotated[_Share, "length of the pulse, in sample intervals"] = 0.025
     gain: Annotated[_UpTo100, "pulse over what the hold got wrong"] = 1.0
-    detections: Annotated[_Readings, "encoder readings per sample interval, to time a crossing or a change"] = 1
+    detections: Annotated[
+        _Readings, "encoder readings per sample interval, to time a crossing or a change, or to fit a line"
+    ] = 1
+    steps: Annotated[_Samples, "first_order_hold: torques in a sample interval, along the line"] = 1
     height: Annotated[_UpTo100, "torque of the damping wave, in torque steps of a count"] = 0.5
     degrees: Annotated[_Degrees, "phase after a crossing over which the wave acts"] = 360.0
     crossings: Annotated[Literal["in", "both"], "crossings that set the phase"] = "in"

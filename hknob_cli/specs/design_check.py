@@ -95,7 +95,7 @@ def _contradictions(source: Source, spec: DesignSpec) -> list[Fault]:
             continue
         if (limit.at_most is None) == (limit.above_present is None):
             found.append((place, "must have exactly one of 'at_most' and 'above_present'"))
-        elif name == "hearing" and limit.at_most is not None and spec.perceive.sound_gain is None:
+        elif name == "hearing" and limit.at_most is not None and not spec.perceive.gained:
             text = "must be above_present where perceive has no sound_gain: without it only differences mean something"
             found.append(((*place, "at_most"), text))
     if spec.press.torques[0] >= spec.press.torques[1]:

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Literal
 
 MODULES: dict[str, str] = {
     "all_persons": "grasp",
+    "amplifier_step": "bench_lines",
+    "apparatus_drawing": "apparatus",
     "attractors": "attractors",
     "axis_lines": "axis_lines",
     "basins": "attractors",
@@ -46,6 +48,7 @@ MODULES: dict[str, str] = {
     "remedy_grid": "remedies",
     "saturated_map": "maps",
     "schematic": "schematic",
+    "sensory_surface": "sensory",
     "stability_table": "bench",
     "staircase": "orbits",
     "surface": "maps",

@@ -37,8 +37,21 @@ class MotionPlan(NamedTuple):
     ramps: bool = False
 
 
+class InputPlan(NamedTuple):
+    """A torque in place of the pulse (`apparatus.inputs`); frequencies of a sine (the first) and a chirp; chips."""
+
+    kind: str
+    duration_s: float
+    from_hz: float
+    to_hz: float
+    chip_s: float
+
+
 class VirtualPlan(NamedTuple):
-    """Recordings to make on the virtual apparatus; ``rig``: what is given of it, by the names of `Rig`."""
+    """Recordings to make on the virtual apparatus; ``rig``: what is given of it, by the names of `Rig`.
+
+    ``input``: the torque, None for the pulse.
+    """
 
     experiments: tuple[int, ...]
     subjects: int | None
@@ -49,6 +62,7 @@ class VirtualPlan(NamedTuple):
     model: str
     ideal: bool
     rig: dict[str, float]
+    input: InputPlan | None = None
 
 
 class BiasPlan(NamedTuple):

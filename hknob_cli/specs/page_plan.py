@@ -66,8 +66,8 @@ class ChapterPlan(NamedTuple):
 class ReportPlan(NamedTuple):
     """A page.
 
-    ``results``: folders by name; ``claims``: the ledger's file; ``lead``: figures of the summary; ``rerun``: command
-    lines that make the page again.
+    ``results``: folders by name; ``claims``: the ledger's file; ``contents``: that of its text's contents; ``lead``:
+    figures of the summary; ``rerun``: command lines that make the page again.
     """
 
     name: str
@@ -79,3 +79,4 @@ class ReportPlan(NamedTuple):
     chapters: tuple[ChapterPlan, ...]
     rerun: tuple[str, ...]
     values: dict[str, Any]
+    contents: str | None = None

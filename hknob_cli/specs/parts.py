@@ -11,7 +11,7 @@ from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
-from hknob_cli.specs.quantity import Bounds, Damping, Inertia, Seconds, Stiffness, Torque
+from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque
 
 
 @declared()
@@ -119,6 +119,28 @@ class Hand(NamedTuple):
     origin: Origin | None = None
 
 
+@declared()
+class Squeeze(NamedTuple):
+    """A grip that follows the torque it must hold at rest inside the wall; ``hand.grip_n`` is the least."""
+
+    friction: Annotated[
+        float,
+        Bounds(strict=True, gt=0, le=10, allow_inf_nan=False),
+        "coefficient of friction, fingers on knob",
+    ]
+    radius: Annotated[KnobRadius, "of the knob, where the fingers are"]
+    margin: Annotated[
+        float,
+        Bounds(strict=True, ge=1, le=100, allow_inf_nan=False),
+        "grip over the least that does not slip",
+    ] = 1.0
+
+    @property
+    def newtons_per_newton_meter(self) -> float:
+        """Grip force that a torque asks for, N per N·m."""
+        return self.margin / (2.0 * self.friction * self.radius)
+
+
 class Scene(NamedTuple):
     """What exists; None where it does not.
 
@@ -140,4 +162,5 @@ class Scene(NamedTuple):
     dead_zone: DeadZone | None = None
     motor: Motor | None = None
     eddy_brake: EddyBrake | None = None
+    squeeze: Squeeze | None = None
     coil: Coil | None = None

@@ -42,7 +42,8 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "estimated_speed": controller is not None and controller.estimates,
         "kalman": controller is not None and controller.estimate == "kalman",
         "several_readings": controller is not None and controller.detections > 1,
-        "pulses": controller is not None and controller.kind == "impulse_damping" and controller.pulse < 1.0,
+        "pulses": controller is not None
+        and (controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0)),
         "knob_model": controller is not None and controller.kind in MODELLED,
         **over_angle,
         "motor": written.motor is not None,
@@ -50,6 +51,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "current_loop": written.motor is not None and written.motor.bandwidth is not None,
         "supply": written.motor is not None and written.motor.supply_voltage is not None,
         "eddy_brake": written.eddy_brake is not None,
+        "squeeze": written.squeeze is not None,
         "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
         "unheld": soft,
         "unpushed": not pushed,

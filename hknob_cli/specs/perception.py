@@ -1,9 +1,10 @@
 """What a sweep is asked to say about touch and hearing: will anyone feel or hear its limit cycles?"""
 
+from itertools import pairwise
 from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import WHOLE, Bounds, KnobRadius, SoundGain
+from hknob_cli.specs.quantity import WHOLE, Bounds, KnobRadius, PositiveHertz, SoundGain
 
 
 @declared()
@@ -37,10 +38,31 @@ class Perceive(NamedTuple):
     sound_gain: Annotated[
         SoundGain | None, "sound pressure at the ear per speed of the knob, as measured; null: relative levels"
     ] = None
+    sound_response: Annotated[
+        tuple[tuple[PositiveHertz, SoundGain], ...],
+        "[frequency, gain] each, by increasing frequency: a gain that changes with frequency, in place of sound_gain",
+    ] = ()
     extrapolate: Annotated[
         bool, Bounds(strict=True), "go on outside the published ranges; where false, there is no value"
     ] = False
     others: tuple[str, ...] = ()  # sets of thresholds of touch by which each cycle is judged as well
+
+    def wrong(self) -> str:
+        """What is wrong with the gains; empty if nothing is."""
+        points = self.sound_response
+        if points and self.sound_gain is not None:
+            return "sound_response: must be absent where sound_gain is given: it is in its place"
+        if len(points) == 1:
+            return "sound_response: must have two [frequency, gain] or more, got one; for one gain give sound_gain"
+        for i, ((before, _), (frequency, _)) in enumerate(pairwise(points)):
+            if not before < frequency:
+                return f"sound_response: frequencies must increase, got {frequency:g} after {before:g} (point {i + 2})"
+        return ""
+
+    @property
+    def gained(self) -> bool:
+        """Whether sound has a level, and not only differences."""
+        return self.sound_gain is not None or bool(self.sound_response)
 
     @property
     def thresholds(self) -> str:

@@ -30,6 +30,7 @@ from hknob_cli.specs.perception import Perceive
 from hknob_cli.specs.preset_plan import Preset
 from hknob_cli.specs.quantity import PositiveSeconds, SignedTorque
 from hknob_cli.specs.remedies_plan import RemediesPlan
+from hknob_cli.specs.squeeze import squeezed
 from hknob_cli.specs.unit_points import Points
 
 RATE, COUNTS = "sample_rate_hz", "counts_per_rev"
@@ -103,6 +104,7 @@ class DfaPlan(NamedTuple):
 class PredictPlan(NamedTuple):
     """Predictions by ``laws``; ``constant``: C of the quantum-period law, 1/s, None: analytic.
 
+    ``criteria``: further criteria of stability, by name.
     ``case_file``, ``case_sha256``: the file that the constant was taken from, if any, and its digest.
     """
 
@@ -118,6 +120,7 @@ class PredictPlan(NamedTuple):
     case_file: Path | None = None
     points: Points | None = None
     preset: Preset | None = None
+    criteria: tuple[str, ...] = ()
 
 
 class SweepPlan(NamedTuple):
@@ -184,8 +187,11 @@ Plan = SweepPlan | DfaPlan | PredictPlan | BenchPlan | ReportPlan | SysidPlan | 
 
 
 def scene_at(scene: Scene, cell: Cell) -> Scene:
-    """The scene with a cell's values in place, and with what its motor comes to (`specs.electrical.reduced`)."""
-    return reduced(placed(scene, cell))
+    """The scene with a cell's values in place, with the hand of its squeeze and with what its motor comes to.
+
+    See `specs.squeeze.squeezed` and `specs.electrical.reduced`.
+    """
+    return reduced(squeezed(placed(scene, cell)))
 
 
 def placed(scene: Scene, cell: Cell) -> Scene:

@@ -23,6 +23,7 @@ from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
 from hknob_cli.specs.plan import Axes, Knob, Scene, Wall
 from hknob_cli.specs.scene import SceneSpec
+from hknob_cli.specs.squeeze_faults import squeeze_contradictions
 from hknob_cli.specs.velocity_faults import velocity_contradictions
 
 Faults = list[tuple[Place, str]]
@@ -30,7 +31,7 @@ Faults = list[tuple[Place, str]]
 _ON_A_DEVICE = {
     "speed_sensor": ("velocity",),
     "several_readings": ("detections",),
-    "pulses": ("pulse", "kind"),
+    "pulses": ("pulse", "steps", "kind"),
     "knob_model": ("kind",),
 }
 
@@ -131,6 +132,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     found += over_angle_contradictions(scene, axes)
     found += motor_contradictions(scene, axes)
+    found += squeeze_contradictions(scene, axes)
     if scene.controller:
         found += controller_faults(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])

@@ -82,6 +82,10 @@ class ReportSpec(Part):
         Field(min_length=1, description="results folders by the name that figures and claims use; or a list of them"),
     ]
     claims: Annotated[str | None, Field(description="ledger of claims, relative to this file")] = None
+    contents: Annotated[
+        str | None,
+        Field(description="the text's table of contents, in Markdown: a table a section; relative to this file"),
+    ] = None
     summary: Annotated[list[str | SentenceSpec], Field(default_factory=list, description="what the page found")]
     lead: Annotated[list[Anchor], Field(default_factory=list, max_length=3, description="figures of the summary")]
     chapters: Annotated[
@@ -108,7 +112,8 @@ def validate_report(source: Source) -> ReportPlan:
         *_long_names(source, spec),
         *_anchors(source, spec),
         *_names(source, spec),
-        *_ledger(source, spec),
+        *_readable(source, "claims", spec.claims),
+        *_readable(source, "contents", spec.contents),
     ]
     if faults:
         raise SpecError(faults)
@@ -121,6 +126,7 @@ def validate_report(source: Source) -> ReportPlan:
         title=spec.title or spec.name,
         results=spec.folders,
         claims=str(Path(source.name).parent / spec.claims) if spec.claims else None,
+        contents=str(Path(source.name).parent / spec.contents) if spec.contents else None,
         summary=tuple(
             Sentence(item) if isinstance(item, str) else _sentence(item.text, item.values, where("summary", i))
             for i, item in enumerate(spec.summary)
@@ -192,14 +198,14 @@ def _names(source: Source, spec: ReportSpec) -> list[Fault]:
     return faults
 
 
-def _ledger(source: Source, spec: ReportSpec) -> list[Fault]:
-    """The fault of a ledger that cannot be read."""
-    if spec.claims is None:
+def _readable(source: Source, key: str, name: str | None) -> list[Fault]:
+    """The fault of a file that is named and cannot be read."""
+    if name is None:
         return []
     try:
-        read_named(Path(source.name).parent / spec.claims)
+        read_named(Path(source.name).parent / name)
     except UsageError as error:
-        return [source.fault(("claims",), str(error))]
+        return [source.fault((key,), str(error))]
     return []
 
 

@@ -8,12 +8,13 @@ from pydantic import Discriminator, Field, Tag, ValidationError
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.foreign_columns import ColumnName, NameOrColumn, RecordingLimits, plan_columns
-from hknob_cli.specs.identification import MotionPlan, PreparePlan, SysidPlan, VirtualPlan
+from hknob_cli.specs.identification import InputPlan, MotionPlan, PreparePlan, SysidPlan, VirtualPlan
 from hknob_cli.specs.part import Part
 from hknob_cli.specs.quantity import (
     AddedInertia,
     Damping,
     Inertia,
+    PositiveHertz,
     PositiveSeconds,
     Quantity,
     Seconds,
@@ -32,6 +33,7 @@ Radius = Annotated[float, Quantity("m", gt=0, le=1.0)]
 Noise = Annotated[float, Quantity("rad", ge=0, le=1.0)]
 ALL = ""
 MOST_TRIALS = 50_000  # on the virtual apparatus: 20 kB each; the dissertation has 1566
+PULSED_S = 0.065  # of such a trial
 _PRINTED = {1: 9}  # subjects of an experiment where that is not 5
 T = TypeVar("T")
 
@@ -94,6 +96,23 @@ class RigSpec(Part):
     torque_error: Annotated[float | None, Field(gt=-1, le=10.0, description="share by which torque exceeds")] = None
 
 
+class InputSpec(Part):
+    """The torque on the virtual apparatus in place of the pulse; each trial is then of a continuous excitation."""
+
+    kind: Annotated[
+        Literal["step", "sine", "chirp", "noise", "prbs"],
+        Field(description="prbs: a pseudorandom binary sequence; noise: Gaussian"),
+    ]
+    duration: Annotated[float, Quantity("s", ge=0.02, le=10.0), Field(description="of the input")] = 0.5
+    from_hz: Annotated[PositiveHertz, Field(description="of a sine, or of a chirp at its beginning")] = 1.0
+    to_hz: Annotated[PositiveHertz, Field(description="of a chirp at its end")] = 100.0
+    chip: Annotated[PositiveSeconds, Field(description="time for which noise and prbs hold a value")] = 0.002
+
+    def plain(self) -> InputPlan:
+        """As plain values."""
+        return InputPlan(self.kind, self.duration, self.from_hz, self.to_hz, self.chip)
+
+
 class VirtualSpec(Part):
     """Recordings made on the virtual apparatus: people drawn from Tables 1 to 5, as many trials as printed."""
 
@@ -105,6 +124,7 @@ class VirtualSpec(Part):
     grips: Annotated[list[float] | None, Field(min_length=1, description="grip forces, N; null: all six")] = None
     model: Annotated[Literal["second", "fourth"], Field(description="order of the hand")] = "second"
     rig: Annotated[RigSpec, Field(default_factory=RigSpec)]
+    input: Annotated[InputSpec | None, Field(description="the torque; null: a pulse of 20 ms")] = None
 
     def plain(self) -> VirtualPlan:
         """As plain values."""
@@ -119,6 +139,7 @@ class VirtualSpec(Part):
             model=self.model,
             ideal=self.rig.ideal,
             rig=rig,
+            input=self.input.plain() if self.input else None,
         )
 
 
@@ -242,6 +263,11 @@ def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
             found.append((("prepare", "average"), "must be false of a continuous excitation: each trial is fitted"))
     elif prepare.span is not None:
         found.append((("prepare", "span"), "must be absent of a pulse; window says what is kept"))
+    if spec.virtual is not None and spec.virtual.input is not None:
+        if not continuous:
+            found.append((("excitation",), "must be continuous where virtual.input is given"))
+        if spec.what != "hand":
+            found.append((("virtual", "input"), "must be absent where what is no hand"))
     if prepare.span is not None and prepare.span[0] >= prepare.span[1]:
         found.append((("prepare", "span"), "must rise"))
     linear = spec.torque_between_samples == "linear"
@@ -265,9 +291,11 @@ def _too_many(source: Source, virtual: VirtualSpec, what: str) -> list[Fault]:
     if what == "hand":
         people = sum(virtual.subjects or _PRINTED.get(one, 5) for one in set(virtual.experiments))
         count *= people * virtual.blocks * len(set(virtual.grips or range(6)))
-    if count <= MOST_TRIALS:
+    longer = virtual.input.duration / PULSED_S if virtual.input else 1.0
+    if count * max(longer, 1.0) <= MOST_TRIALS:
         return []
-    text = f"must make at most {MOST_TRIALS} trials with these subjects, blocks and grips, got {count}"
+    most = int(MOST_TRIALS / max(longer, 1.0))
+    text = f"must make at most {most} trials with these subjects, blocks and grips, got {count}"
     return [source.fault(("virtual",), text, at_key=True)]
 
 

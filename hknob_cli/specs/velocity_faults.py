@@ -12,6 +12,7 @@ OF = {
     "time_out": (("timed",), "velocity: timed"),
     "detections": (("timed",), "velocity: timed"),
     "bandwidth": (("tracking",), "velocity: tracking"),
+    "acceleration": (("kalman",), "velocity: kalman"),
 }
 
 
@@ -37,6 +38,8 @@ def velocity_contradictions(spec: Controller, given: frozenset[str], axes: Axes)
     if spec.velocity == "adaptive" and min(values("window")) < 2:
         at = place("window") if "window" in given or "controller.window" in axes else ("scene", "controller")
         found.append((at, f"must have a window of 2 samples or more {where}: one has one line only"))
+    if spec.velocity == "kalman" and "acceleration" not in given and "controller.acceleration" not in axes:
+        found.append((("scene", "controller"), f"must have an acceleration {where}"))
     if spec.velocity == "tracking":
         if "bandwidth" not in given and "controller.bandwidth" not in axes:
             found.append((("scene", "controller"), f"must have a bandwidth {where}"))
@@ -49,7 +52,7 @@ def velocity_contradictions(spec: Controller, given: frozenset[str], axes: Axes)
                     "the filter is stable where it is less than half the sample rate",
                 )
             )
-    if spec.angle == "filtered" and spec.velocity != "tracking" and max(values("low_pass")) == 0.0:
-        message = "must be counted where nothing filters: give a low_pass, or velocity: tracking"
+    if spec.angle == "filtered" and spec.velocity not in ("tracking", "kalman") and max(values("low_pass")) == 0.0:
+        message = "must be counted where nothing filters: give a low_pass, or velocity: tracking or kalman"
         found.append((("scene", "controller", "angle"), message))
     return found

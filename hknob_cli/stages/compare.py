@@ -117,6 +117,11 @@ class Against:
         """How many of these cells the sweep has, too."""
         return sum(self._key(cell) in self._cells for cell in cells)
 
+    def cycles(self, cell: Cell) -> bool | None:
+        """Whether any trial of the sweep cycles in a cell; None where the sweep has no such cell."""
+        row = self._cells.get(self._key(cell))
+        return None if row is None else _above_0(row.get("p2p_rad")) is not None
+
     def columns(self, cell: Cell, *, p2p_rad: float | None, frequency_hz: float | None) -> dict[str, Any]:
         """Values of `COLUMNS` for one prediction; None where either side has no value, or the sweep is at rest."""
         row = self._cells.get(self._key(cell), {})

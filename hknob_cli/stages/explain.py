@@ -50,8 +50,10 @@ def _sweep(plan: SweepPlan) -> Found:
 
 def _dfa(plan: Any) -> Found:
     ignored = []
-    if not (plan.scene.bias and plan.scene.bias.half_quantum) and set(plan.methods) != {"sampled"}:
-        ignored = ["The push, by all methods but `sampled`: they assume half of the torque step of one count."]
+    pushed = [name for name in ("sampled", "staircase") if name == "sampled" or name in plan.methods]
+    if not (plan.scene.bias and plan.scene.bias.half_quantum) and not set(plan.methods) <= set(pushed):
+        but = " and ".join(f"`{name}`" for name in pushed)
+        ignored = [f"The push, by all methods but {but}: they assume half of the torque step of one count."]
     about = {
         **_about(plan.scene, plan.axes),
         "grid": grid_lines(plan),
@@ -68,6 +70,7 @@ def _predict(plan: Any) -> Found:
         **_about(plan.scene, plan.axes),
         "grid": grid_lines(plan),
         "laws": [f"{', '.join(plan.laws)}.", *_constant(plan), *_against(plan.against)],
+        **({"criteria": [f"{', '.join(plan.criteria)}."]} if plan.criteria else {}),
         "not proven": ["Closed laws estimate. The column in_domain says where the assumptions of each hold."],
         "ignored": _outside(plan),
     }
@@ -185,9 +188,10 @@ def _sysid(plan: Any) -> Found:
     if one := plan.virtual:
         grips = f", at grips of {', '.join(map(short, one.grips))} N" if one.grips else ""
         people = f"{counted(one.subjects, 'subject')}" if one.subjects else "the subjects of the dissertation"
+        driven = f" The torque is a {one.input.kind} of {short(one.input.duration_s)} s." if one.input else ""
         about["recordings"] = [
             f"Simulated: experiments {', '.join(map(str, one.experiments))}, {people}, {counted(one.blocks, 'block')} "
-            f"of {counted(one.trials, 'trial')}{grips}, seed {one.seed}."
+            f"of {counted(one.trials, 'trial')}{grips}, seed {one.seed}.{driven}"
         ]
     return f"The {str(plan.what).replace('_', ' ')} is identified from {source}.", about, None, {}
 

@@ -27,3 +27,4 @@ class Job(NamedTuple):
     verbose: bool = False
     unattended: bool = False  # nobody is there to press keys
     scheduler: str | None = None  # of a Dask cluster that does the work
+    spec: str = ""  # the file as it was named on the command line, where it was

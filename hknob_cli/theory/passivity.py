@@ -92,13 +92,13 @@ def needed_damping(edge: WorkingEdge, *, virtual: float) -> float:
     the second: exact without a delay, an upper bound with one.
     """
     first = edge.wall_stiffness * edge.delay_s + virtual
-    within = _part(edge) * (edge.wall_stiffness * edge.period_s + 2.0 * virtual) ** 2
+    within = between_samples(edge) * (edge.wall_stiffness * edge.period_s + 2.0 * virtual) ** 2
     return 0.5 * (first + sqrt(first * first + within))
 
 
 def _rate(edge: WorkingEdge, damping: float, *, virtual: float) -> float:
     """Sample rate, Hz, at which `needed_damping` is what there is; infinite where it is so at none."""
-    part, stiffness = _part(edge), edge.wall_stiffness
+    part, stiffness = between_samples(edge), edge.wall_stiffness
     left = damping * damping - damping * virtual - part * virtual * virtual
     if left <= 0.0:
         return inf if stiffness > 0.0 or virtual > 0.0 else 0.0
@@ -106,7 +106,7 @@ def _rate(edge: WorkingEdge, damping: float, *, virtual: float) -> float:
     return (linear + sqrt(linear * linear + part * stiffness * stiffness * left)) / (2.0 * left)
 
 
-def _part(edge: WorkingEdge) -> float:
+def between_samples(edge: WorkingEdge) -> float:
     """The product f (1 - f) of the part f of a sample in the transport delay."""
     samples = edge.transport_s / edge.period_s
     part = samples - floor(samples)

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
 from hknob_cli.scene.sampled_knob import SampledKnob
+from hknob_cli.theory.attached import Attached
 
 Array = NDArray[np.float64]
 
@@ -30,12 +31,16 @@ _PHASES = 1024
 
 
 class Relay(NamedTuple):
-    """Plant x'' + alpha x' + beta x = u, u = -+ ``level`` by the sign of x, ``delay`` samples late."""
+    """Plant x'' + alpha x' + beta x = u, u = -+ ``level`` by the sign of x, ``delay`` samples late.
+
+    ``attached``: a finger, a lag, friction beside it, which `describing_function` knows; friction with one harmonic.
+    """
 
     alpha: float
     beta: float
     level: float
     delay: float
+    attached: Attached | None = None
 
 
 class RelayCycle(NamedTuple):
@@ -50,16 +55,25 @@ class RelayCycle(NamedTuple):
 
 
 def response(relay: Relay, omega: Array) -> NDArray[np.complex128]:
-    """Frequency response of plant and delay at ``omega`` (rad/sample)."""
+    """Frequency response of plant and delay at ``omega`` (rad/sample), for a relay of level 1.
+
+    Friction is a second relay, on the velocity: its torque leads by a quarter of a turn.
+    """
     s = 1j * omega
-    value: NDArray[np.complex128] = np.exp(-s * relay.delay) / (s * s + relay.alpha * s + relay.beta)
+    torque, held = np.exp(-s * relay.delay), s * s + relay.alpha * s + relay.beta
+    if more := relay.attached:
+        torque, held = torque * more.late(s) + 1j * more.friction / relay.level, held + more.held_by(s)
+    value: NDArray[np.complex128] = torque / held
     return value
 
 
 def lowest_omega(relay: Relay, harmonics: int) -> float:
     """A frequency below which no cycle is; below resonance the plant leads the crossing that a cycle needs."""
-    if relay.beta > 0.0:
-        return 0.4 * sqrt(relay.beta) / (2 * harmonics - 1)
+    beta = relay.beta
+    if more := relay.attached:
+        beta = (beta + more.stiffness) / more.inertia
+    if beta > 0.0:
+        return 0.4 * sqrt(beta) / (2 * harmonics - 1)
     return 1e-3 * sqrt(relay.alpha / max(relay.delay, 1e-6)) if relay.alpha > 0.0 else 1e-3
 
 

@@ -199,3 +199,34 @@ def test_a_sweep_of_another_scene_is_said(hknob, spec_file, tmp_path: Path) -> N
     assert "the sweep in sweep is of another scene: wall.stiffness 0.8, here 0.27" in done.stderr
     same = hknob("predict", spec_file(text.replace("0.27", "0.8").replace("0.001", "0.002"), "laws.yaml"), "-o", "same")
     assert same.stderr == ""
+
+
+def test_further_criteria_beside_a_sweep(hknob, spec_file, tmp_path: Path) -> None:
+    """Two rates at which the wall without counts buzzes and rests; with counts the knob buzzes at both."""
+    sweep = SPEC.replace("[1000]", "[200, 1000]")
+    assert hknob("sweep", spec_file(sweep, "sweep.yaml"), "-o", "swept").returncode == 0
+    names = "criteria: [tsypkin, tsai_colgate, miller, love_book, llewellyn]\n"
+    spec = PREDICT.replace("[1000]", "[200, 1000]") + names + "against: swept\n"
+    done = hknob("predict", spec_file(spec), "-o", "out")
+    assert done.returncode == 0, done.stderr
+    assert "Tsai & Colgate, no oscillation in this hand: 1 of 2 cells" in done.stdout
+    assert "where it holds, the sweep cycles in 1 of 1 cells" in done.stdout
+    rows = pq.read_table(tmp_path / "out" / "criteria.parquet").to_pylist()
+    assert len(rows) == 10
+    assert all(row["sweep_cycles"] for row in rows)
+    found = {(row["sample_rate_hz"], row["criterion"]): row for row in rows}
+    assert [found[rate, "tsai_colgate"]["holds"] for rate in (200.0, 1000.0)] == [False, True]
+    assert not any(found[rate, "tsypkin"]["holds"] for rate in (200.0, 1000.0))
+    miller = found[1000.0, "miller"]
+    assert miller["load"] == pytest.approx(0.27 / miller["stiffness_limit_nm_per_rad"])
+    # Without criteria their file of before goes away.
+    assert hknob("predict", spec_file(PREDICT.replace("[1000]", "[200, 1000]")), "-o", "out").returncode == 0
+    assert not (tmp_path / "out" / "criteria.parquet").exists()
+
+
+def test_criteria_of_one_cell_as_json(hknob, spec_file) -> None:
+    done = hknob("predict", spec_file(PREDICT + "criteria: [tsypkin, love_book]\n"), "--json", "-o", "out")
+    summary = json.loads(done.stdout)
+    assert {name: one["holds"] for name, one in summary["criteria"].items()} == {"tsypkin": 0, "love_book": 0}
+    assert "sweep" not in summary["criteria"]["tsypkin"]
+    assert summary["files"] == ["out/predict.parquet", "out/passivity.parquet", "out/criteria.parquet"]

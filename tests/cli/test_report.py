@@ -60,8 +60,9 @@ def test_a_list_of_results_is_enough(hknob, spec_file, swept: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "wrote results/page/report.html" in done.stdout
     page = (swept / "results" / "page" / "report.html").read_text()
-    assert "small: 4 cells: peak to peak of the largest cycle from" in page
-    assert page.count("<figure id=") == 3  # size, pitch, attractors
+    assert "small: It buzzes in all 4 cells, from the starts tried. The most: " in page
+    assert "<b>4 of 4</b>" in page
+    assert page.count("<figure id=") == 2  # size, pitch; means are in brackets
     assert {path.name for path in (swept / "results" / "page").iterdir()} == {"report.html", "figures", ".hknob.lock"}
     assert "up to date" in hknob("report", spec_file(PLAIN, "page.yaml"), "--dry-run").stdout
 

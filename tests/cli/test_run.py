@@ -226,7 +226,7 @@ def test_figures_of_a_page_that_lists_none_are_made_again(hknob, pipeline: Path,
     )
     hknob("run", pipeline)
     figures = sorted((tmp_path / "results/two/page/figures").iterdir())
-    assert len(figures) == 3  # size, pitch, attractors
+    assert len(figures) == 2  # size, pitch; means are in brackets
     assert "hknob run pipeline.yaml" in (tmp_path / "results/two/page/report.html").read_text()
     figures[0].unlink()
     assert statuses(hknob("run", pipeline, "--json")) == {"grid": "up to date", "page": "computed"}

@@ -23,7 +23,9 @@ MAPS = {
     "rings": np.array([[0.8, 0.8], [-0.1, 0.9]]),
     "low-pass": np.diag([0.7, 0.7]),
 }
-PAIRED = [name for name, given in LOOP_ONLY.items() if given.get("velocity") == "tracking" or "angle" in given]
+PAIRED = [
+    name for name, given in LOOP_ONLY.items() if given.get("velocity") in ("tracking", "kalman") or "angle" in given
+]
 
 
 def made(name: str, **parts: Any) -> Any:

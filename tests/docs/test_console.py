@@ -20,7 +20,8 @@ from typer.main import get_command
 from hknob_cli.cli.app import app
 from hknob_cli.specs.load import kind_of, load, load_pipeline
 from hknob_cli.stage_table import PIPELINE, STAGES
-from tests.conftest import HKNOB, ROOT
+from tests.conftest import ROOT
+from tests.forked import Forks
 
 from .markdown import ABOVE, PAGES, Block, blocks, name_of
 
@@ -81,17 +82,17 @@ def test_commands_exist(page: Path) -> None:
             if not word.startswith("experiments/") or "*" in word or "NAME" in word:
                 continue
             assert spec.exists(), said.command
-            assert words[1] in (kind_of(spec), "run", "check"), said.command
+            kind = "sweep" if words[1] == "explore" else words[1]
+            assert kind in (kind_of(spec), "run", "check"), said.command
             if kind_of(spec) != PIPELINE:
                 load(spec, overrides(words))
 
 
-def ran(command: str, folder: Path) -> str:
+def ran(command: str, folder: Path, forks: Forks) -> str:
     """Standard output of a command, 80 columns wide."""
     environment = {key: value for key, value in os.environ.items() if key != "COLUMNS"}
-    words = [str(HKNOB), *shlex.split(command)[1:]]
-    done = subprocess.run(words, cwd=folder, env=environment, capture_output=True, text=True, check=False, timeout=850)
-    return done.stdout if done.returncode == 0 else done.stderr
+    code, out, err = forks.run(shlex.split(command)[1:], cwd=folder, env=environment, timeout=850)
+    return err if code else out
 
 
 def with_output() -> list[object]:
@@ -107,13 +108,13 @@ def with_output() -> list[object]:
 
 
 @pytest.mark.parametrize(("page", "told"), with_output())
-def test_output_is_what_comes_out(page: Path, told: list[Said], tmp_path: Path) -> None:
+def test_output_is_what_comes_out(page: Path, told: list[Said], tmp_path: Path, forks: Forks) -> None:
     """The commands of a block run one after the other, beside the files that the page writes down."""
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     for name, text in titled(page).items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     for said in told:
-        output = ran(said.command, tmp_path)
+        output = ran(said.command, tmp_path, forks)
         if said.output:
             parts = re.split(r"^\.\.\.\n", said.output, flags=re.M)
             assert re.fullmatch(r"(?:.*\n)*?".join(map(re.escape, parts)), output), output

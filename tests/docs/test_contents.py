@@ -72,8 +72,13 @@ def test_what_it_names_exists(found: list[Any]) -> None:
             assert f"- id: {claim.id}\n" in ledger, row.id
 
 
+ONE_MORE = {"section": "D", "title": "A figure that the text does not have"}
+
+
 def change(listed: dict[str, Any], kind: str, name: str, **keys: Any) -> None:
-    row = next(row for row in listed[kind] if row["id"] == name)
+    row = next((row for row in listed[kind] if row["id"] == name), {"id": name})
+    if row not in listed[kind]:
+        listed[kind].append(row)
     for key, value in keys.items():
         row.pop(key, None) if value is None else row.update({key: value})
 
@@ -83,8 +88,8 @@ def change(listed: dict[str, Any], kind: str, name: str, **keys: Any) -> None:
     [
         ("sections", "6.4.2", {"not_built": "no time"}, "6.4.2: .*'not_built', but it is there: .*hand_on_knob"),
         ("sections", "1.1", {"nothing": None}, "1.1: nothing names it"),
-        ("figures", "Figure 2", {"not_built": None}, "Figure 2: nothing names it"),
-        ("figures", "Figure 3", {"missing": None}, "Figure 3: no figure of the page draws it"),
+        ("figures", "Figure 98", {**ONE_MORE}, "Figure 98: nothing names it"),
+        ("figures", "Figure 98", {**ONE_MORE, "by": ["sec-9.3-constant"]}, "Figure 98: no figure of the page draws it"),
         ("figures", "Figure 35", {"id": "Figure 98"}, "Figure 35, which data/contents.yaml does not have"),
         ("equations", "9.3(b)", {"by": ["sec-9.3-lawn"]}, "'sec-9.3-lawn'"),
         ("equations", "9.3(b)", {"by": ["hknob_cli.theory.laws:lawn"]}, "hknob_cli.theory.laws:lawn"),

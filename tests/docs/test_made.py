@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli.cli.explore import explore
 from tests.conftest import ROOT
 
 MAKE = ROOT / "docs" / "make"
@@ -22,3 +23,9 @@ def test_drawing_is_current(tmp_path: Path) -> None:
     main.__globals__["PLACE"] = tmp_path / "signs.svg"
     main()
     assert (tmp_path / "signs.svg").read_bytes() == place.read_bytes(), "make schemas"
+
+
+def test_page_to_play_with_is_current(tmp_path: Path) -> None:
+    explore(out=tmp_path / "knob.html", open_it=False, quiet=True)
+    made = (tmp_path / "knob.html").read_bytes()
+    assert (ROOT / "docs" / "play" / "knob.html").read_bytes() == made, "make schemas"

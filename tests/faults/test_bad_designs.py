@@ -38,7 +38,7 @@ BROKEN = {
     ),
     "a design of nothing": ("{sobol: 8}", "null", "log[2]: missing, and required: {log: [first, last, count]}"),
     "friction in dfa": (
-        "kind: sweep", "kind: dfa", "must be absent: Coulomb friction is not in dfa",
+        "kind: sweep", "kind: dfa", "must be absent: Coulomb friction is not in dfa's method sampled",
     ),
     "range of counts": ("counts_per_rev: 1024", "counts_per_rev: {log: [0, 5]}", "counts_per_rev.log[0]: must be"),
 }  # fmt: skip

@@ -25,9 +25,9 @@ def test_no_picture_is_changed(name: str, hknob, spec_file, tmp_path: Path, draw
     """The first, without such a file, is what the others must be."""
     if name:
         (tmp_path / "matplotlibrc").write_bytes(HOSTILE[name])
-    done = hknob("sweep", spec_file(GRID), "-o", "grid", "--plot")
+    done = hknob.anew("sweep", spec_file(GRID), "-o", "grid", "--plot")
     assert (done.returncode, done.stderr) == (0, "")
-    done = hknob("report", spec_file("kind: report\nname: page\nresults: {grid: grid}\n", "r.yaml"), "-o", "page")
+    done = hknob.anew("report", spec_file("kind: report\nname: page\nresults: {grid: grid}\n", "r.yaml"), "-o", "page")
     assert (done.returncode, done.stderr) == (0, "")
     found = {path.name: path.read_bytes() for path in tmp_path.rglob("*") if path.suffix in (".png", ".svg", ".html")}
     assert len(found) > 2

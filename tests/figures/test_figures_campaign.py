@@ -8,7 +8,8 @@ import pytest
 
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.campaign import one_trial
-from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.page.answers import answers_of
+from hknob_cli.page.defaults import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
 from tests.conftest import EXPERIMENTS, HKNOB
 
@@ -116,6 +117,5 @@ def test_a_page_of_its_own(evidence: ResultSet) -> None:
     one = ResultSet({"friction": evidence["friction"].folder})
     (chapter,) = chapters_of(one)
     assert [figure.draw for figure in chapter.figures] == ["grid_map", "grid_map", "campaign_thumbnails"]
-    (sentence,) = sentences_of(one)
-    assert "friction: 4 cells" in sentence
-    assert "at rest in 2; recorded." in sentence
+    (answer,) = answers_of(one)
+    assert answer.startswith("friction: It buzzes in 2 of 4 cells, in the trials recorded. The most: ")

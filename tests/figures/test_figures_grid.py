@@ -25,6 +25,13 @@ RUNS: dict[str, tuple[str, ...]] = {
         COARSE_AND_FINE,
         SMALL[1],
     ),
+    "noticed": (
+        "sweep",
+        "chapter8_friction",
+        COARSE_AND_FINE,
+        SMALL[1],
+        "perceive={knob_radius: 8.9 mm, sound_response: [[20, 0.01], [12500, 10]]}",
+    ),
     "free": ("sweep", "chapter8", COARSE_AND_FINE, SMALL[1]),
     "hand": (
         "sweep",
@@ -141,6 +148,7 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
     ("staircase", "three", {"over": "sample_rate_hz", "at": {"hand.stiffness": 0.04, "counts_per_rev": 512}}, ("Hz",)),
     ("surface", "small", {}, ("1.00", "worse of the two")),
     ("surface", "friction", {"mesh": True}, ("rest",)),
+    ("sensory_surface", "noticed", {"mesh": True}, ("rest", "more noticeable of the two, dB", "t: touch is")),
     ("what_matters", "fine", {}, ("1. sample rate, Hz", "2. encoder, counts", "explains", "at rest, %")),
     ("what_matters", "fine", {"most": 1}, ("left out: 1 that explains less",)),
     ("what_matters", "design", {"where": {"law": "quantum_period"}}, ("3. ", "in domain, %")),
@@ -188,7 +196,8 @@ def test_a_drawing_says_what_it_shows_and_is_the_same_twice(
 
 
 def test_every_drawing_of_grids_is_tried() -> None:
-    ours = {"bench", "difference", "laws", "lines", "maps", "nyquist", "orbits", "schematic", "what_matters"}
+    ours = {"bench", "difference", "laws", "lines", "maps", "nyquist", "orbits", "schematic", "sensory"}
+    ours |= {"what_matters"}
     elsewhere = {"schematic", "what_explains"}  # tests of motion, of campaigns
     drawings = {name for name, module in MODULES.items() if module in ours}
     assert drawings - elsewhere == {case[0] for case in CASES}
@@ -204,6 +213,7 @@ def test_a_map_writes_every_value_of_its_column(evidence: ResultSet) -> None:
     ("name", "of", "options", "message"),
     [
         ("grid_map", "small", {"column": "loudness"}, "no column loudness"),
+        ("sensory_surface", "small", {}, "the sound of 'small' has no level"),
         ("grid_map", "small", {"across": "hand.stiffness"}, "no axis hand.stiffness"),
         ("grid_map", "nowhere", {}, "no result 'nowhere'"),
         ("grid_map", "bench", {}, "no grid"),

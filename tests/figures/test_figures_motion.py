@@ -53,6 +53,11 @@ FIGURES: list[tuple[str, Any, dict[str, Any], tuple[str, ...]]] = [
     ("schematic", None, {"kind": "second"}, ("K", "B", "J", "torque T")),
     ("schematic", None, {"kind": "fourth"}, ("K₁", "B₂", "fingerpad")),
     ("schematic", None, {"kind": "wall"}, ("outside the wall", "inside the wall", "push g")),
+    ("apparatus_drawing", None, {"kind": "rig"}, ("640,000 counts", "reaction torque cell", "10 kHz")),
+    ("apparatus_drawing", None, {"kind": "pinch"}, ("thumb", "forefinger", "17.8 mm", "grip cell")),
+    ("apparatus_drawing", None, {"kind": "grasps"}, ("(a) key pinch, 17.8 mm", "(d) three fingers, 29.9 mm", "middle")),
+    ("apparatus_drawing", None, {"kind": "calibration"}, ("feels 2 W", "3.18", "9.53", "flexure, 1.9 mm", "load cell")),
+    ("amplifier_step", None, {}, ("commanded", "current, A", "within 2 % after 196 \u00b5s")),
     ("grasp_parameters", None, {"tables": [1]}, ("inertia J, 10⁻⁶ kg·m²", "apparatus alone", "grip force, N")),
     (
         "grasp_parameters",
@@ -113,6 +118,7 @@ def test_figures_say_what_they_show(evidence: ResultSet, name: str, of: Any, opt
         ("grasp_parameters", None, {"tables": [7]}, "no grasps in table 7"),
         ("normalised_grasp", None, {"tables": [9]}, "no grasps in table 9"),
         ("schematic", None, {"kind": "third"}, "no schematic 'third'"),
+        ("apparatus_drawing", None, {"kind": "photo"}, "no drawing 'photo' of the apparatus; there are rig, pinch"),
     ],
 )
 def test_what_a_figure_lacks_is_named(evidence: ResultSet, name: str, of: Any, options: dict, why: str) -> None:

@@ -32,6 +32,7 @@ CONTROLLERS = {
     "the longest line": Controller(**DAMPED, velocity="adaptive", window=64, low_pass=1e-3, angle="filtered"),
     "tracking": Controller(**DAMPED, velocity="tracking", bandwidth=200.0),
     "tracking, filtered": Controller(**DAMPED, velocity="tracking", bandwidth=200.0, angle="filtered", cut_off=50.0),
+    "Kalman's speed": Controller(**DAMPED, velocity="kalman", acceleration=300.0),
     "impulse as long as an interval": Controller("impulse_damping", pulse=1.0),
 }
 

@@ -145,6 +145,8 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
     ("lag", {"rows": ()}),
     ("lag", {"rows": (0.0, 0.0)}),
     ("lag", {"places": 1}),
+    ("hold", {"numbers": (0.0, 1.0, 3.0, 1.0)}),  # four readings a sample
+    ("hold", {"numbers": (0.0, 1.0, 0.0, 2.0)}),  # two torques a sample
     ("passivity", {"places": 0}),
     ("damping", {"numbers": (0.0, -1.0, 1.0, 0.0, 1.0, 0.0, 9.0)}),  # a sensor of the speed
     ("damping", {"numbers": (0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 9.0)}),  # a window that the rows do not have

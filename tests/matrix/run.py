@@ -44,7 +44,7 @@ def lowest() -> str:
     """Constraints: each dependency at the lowest version that pyproject.toml admits."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         declared = tomllib.load(file)["project"]["dependencies"]
-    bounds = [re.fullmatch(r"([\w.-]+)(?:>=|~=)([\w.]+)", one) for one in declared]
+    bounds = [re.fullmatch(r"([\w.-]+)(?:>=|~=)([\w.]+)(?:,<[\w.]+)?", one) for one in declared]
     if not all(bounds):
         sys.exit(
             f"a dependency without a lower bound: {[one for one, hit in zip(declared, bounds, strict=True) if not hit]}"
@@ -73,18 +73,16 @@ def run(command: list[Any], folder: Path, **env: str) -> str:
     return "" if done.returncode == 0 else f"{shown} ended with {done.returncode}: {done.stderr[-2000:]}"
 
 
-def tried(place: Path) -> tuple[str, Path]:
+def tried(place: Path, shipped: Path) -> tuple[str, Path]:
     """What went wrong in an environment, or nothing; and where its results are."""
     folder = place / "foreign folder"
-    folder.mkdir()
-    for name in ("experiments", "data"):
-        shutil.copytree(ROOT / name, folder / name)
+    shutil.copytree(shipped, folder)
     hknob, cache = place / "bin/hknob", str(place / "cache")
     specs = sorted((folder / "experiments").glob("*.yaml"))
     out = folder / "out"
     one = f"{folder}/experiments/smoke_grid.yaml"
     wrong = (
-        run([hknob, "check", *specs], folder, LC_ALL="C.UTF-8")
+        run([hknob, "check", "--quiet", *specs], folder, LC_ALL="C.UTF-8")
         or run(
             [hknob, "run", "experiments/smoke.yaml", "-o", out / "smoke"],
             folder,
@@ -140,6 +138,8 @@ def main() -> int:
         subprocess.run(
             [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", top / "dist", ROOT], check=True
         )
+        for name in ("experiments", "data"):
+            shutil.copytree(ROOT / name, top / "shipped" / name)
         (wheel,) = (top / "dist").glob("*.whl")
         for version, kind in cells:
             name = f"Python {version}, {kind} dependencies"
@@ -151,7 +151,7 @@ def main() -> int:
             if missing:
                 print(f"{name}: left out: {missing}")
                 continue
-            wrong, out = tried(place)
+            wrong, out = tried(place, top / "shipped")
             told = "passes"
             if first is None:
                 first = None if wrong else out

@@ -10,7 +10,7 @@ import copy
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import CodeType
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
     ast.Lt: (ast.LtE, ast.GtE),
@@ -42,15 +42,18 @@ class Mutant(NamedTuple):
 
     def code(self) -> CodeType:
         """Code of the changed function."""
-        whole = compile(ast.Module([self.tree], []), str(self.path), "exec")
+        whole = self._compiled()
         name = str(self.function).rpartition(".")[2]
         return next(one for one in whole.co_consts if isinstance(one, CodeType) and one.co_name == name)
 
     def value(self) -> object:
         """Value of the changed constant."""
         names: dict[str, object] = {}
-        exec(compile(ast.Module([self.tree], []), str(self.path), "exec"), names)
+        exec(self._compiled(), names)
         return names[self.name]
+
+    def _compiled(self) -> CodeType:
+        return compile(ast.fix_missing_locations(ast.Module([self.tree], [])), str(self.path), "exec")
 
     @property
     def name(self) -> str:
@@ -79,14 +82,8 @@ def mutants(path: Path) -> Iterator[Mutant]:
         places = list(_places(statement, ()))
         for steps in places:
             for after in changes(_at(statement, steps), steps):
-                changed = copy.deepcopy(statement)
+                changed = _changed(statement, steps, after)
                 node = _at(statement, steps)
-                parent, (field, index) = _at(changed, steps[:-1]), steps[-1]
-                if index is None:
-                    setattr(parent, field, after)
-                else:
-                    getattr(parent, field)[index] = after
-                ast.fix_missing_locations(changed)
                 # A number alone would not tell which it is.
                 shown = steps[:-1] if isinstance(node, ast.Constant) and len(steps) > 1 else steps
                 before, later = _at(statement, shown), _at(changed, shown)
@@ -117,6 +114,19 @@ def _at(node: ast.AST, steps: Steps) -> ast.AST:
     for field, index in steps:
         node = getattr(node, field) if index is None else getattr(node, field)[index]
     return node
+
+
+def _changed(node: Any, steps: Steps, after: ast.AST) -> Any:
+    """A copy with one node of it changed; it shares all that is not on the way there."""
+    if not steps:
+        return after
+    (field, index), *rest = steps
+    changed, value = copy.copy(node), getattr(node, field)
+    if index is not None:
+        value, old = list(value), value[index]
+        value[index] = _changed(old, tuple(rest), after)
+    setattr(changed, field, _changed(value, tuple(rest), after) if index is None else value)
+    return changed
 
 
 def _places(node: ast.AST, steps: Steps) -> Iterator[Steps]:

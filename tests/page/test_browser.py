@@ -25,7 +25,7 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> str:
 @pytest.fixture
 def opened(browser: Any, address: str) -> Iterator[Opened]:
     with Opened(browser, address) as opened:
-        yield opened
+        yield opened.unfold()
         assert opened.said == []
 
 
@@ -77,7 +77,7 @@ def test_claims_are_filtered_by_typing_and_by_place(opened: Opened) -> None:
 
 
 def test_the_counts_of_verdicts_lead_to_the_claims(opened: Opened) -> None:
-    opened.tab.locator(".verdicts a", has_text="differs").click()
+    opened.tab.locator(".tiles a", has_text="differs").click()
     assert opened.tab.inner_text("#claims-count") == "15 of 100"
     assert opened.tab.get_by_label("differs").is_checked()
     assert opened.tab.locator("#claims-title").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 200
@@ -118,9 +118,9 @@ def test_claims_are_sorted_by_a_button(opened: Opened) -> None:
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme: str) -> None:
     with Opened(browser, address, color_scheme=scheme) as opened:
-        tab = opened.tab
+        tab = opened.unfold().tab
         seen = []
-        for _ in range(22):
+        for _ in range(40):
             tab.keyboard.press("Tab")
             name, outline, style = tab.evaluate(
                 "(s => [document.activeElement.textContent, parseFloat(s.outlineWidth), s.outlineStyle])"
@@ -132,6 +132,7 @@ def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme
         assert seen[0] == "Skip to the text"
         assert "Place" in seen
         tab.goto(address)
+        opened.unfold()
         tab.keyboard.press("Tab")
         tab.keyboard.press("Enter")
         assert tab.evaluate("document.activeElement.id") == "top"
@@ -144,7 +145,10 @@ def test_keys_reach_everything_and_show_where(browser: Any, address: str, scheme
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nobody_is_barred(browser: Any, address: str, scheme: str, viewport: dict[str, int]) -> None:
     with Opened(browser, address, color_scheme=scheme, viewport=viewport, at="#claim-7.2-pitch") as opened:
-        opened.tab.locator(".sources summary").first.click()
+        found = Axe().run(opened.tab)
+        folded = [one for one in found.response["violations"] if one["impact"] in ("serious", "critical")]
+        assert folded == [], found.generate_report()
+        opened.unfold().tab.locator(".sources summary").first.click()
         found = Axe().run(opened.tab)
         grave = [one for one in found.response["violations"] if one["impact"] in ("serious", "critical")]
         assert grave == [], found.generate_report()
@@ -166,7 +170,7 @@ def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:
 
 def test_a_wide_table_is_scrolled_within_its_box_by_keys_too(browser: Any, address: str) -> None:
     with Opened(browser, address, viewport=PHONE) as opened:
-        box = opened.tab.locator("#table-cells .box")
+        box = opened.unfold().tab.locator("#table-cells .box")
         wide, shown, tall, height = box.evaluate(
             "one => [one.scrollWidth, one.clientWidth, one.scrollHeight, one.clientHeight]"
         )
@@ -195,6 +199,8 @@ def test_an_address_opens_its_claim(browser: Any, address: str) -> None:
     with Opened(browser, address, at="#claim-8.21-size") as opened:
         tab = opened.tab
         claim = tab.locator("[id='claim-8.21-size']")
+        assert claim.is_visible()
+        assert not tab.locator("#grid").is_visible()  # another chapter stays folded
         assert claim.locator("details").evaluate("one => one.open")
         assert claim.evaluate("one => { const top = one.getBoundingClientRect().top; return top > -5 && top < 400 }")
         tab.get_by_label("contradicted").check()
@@ -214,7 +220,7 @@ def test_paper_shows_every_claim_whatever_is_filtered(opened: Opened) -> None:
     shown = "all => all.filter(one => one.getBoundingClientRect().height > 10).length"
     assert tab.eval_on_selector_all("#claims tbody", shown) == 100
     assert tab.eval_on_selector_all("#claims dl", shown) == 100
-    for gone in ("#claims-controls", ".contents", ".skip", ".download >> nth=0", "#claims-nothing"):
+    for gone in ("#claims-controls", "#find", ".contents", ".skip", ".download >> nth=0", "#claims-nothing"):
         assert not tab.locator(gone).is_visible()
     assert tab.locator("#grid svg").first.is_visible()
 
@@ -222,8 +228,96 @@ def test_paper_shows_every_claim_whatever_is_filtered(opened: Opened) -> None:
 def test_it_is_whole_without_a_script(browser: Any, address: str) -> None:
     with Opened(browser, address, java_script_enabled=False) as opened:
         assert opened.tab.locator("#claims tbody").count() == 100
+        for summary in opened.tab.locator(".fold > summary").all():
+            summary.click()
         assert opened.tab.locator("#claims tbody").last.is_visible()
+        assert opened.tab.locator("#grid .ink > svg").is_visible()
         assert not opened.tab.locator("#claims-controls").is_visible()
         assert opened.tab.locator("button:visible").count() == 0
-        opened.tab.locator("#claims summary").first.click()
+        assert not opened.tab.locator("#find").is_visible()
+        opened.tab.locator("#claims tbody summary").first.click()
         assert opened.tab.locator("#claims dl").first.is_visible()
+
+
+def test_a_reader_meets_numbers_and_one_picture_first(browser: Any, address: str) -> None:
+    for viewport in (WIDE, PHONE):
+        with Opened(browser, address, viewport=viewport) as opened:
+            for shown in (".tiles li >> nth=-1", ".first .lead svg"):
+                box = opened.tab.locator(shown).bounding_box()
+                assert box["y"] < viewport["height"], shown
+            assert opened.tab.locator(".fold[open]").count() == 0
+            assert opened.tab.locator("#sizes").is_hidden()
+            assert opened.tab.evaluate("document.documentElement.scrollHeight") < 4 * viewport["height"]
+
+
+def test_what_is_found_by_words_is_opened(browser: Any, address: str) -> None:
+    with Opened(browser, address) as opened:
+        tab = opened.tab
+        box = tab.get_by_label("Find claims, figures, tables")
+        box.fill("over the user's push")
+        assert tab.inner_text("#find-count") == "1 found"
+        assert not tab.locator("#contents-list").is_visible()
+        tab.locator("#find-list a").click()
+        tab.wait_for_timeout(100)
+        assert tab.locator("#bias").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 200
+        box.fill("FRICTION pitch")
+        texts = tab.locator("#find-list a").all_inner_texts()
+        assert 0 < len(texts) < 20
+        assert all(text.startswith("Claim") for text in texts)
+        tab.locator("#find-list a").first.click()
+        tab.wait_for_timeout(100)
+        name = tab.locator("#find-list a").first.get_attribute("href").removeprefix("#")
+        assert tab.locator(f"[id='{name}']").is_visible()
+        box.fill("no such thing")
+        assert tab.inner_text("#find-count") == "0 found"
+        box.fill("")
+        assert tab.locator("#contents-list").is_visible()
+        assert opened.said == []
+
+
+def test_the_contents_say_where_the_reader_is(opened: Opened) -> None:
+    tab = opened.tab
+    for name in ("chapter-pitch", "claims"):
+        tab.evaluate("id => document.getElementById(id).scrollIntoView()", name)
+        tab.mouse.wheel(0, 200)
+        tab.wait_for_function(
+            "id => document.querySelector('#contents-list [aria-current]')?.hash === '#' + id", arg=name, timeout=5000
+        )
+
+
+def test_a_wide_figure_says_on_a_phone_that_it_scrolls(browser: Any, address: str) -> None:
+    for viewport, said in ((PHONE, True), (WIDE, False)):
+        with Opened(browser, address, viewport=viewport) as opened:
+            opened.unfold().tab.wait_for_timeout(200)
+            first = opened.tab.locator("#sizes")
+            assert (first.locator(".hint:visible").count() == 1) == said
+
+
+def test_paper_shows_chapters_that_are_folded(browser: Any, address: str) -> None:
+    with Opened(browser, address) as opened:
+        tab = opened.tab
+        tab.evaluate("dispatchEvent(new Event('beforeprint'))")
+        assert tab.locator(".fold:not([open])").count() == 0
+        assert tab.locator("#grid .ink > svg").is_visible()
+        tab.evaluate("dispatchEvent(new Event('afterprint'))")
+        assert tab.locator(".fold[open]").count() == 0
+
+
+def test_styles_and_scripts_of_others_are_refused(browser: Any, address: str) -> None:
+    """The policy names what is allowed by its digest, so that text that became markup could do nothing."""
+    with Opened(browser, address) as opened:
+        opened.tab.evaluate(
+            """() => {
+              for (const [tag, text] of [["style", "body { display: none }"], ["script", "window.odd = 1"]]) {
+                const one = document.createElement(tag);
+                one.textContent = text;
+                document.head.append(one);
+              }
+              document.body.insertAdjacentHTML("beforeend", "<p id=other style='position: fixed'>odd</p>");
+            }"""
+        )
+        assert opened.tab.evaluate("window.odd") is None
+        assert opened.tab.locator("h1").is_visible()
+        assert opened.tab.evaluate("getComputedStyle(document.getElementById('other')).position") == "static"
+        assert len(opened.said) == 3
+        opened.said.clear()

@@ -9,7 +9,8 @@ import pytest
 
 from hknob_cli.errors import UsageError
 from hknob_cli.figures.what_matters import what_matters
-from hknob_cli.page.defaults import chapters_of, sentences_of
+from hknob_cli.page.answers import answers_of, tiles_of
+from hknob_cli.page.defaults import chapters_of
 from hknob_cli.results.parted import Parted, Parting, as_file, put_part
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import ResultSet
@@ -35,10 +36,14 @@ def evidence(folder: Path, **columns: Any) -> ResultSet:
 
 
 def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
-    assert (
-        "2 cells: peak to peak of the largest cycle from 1 to 2 mrad, 80 to 90 Hz; mean of those that cycle"
-        in sentences_of(evidence(tmp_path))[0]
+    assert answers_of(evidence(tmp_path)) == (
+        "tried: It buzzes in all 2 cells, from the starts tried. The most: 2 mrad at 80 Hz (sample_rate_hz = 500). "
+        "The least: 1 mrad at 90 Hz (sample_rate_hz = 1000). Every trial is proven.",
     )
+    assert [(tile.value, tile.words) for tile in tiles_of(evidence(tmp_path), ())] == [
+        ("2 of 2", "cells buzz, from the starts tried"),
+        ("2 mrad", "largest buzz, peak to peak, at 80 Hz"),
+    ]
     (chapter,) = chapters_of(evidence(tmp_path))
     assert [figure.draw for figure in chapter.figures] == ["axis_lines"]  # there are no orbits for a staircase
     assert [(table.file, table.key) for table in chapter.tables] == [("cells", "p2p_max_rad")]
@@ -47,9 +52,9 @@ def test_a_sweep_is_said_and_shown(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "columns", [{"frequency_at_max_hz": None}, {"p2p_max_rad": ["x", "y"]}, {"certified_fraction": [None, 1.0]}]
 )
-def test_tables_of_another_shape_have_no_sentence(tmp_path: Path, columns: dict[str, Any]) -> None:
+def test_tables_of_another_shape_have_no_answer(tmp_path: Path, columns: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match=r"results: the tables of 'tried' in .* are not as its stage writes them"):
-        sentences_of(evidence(tmp_path, **columns))
+        answers_of(evidence(tmp_path, **columns))
 
 
 def test_tables_without_their_axis_are_not_shown(tmp_path: Path) -> None:
@@ -97,10 +102,22 @@ def test_a_large_design_is_said_and_shown_part_by_part(tmp_path: Path, monkeypat
         raise AssertionError("a large table was read as a whole")
 
     monkeypatch.setattr(Parted, "table", table)
-    assert sentences_of(parted) == sentences_of(whole)
+    assert answers_of(parted) == answers_of(whole)
+    assert tiles_of(parted, ()) == tiles_of(whole, ())
     assert chapters_of(parted) == chapters_of(whole)
     assert [figure.draw for figure in chapters_of(parted)[0].figures] == ["what_matters"]
     drawn = [what_matters(one, "tried") for one in (whole, parted)]
     shown = [[line.get_ydata().tolist() for panel in one.axes for line in panel.lines] for one in drawn]
     np.testing.assert_equal(shown[1], shown[0])
     assert len(shown[0]) > 4
+
+
+@pytest.mark.parametrize(
+    ("proven", "said"),
+    [
+        ([0.0, 1.0], "In some cells no trial is proven."),
+        ([0.25, 1.0], "At least 25 % of the trials of a cell are proven."),
+    ],
+)
+def test_what_is_not_proven_is_said(tmp_path: Path, proven: list[float], said: str) -> None:
+    assert answers_of(evidence(tmp_path, certified_fraction=proven))[0].endswith(said)

@@ -1,5 +1,7 @@
 """The page as a tree: what it has once, what points where, and that no text becomes markup."""
 
+import base64
+import hashlib
 import re
 from html.parser import HTMLParser
 from typing import Any
@@ -7,8 +9,9 @@ from typing import Any
 import pytest
 
 from hknob_cli.figures.numbers import MINUS
-from hknob_cli.page.book import Chapter, Drawn, Page, Source
-from hknob_cli.page.layout import lay_out, part_of
+from hknob_cli.page.book import Chapter, Drawn, Page, Part, Place, Source, Tile
+from hknob_cli.page.claims.checks import known
+from hknob_cli.page.layout import lay_out, part_of, words_of
 from tests.page.sample import MARK, claim, page
 
 VOID = {"meta", "input", "link", "br", "img"}
@@ -90,12 +93,60 @@ def test_it_is_the_same_every_time(laid: str) -> None:
 
 def test_style_and_script_are_small_and_ask_for_nothing(laid: str) -> None:
     style, script = (re.findall(rf"<{tag}>(.*?)</{tag}>", laid, re.DOTALL)[0] for tag in ("style", "script"))
-    assert len(style) < 15 * 1024
+    assert len(style) < 19 * 1024
     bare = [chapter._replace(tables=()) for chapter in page().chapters]
     without = re.findall(r"<style>(.*?)</style>", lay_out(page()._replace(chapters=tuple(bare))), re.DOTALL)[0]
-    assert len(without) < 13 * 1024  # a page without tables has no style of them
-    assert len(script) < 6 * 1024
+    assert len(without) < 17 * 1024  # a page without tables has no style of them
+    assert len(script) < 9 * 1024
     assert not re.search(r"url\(|@import|https?:", style + script)
+
+
+def test_the_policy_names_its_style_and_script_and_nothing_else_has_any(laid: str) -> None:
+    policy = re.findall(r'http-equiv="Content-Security-Policy" content="([^"]+)"', laid)[0]
+    assert "unsafe" not in policy
+    for tag in ("style", "script"):
+        text = re.findall(rf"<{tag}>(.*?)</{tag}>", laid, re.DOTALL)[0]
+        digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+        assert f"{tag}-src 'sha256-{digest}'" in policy
+    assert not Tree(laid).having("style")
+    assert not [name for _, given in Tree(laid).elements for name in given if name.startswith("on")]
+
+
+def test_numbers_come_first_and_lead_to_where_they_are_from() -> None:
+    tiles = (Tile("4 of 9", "cells buzz", "predict"), Tile("3 mrad", "largest", "nowhere"))
+    laid = lay_out(page()._replace(tiles=tiles))
+    sound(Tree(laid))
+    assert '<li><a href="#sizes"><b>4 of 9</b> <span>cells buzz</span></a></li>' in laid
+    assert "<li><b>3 mrad</b> <span>largest</span></li>" in laid
+    assert laid.index("4 of 9") < laid.index("57</b>") < laid.index('<p class="said">')
+
+
+def test_a_computation_is_said_in_words_and_its_name_on_demand() -> None:
+    row = claim(check="spread_along", computed=1.6, unit="", claim="x")
+    laid = lay_out(EMPTY._replace(claims=(row,), claims_of="It"))
+    assert "<span>1.6</span> <small>Largest over least value of a column along an axis</small>" in laid
+    words = "Largest over least value of a column along an axis, rests left out; a statistic over the other axes."
+    assert f"<dt>Computed</dt><dd>{words} <details><summary>" in laid
+    assert laid.count("spread_along") == 1
+    assert words_of("no_such_check") == ""
+    assert "`" not in "".join(map(words_of, known()))
+
+
+def test_places_of_the_text_lead_to_its_claims_and_figures() -> None:
+    where = (
+        ("claims: ", False),
+        ("7.1-size", True),
+        ("; figures: ", False),
+        ("grid", True),
+        ("; ", False),
+        ("a.py", True),
+    )
+    contents = (Part("Chapter 7", (Place("7.1", "On <size>", where, heads=True),)),)
+    laid = lay_out(page()._replace(contents=contents))
+    sound(Tree(laid))
+    assert '<a class="id" href="#claim-7.1-size">7.1-size</a>' in laid
+    assert '<a class="id" href="#grid">grid</a>; <code>a.py</code>' in laid
+    assert "<b>7.1</b> On &lt;size&gt;" in laid
 
 
 def luminance(colour: str) -> float:

@@ -17,6 +17,7 @@ from hknob_cli.perception.hearing import (
     judge,
     loudness_level,
     parameters,
+    response,
     sensation_level,
     sound_pressure_level,
 )
@@ -155,3 +156,15 @@ def test_sound_is_by_the_gain_that_the_user_gives() -> None:
             heard_level(1.0, gain_pa_s_per_rad=bad)
         with pytest.raises(UsageError, match="speed"):
             gain_at(56.0, speed_rad_s=bad)
+
+
+def test_a_response_is_a_power_law_between_its_points() -> None:
+    """Through (100 Hz, 0.01) and (1000 Hz, 0.1) the gain is 1e-4 f; from there to (4 kHz, 0.025) it is 100 / f."""
+    points = ((100.0, 0.01), (1000.0, 0.1), (4000.0, 0.025))
+    inside = [100.0, 250.0, 1000.0, 1600.0, 4000.0]
+    assert response(inside, points) == pytest.approx([0.01, 0.025, 0.1, 0.0625, 0.025], rel=1e-12)
+    assert np.isnan(response([0.0, 99.0, 4001.0], points)).all()
+    assert response([0.0, 99.0, 4001.0], points, extrapolate=True) == pytest.approx([0.01, 0.01, 0.025])
+    levels = heard_level([1.0, 1.0, 1.0], gain_pa_s_per_rad=response([99.0, 100.0, 1000.0], points))
+    assert np.isnan(levels[0])
+    assert levels[2] - levels[1] == pytest.approx(20.0)

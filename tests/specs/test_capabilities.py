@@ -95,6 +95,12 @@ CHANGES: dict[str, dict[str, Any]] = {
     "current_loop": {"scene": {"motor": {**MOTOR, "winding": "current", "bandwidth": 1000.0}}},
     "supply": {"scene": {"motor": {**MOTOR, "winding": "voltage", "supply_voltage": 0.5}}},
     "eddy_brake": {"scene": {"eddy_brake": BRAKE}},
+    "squeeze": {
+        "scene": {
+            "hand": {"inertia": None, "damping": None, "stiffness": None, "table": 1, "grip_n": 0.71},
+            "squeeze": {"friction": 0.7, "radius": 8.9e-3},
+        }
+    },
     "undamped": {"scene": {"hand": {"damping": 0.0}}},
     "unheld": {"scene": {"hand": {"stiffness": 0.0}}},
     "unpushed": {"scene": {"bias": None}},

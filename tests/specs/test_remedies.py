@@ -72,6 +72,14 @@ CONTROLLERS = {
         "{kind: velocity_damping, damping: 1, time_out: 100 ms}",
         "scene.controller.time_out: must be absent where velocity is differenced: it is of velocity: timed",
     ),
+    "no acceleration": (
+        "{kind: velocity_damping, damping: 1, velocity: kalman}",
+        "8:15: scene.controller: must have an acceleration where velocity is kalman",
+    ),
+    "acceleration of differences": (
+        "{kind: velocity_damping, damping: 1, acceleration: 100}",
+        "scene.controller.acceleration: must be absent where velocity is differenced: it is of velocity: kalman",
+    ),
     "low-pass on a filter": (
         "{kind: velocity_damping, damping: 1, velocity: tracking, bandwidth: 100, low_pass: 1 ms}",
         "scene.controller.low_pass: must be absent where velocity is tracking: it is of the differenced velocity",
@@ -82,7 +90,7 @@ CONTROLLERS = {
     ),
     "angle that nothing filters": (
         "{kind: velocity_damping, damping: 1, angle: filtered}",
-        "scene.controller.angle: must be counted where nothing filters: give a low_pass, or velocity: tracking",
+        "scene.controller.angle: must be counted where nothing filters: give a low_pass, or velocity: tracking or",
     ),
     "estimate of another kind": (
         "{kind: matched_wall, velocity: timed}",

@@ -45,10 +45,8 @@ class Firmware:
             wanted = mp.mpf(torque) - brake
             self.step = min(self.step, control.step_distance(wanted))
             found.append(control.command(wanted))
-        if len(pieces) == 1:
-            return [(found[0], control.period)]
-        first = mp.mpf(pieces[0][1])
-        return [(found[0], first), (found[1], control.period - first)]
+        lengths = [mp.mpf(duration) for _, duration in pieces[:-1]]  # to 40 digits: the last has the rest
+        return list(zip(found, [*lengths, control.period - sum(lengths)], strict=True))
 
 
 def window(wave: list[Pieces], begin: Any, end: Any, period: Any) -> Pieces:

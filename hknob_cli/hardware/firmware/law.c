@@ -25,16 +25,15 @@ static double bounded_lag(double shown, double *past, const double *fixed)
     return w - (1.0 - fixed[2]) * smaller(larger(w - past[0], -1.0), 1.0);
 }
 
+/* Without readings within the interval, and in one step. */
 static double first_order_hold(double shown, double *past, const double *fixed)
 {
-    double now = depth_of(shown, fixed[0]), before = past[0], earlier = past[1];
-    double torque = 1.5 * now - 0.5 * before;
-    if (fixed[1] > 0.0) {
-        torque = torque + 0.5 * (now + before) - (1.5 * before - 0.5 * earlier);
-    }
+    double now = depth_of(shown, fixed[0]), before = past[0];
+    double mean = 1.5 * now - 0.5 * before, acted = 0.5 * (now + before);
+    double missed = fixed[1] > 0.0 ? acted - past[1] : 0.0;
     past[0] = now;
-    past[1] = before;
-    return torque;
+    past[1] = mean;
+    return mean + missed;
 }
 
 /* Without a pulse shorter than the interval, and without readings within it. */
@@ -198,7 +197,7 @@ static unsigned window_of(double samples)
 /* Rows and places that a law takes with these numbers; false where they are none of its own. */
 static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
 {
-    static const uint8_t numbers[LAWS] = {0u, 3u, 2u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u};
+    static const uint8_t numbers[LAWS] = {0u, 3u, 4u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u};
     static const uint8_t usual_rows[LAWS] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u};
     const double *fixed = c->numbers;
     if (c->law == 0u || c->law >= LAWS || c->number_count != numbers[c->law]) {
@@ -223,6 +222,7 @@ static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
     }
     /* More than one reading or torque a sample, or a sensor of the speed. */
     bool once = (c->law != TIMED_VELOCITY || fixed[OWN] == 1.0) && (c->law != VELOCITY_DAMPING || fixed[2] == 0.0);
+    once = once && (c->law != FIRST_ORDER_HOLD || (fixed[2] == 0.0 && fixed[3] == 1.0));
     return once && (c->law != IMPULSE_DAMPING || (fixed[1] == 1.0 && fixed[3] == 0.0));
 }
 

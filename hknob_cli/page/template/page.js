@@ -1,4 +1,4 @@
-// Sorts and filters the table of claims, and opens what the address points at. The page is whole without it.
+// Finds, sorts and filters, opens what the address points at, and says where the reader is. The page is whole without it.
 (() => {
   "use strict";
   const $ = (id) => document.getElementById(id);
@@ -78,22 +78,106 @@
     }
     const target = id && $(id);
     if (!target) return;
+    for (let one = target; one; one = one.parentElement) if (one.matches("details")) one.open = true;
+    const fold = target.querySelector(":scope > details.fold");
+    if (fold) fold.open = true;
     if (target.matches("#claims tbody")) reveal(target);
     target.scrollIntoView();
   };
 
-  // A figure that is wider than the screen is scrolled, by keys too.
+  // What is wider than the screen is scrolled, by keys too, and says so.
   const scrolled = () => {
-    for (const ink of document.querySelectorAll(".ink")) {
-      if (ink.scrollWidth > ink.clientWidth) ink.tabIndex = 0;
-      else ink.removeAttribute("tabindex");
+    for (const box of document.querySelectorAll(".ink, .rows .box")) {
+      const wide = box.scrollWidth > box.clientWidth;
+      if (wide) box.tabIndex = 0;
+      else if (box.matches(".ink")) box.removeAttribute("tabindex");
+      if (wide && !box.hint) {
+        box.hint = document.createElement("p");
+        box.hint.className = "hint";
+        box.hint.textContent = "Wider than the screen: scroll it sideways.";
+        box.before(box.hint);
+      }
+      if (box.hint) box.hint.hidden = !wide;
     }
   };
 
+  // Whatever has a name of its own on the page, found by its words.
+  const find = () => {
+    const words = $("find-words"), list = $("find-list");
+    const most = 40;
+    let all;
+    const gather = () => {
+      const kinds = [
+        ["Claim", "#claims tbody", (one) => [one.id, one.rows[0].cells[0].textContent + " " + one.rows[0].cells[1].textContent]],
+        ["Figure", "figure", (one) => [one.id, one.querySelector("figcaption > p").textContent]],
+        ["Table", ".rows", (one) => [one.id, one.querySelector("caption").textContent]],
+        ["Chapter", "section.folded", (one) => [one.id, one.querySelector("h2").textContent]],
+      ];
+      return kinds.flatMap(([kind, which, say]) =>
+        [...document.querySelectorAll(which)].map((one) => {
+          const [id, text] = say(one);
+          return { kind, id, text: text.replace(/\s+/g, " ").trim(), words: text.toLowerCase() };
+        }),
+      );
+    };
+    words.addEventListener("input", () => {
+      const wanted = words.value.toLowerCase().split(/\s+/).filter(Boolean);
+      all ||= gather();
+      const found = wanted.length ? all.filter((one) => wanted.every((word) => one.words.includes(word))) : [];
+      list.replaceChildren(
+        ...found.slice(0, most).map((one) => {
+          const link = document.createElement("a"), kind = document.createElement("b"), item = document.createElement("li");
+          link.href = "#" + encodeURIComponent(one.id);
+          kind.textContent = one.kind;
+          link.append(kind, " " + (one.text.length > 110 ? one.text.slice(0, 109) + "\u2026" : one.text));
+          item.append(link);
+          return item;
+        }),
+      );
+      const more = found.length > most ? `, the first ${most} are shown` : "";
+      $("find-count").textContent = wanted.length ? `${found.length} found${more}` : "";
+      $("contents-list").hidden = $("contents-title").hidden = wanted.length > 0;
+    });
+    $("find").hidden = false;
+  };
+
+  // Where the reader is, in the contents.
+  const spy = () => {
+    const links = new Map([...document.querySelectorAll("#contents-list a")].map((one) => [one.hash.slice(1), one]));
+    const watch = new IntersectionObserver(
+      (seen) => {
+        for (const { target, isIntersecting } of seen) {
+          const link = links.get(target.id);
+          if (isIntersecting) link.setAttribute("aria-current", "true");
+          else link.removeAttribute("aria-current");
+        }
+      },
+      { rootMargin: "-15% 0px -84% 0px" },
+    );
+    for (const id of links.keys()) watch.observe($(id));
+  };
+
+  // Paper shows everything.
+  let opened = [];
+  addEventListener("beforeprint", () => {
+    opened = [...document.querySelectorAll("details.fold:not([open]), details.part:not([open])")];
+    for (const one of opened) one.open = true;
+  });
+  addEventListener("afterprint", () => {
+    for (const one of opened) one.open = false;
+  });
+
   const table = document.querySelector("#claims table");
   if (table) tabulate(table);
+  find();
+  spy();
   addEventListener("hashchange", follow);
   addEventListener("resize", scrolled);
+  document.addEventListener("toggle", scrolled, true);
+  document.addEventListener("click", (event) => {
+    const link = event.target.closest("a[href^='#']");
+    if (link && link.hash === location.hash) follow();
+  });
   scrolled();
   follow();
 })();

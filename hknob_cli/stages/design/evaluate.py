@@ -64,7 +64,7 @@ class Evaluator:
             for one, attractor in zip(result.perceived, result.attractors, strict=True)
             if attractor.outcome is Outcome.CYCLE
         ]
-        heard = "hearing_db" if self.plan.perceive.sound_gain is not None else "hearing_relative_db"
+        heard = "hearing_db" if self.plan.perceive.gained else "hearing_relative_db"
         unknown = {
             column: None
             for column, field in (("touch_db", "touch_db"), (heard, "hearing_db"))

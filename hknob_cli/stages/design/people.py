@@ -33,7 +33,7 @@ class Judged(NamedTuple):
 
 def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judged:
     """A design by the ``rows`` of its people, those of the ``present`` design, and its stiffness (N·m/rad)."""
-    heard = "hearing_db" if plan.perceive.sound_gain is not None else "hearing_relative_db"
+    heard = "hearing_db" if plan.perceive.gained else "hearing_relative_db"
     fails: dict[str, str] = {}
     if plan.stiffness is not None and not stiffness >= plan.stiffness * (1.0 - ROUNDING):
         fails["stiffness"] = f"{stiffness:.3g} N*m/rad" if isfinite(stiffness) else "not known"

@@ -180,7 +180,7 @@ class DesignStage:
         units = [(one.name, one.unit) for one in self.plan.choices]
         columns = design_columns(
             units,
-            gained=self.plan.perceive.sound_gain is not None,
+            gained=self.plan.perceive.gained,
             drawn=self.plan.drawn,
             domain=any(has_domain(one.sweep.scene) for one in self.plan.candidates),
             ranged=self.plan.ranged,

@@ -11,11 +11,14 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import COUNTS, RATE, DfaPlan, scene_at
+from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Scene, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import listed
+from hknob_cli.theory.attached import Attached, attached_to
+from hknob_cli.theory.laws import MOST_FRICTION
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
 from hknob_cli.theory.sampled_relay import MOST_PAIRS, sampled_cycles
+from hknob_cli.theory.staircase import swings
 
 COLUMNS = (
     Column("method", pa.string(), "", "df1, df4, ...: that many odd harmonics; tsypkin: all; sampled: exact"),
@@ -30,6 +33,8 @@ SAMPLED = (
     Column("period_samples", pa.int64(), "sample", "period of a cycle of the sampled relay"),
     Column("samples_inside", pa.int64(), "sample", "how many of them see the lower level"),
 )
+
+FEW = "it has fewer than four samples a cycle, the method assumes many"
 
 Progress = Callable[[int, int], None]
 
@@ -62,8 +67,9 @@ class DfaStage:
             progress(done, len(every))
             scene = scene_at(self.plan.scene, cell)
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+            more = _attached(scene, cell)
             for method in self.plan.methods:
-                found = list(self._sampled(knob) if method == "sampled" else self._continuous(knob, method))
+                found = list(self._found(knob, method, more))
                 found = [{**blank, **row} for row in found]
                 if method == "sampled" and self.lists:
                     self.lists.mark(cell, found)
@@ -77,14 +83,41 @@ class DfaStage:
                     )
                     yield {**cell, **row, "method": method, "orbit": number, **beside}
 
-    def _continuous(self, knob: SampledKnob, method: str) -> Iterator[dict[str, Any]]:
-        """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
+    def _found(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
+        if method == "sampled":
+            return self._sampled(knob)
+        return self._staircase(knob, more) if method == "staircase" else self._continuous(knob, method, more)
+
+    @staticmethod
+    def _staircase(knob: SampledKnob, more: Attached | None) -> Iterator[dict[str, Any]]:
+        """Cycles by one harmonic of the whole wall, under the push that there is."""
         loop = knob.loop
-        delay = 0.5 + max(0, knob.delay_line - 1) + loop.split
-        if nothing := _no_relay(knob):
+        if nothing := _no_relay(knob, more) or (_beyond("staircase", more) if more else ""):
             yield {"in_domain": False, "reason": nothing}
             return
-        unit = Relay(loop.alpha, loop.beta, 1.0, delay)
+        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more)
+        pitches = describing_function(unit, 1)
+        found = [(cycle, swing) for cycle in reversed(pitches) for swing in swings(loop, 0.25 * pi * cycle.amplitude)]
+        if not found:
+            yield {"in_domain": False, "reason": "no motion that the wall keeps up"}
+        for cycle, swing in found:
+            few = cycle.omega > 0.5 * pi
+            yield {
+                "p2p_rad": 2.0 * swing.amplitude * knob.quantum_rad,
+                "frequency_hz": cycle.omega / (2.0 * pi * knob.period_s),
+                "in_domain": not few,
+                "reason": FEW if few else "",
+            }
+
+    def _continuous(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
+        """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
+        loop = knob.loop
+        if nothing := _no_relay(knob, more) or (_beyond(method, more) if more else ""):
+            yield {"in_domain": False, "reason": nothing}
+            return
+        if more:
+            more = more._replace(friction=more.friction / (0.5 * loop.kappa))
+        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more)
         if (method, unit) not in self._cycles:
             harmonics = int(method[2:]) if method.startswith("df") else 0
             cycles = describing_function(unit, harmonics) if harmonics else tsypkin(unit)
@@ -95,6 +128,10 @@ class DfaStage:
         for cycle in reversed(cycles):
             amplitude = 0.5 * loop.kappa * cycle.amplitude
             reasons = self._assumptions(knob, amplitude, cycle.omega)
+            if more and 0.5 * more.friction > MOST_FRICTION:
+                reasons.append(
+                    f"friction is {0.5 * more.friction:.3g} of a torque step, the method assumes that it never sticks"
+                )
             if not cycle.single:
                 reasons.append("the wave crosses the edge more than twice a cycle, so it is none of a relay")
             yield {
@@ -118,12 +155,12 @@ class DfaStage:
         if amplitude > 1.0:
             reasons.append(f"it swings {amplitude:.3g} counts to each side, the method assumes at most 1")
         if omega > 0.5 * pi:
-            reasons.append("it has fewer than four samples a cycle, the method assumes many")
+            reasons.append(FEW)
         return reasons
 
     def _sampled(self, knob: SampledKnob) -> Iterator[dict[str, Any]]:
         """Exact cycles, with their sample counts."""
-        if nothing := _no_relay(knob):
+        if nothing := _no_relay(knob, None):
             yield {"in_domain": False, "reason": nothing}
             return
         found = sampled_cycles(knob.loop, delay_line=knob.delay_line, functions=self._functions)
@@ -153,8 +190,34 @@ class DfaStage:
         return compiled()
 
 
-def _no_relay(knob: SampledKnob) -> str:
+def _delay(knob: SampledKnob) -> float:
+    """Mean samples from an edge to its torque: half a hold, and the transport delay."""
+    return 0.5 + max(0, knob.delay_line - 1) + knob.loop.split
+
+
+def _attached(scene: Scene, cell: Cell) -> Attached | None:
+    """A finger, a lag or friction of the cell; None for a plain body."""
+    hand, actuator = scene.hand, scene.actuator
+    if not (scene.knob.coulomb_torque or (hand and hand.finger) or (actuator and actuator.time_constant)):
+        return None
+    from hknob_cli.scene.general_knob import sample_general
+
+    knob = sample_general(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
+    return attached_to(knob.body)
+
+
+def _no_relay(knob: SampledKnob, more: Attached | None) -> str:
     """Why there is no cycle, if so: there is no relay, or nothing takes the energy that a late one adds."""
     if knob.loop.kappa == 0.0:
         return "the wall has no stiffness"
-    return "there is no viscous damping, so that no cycle is bounded" if knob.loop.alpha == 0.0 else ""
+    loses = knob.loop.alpha + (more.pad_damping + more.finger_damping if more else 0.0)
+    return "there is no viscous damping, so that no cycle is bounded" if loses == 0.0 else ""
+
+
+def _beyond(method: str, more: Attached) -> str:
+    """Why a method has no word on what is attached; empty where it has."""
+    if method == "tsypkin":
+        return "its closed form is of one body; dfN with many harmonics comes as near"
+    if more.friction and method != "df1":
+        return "friction turns with the velocity, which df1 alone knows"
+    return ""

@@ -10,6 +10,7 @@ from typing import Any
 from hknob_cli.report.dfa import SWEEP_PROVES, overlap_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 from hknob_cli.report.verdicts import expected
+from hknob_cli.stages.predict.criteria_text import criteria_text
 
 LIMITS = {
     "colgate_schenkel": "Colgate & Schenkel",
@@ -154,7 +155,7 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
         lines += ["", *_list(summary, wide)]
     lines += ["", *_reasons(summary)]
     lines += [*overlap_text(summary), *_statistics(summary)]
-    return "\n".join([*lines, *limits_text(summary)])
+    return "\n".join([*lines, *limits_text(summary), *criteria_text(summary)])
 
 
 def _mark(row: dict[str, Any]) -> str:

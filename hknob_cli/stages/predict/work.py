@@ -6,6 +6,8 @@ from typing import Any
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.stages import compare
 from hknob_cli.stages.job import Job
+from hknob_cli.stages.predict.criteria import evaluate
+from hknob_cli.stages.predict.criteria_text import describe_criteria
 from hknob_cli.stages.predict.run import predict
 from hknob_cli.stages.predict.text import describe_predictions, predictions_text
 from hknob_cli.stages.work import Tables, Work, compare_scenes, note, overlap_of
@@ -20,12 +22,16 @@ class PredictWork(Work):
         return ("predict.png",)
 
     def files(self, job: Job) -> tuple[str, ...]:
-        """Predictions, stability limits, and differences from a sweep where there is one."""
-        return "predict.parquet", "passivity.parquet", *(["differences.parquet"] if job.plan.against else [])
+        """Predictions, stability limits, criteria if asked for, and differences from a sweep if there is one."""
+        further = ["criteria.parquet"] if job.plan.criteria else []
+        return "predict.parquet", "passivity.parquet", *further, *(["differences.parquet"] if job.plan.against else [])
 
     def stale_outputs(self, job: Job) -> tuple[str, ...]:
-        """Differences, where there is no sweep to compare with."""
-        return () if job.plan.against else ("differences.parquet",)
+        """Differences, where there is no sweep to compare with, and criteria, where none is asked for."""
+        return (
+            *(() if job.plan.against else ("differences.parquet",)),
+            *(() if job.plan.criteria else ("criteria.parquet",)),
+        )
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """The sweep it is compared with, and the known case that the constant is taken from, if any."""
@@ -44,11 +50,12 @@ class PredictWork(Work):
             compare_scenes(job)
         with progress_bar(len(cells_of(job.plan)), show=not job.quiet) as progress:
             predictions, passivity = predict(job.plan, progress)
+        further = (evaluate(job.plan),) if job.plan.criteria else ()
         if not job.plan.against:
-            return predictions, passivity
+            return predictions, passivity, *further
         rows = predictions.to_pylist()
         groups = {law: compare.summarise([row for row in rows if row["law"] == law]) for law in job.plan.laws}
-        return predictions, passivity, compare.statistics_table("law", groups)
+        return predictions, passivity, *further, compare.statistics_table("law", groups)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Every law over one axis or two; over more, or over a design, what matters most."""
@@ -71,12 +78,13 @@ class PredictWork(Work):
         return {
             **describe_predictions(laws, passivity, axes=list(job.plan.axes)),
             **({"against": job.plan.against} if job.plan.against else {}),
+            **({"criteria": describe_criteria(tables[2].to_pylist())} if job.plan.criteria else {}),
             **overlap_of(job),
-            **({"statistics": compare.grouped(tables[2], "law")} if job.plan.against else {}),
+            **({"statistics": compare.grouped(tables[-1], "law")} if job.plan.against else {}),
         }
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
-        """Matrices over two axes, a list otherwise; statistics; a line on the limits."""
+        """Matrices over two axes, a list otherwise; statistics; lines on the limits and criteria."""
         return predictions_text(summary, list(job.plan.axes))
 
 

@@ -78,7 +78,7 @@ def felt_columns(*, gained: bool) -> tuple[Column, ...]:
 def level_columns(plan: RemediesPlan) -> tuple[Column, ...]:
     """Columns that ``perceive`` adds to a trial, where it is asked for."""
     how = plan.perceive
-    return felt_columns(gained=how.sound_gain is not None) if how else ()
+    return felt_columns(gained=how.gained) if how else ()
 
 
 def louder(plan: RemediesPlan, row: Row, reference: Row | None) -> Row:
@@ -86,7 +86,7 @@ def louder(plan: RemediesPlan, row: Row, reference: Row | None) -> Row:
     how = plan.perceive
     if how is None:
         return row
-    heard = "hearing_db" if how.sound_gain is not None else "hearing_relative_db"
+    heard = "hearing_db" if how.gained else "hearing_relative_db"
     there = reference or {"touch_db": None, heard: None}
 
     def change(column: str) -> float | None:

@@ -4,12 +4,11 @@ Remedies over the whole grid, on the terminal: what a trial without cases has to
 """
 
 from collections.abc import Sequence
-from statistics import median
 from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.remedies_over import over_axis, over_text, tuned_values
+from hknob_cli.report.remedies_over import over_axis, over_text, over_the_grid, tuned_values
 from hknob_cli.report.table import short, table
 from hknob_cli.report.verdicts import best_remedy
 from hknob_cli.results.means import from_where, together
@@ -56,7 +55,7 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
     """
     over = grid.to_pylist()
     rows = cases.to_pylist()
-    everywhere = {name: _grid(over, name) for name in dict.fromkeys(row["remedy"] for row in over)}
+    everywhere = over_the_grid(over)
     found: dict[str, list[Row]] = {}
     for case in dict.fromkeys(row["case"] for row in rows):
         here = [
@@ -81,23 +80,9 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
 
 
 def _size(row: Row) -> float:
-    """By the largest motion of any hand; what diverges is larger than all."""
+    """By the largest motion of any hand; what diverges, or has no decided end, is larger than all."""
     diverges = row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0
     return float("inf") if diverges else float(row["p2p_max_rad"])
-
-
-def _grid(rows: list[Row], name: str) -> Row:
-    """A remedy over the grid, where the reference buzzes in the same cell: median and least of how much smaller."""
-    mine = [row for row in rows if row["remedy"] == name]
-    ratios = [row["p2p_ratio"] for row in mine if row["p2p_ratio"] is not None]
-    return {
-        "cells": len(mine),
-        "at_rest_fraction": sum(row["at_rest_fraction"] for row in mine) / len(mine),
-        "certified_fraction": sum(row["certified_fraction"] for row in mine) / len(mine),
-        "diverged_fraction": sum(row["diverged_fraction"] for row in mine) / len(mine),
-        "ratio_median": median(ratios) if ratios else None,
-        "ratio_least": min(ratios) if ratios else None,
-    }
 
 
 def _together(rows: list[Row]) -> Row:
@@ -183,7 +168,7 @@ def _line(row: Row, grid: Row, count: int) -> list[str]:
     ranged = _starts(row) if "complete" in row else []
     if row["p2p_max_rad"] is None:
         blank = [*ranged, *[""] * 5, _times(grid["ratio_median"])]
-        return ["diverges", *blank, *[""] * (count - 1 - len(blank))]
+        return ["diverges" if row["diverged_fraction"] > 0.0 else "undecided", *blank, *[""] * (count - 1 - len(blank))]
     rests = row["p2p_max_rad"] == 0.0
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),

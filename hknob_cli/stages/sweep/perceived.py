@@ -42,10 +42,10 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
     if not lines.reach(HIGHEST_HZ):
         return one
     speed = lines.speed_rad_s
-    if how.sound_gain is None:
+    if not how.gained:
         sound, phon = decibels(speed), nan
     else:
-        sound = hearing.heard_level(speed, gain_pa_s_per_rad=how.sound_gain)
+        sound = hearing.heard_level(speed, gain_pa_s_per_rad=_gains(lines.frequency_hz, how))
         phon = _loudest(lines.frequency_hz, sound, how)
     heard = hearing.judge(lines.frequency_hz, sound, edition=how.edition)
     return one._replace(
@@ -53,6 +53,13 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
         hearing_hz=float(heard.frequency_hz),
         hearing_phon=phon,
     )
+
+
+def _gains(frequency: Any, how: Perceive) -> Any:
+    """The device's gain at each harmonic, Pa/(rad/s); NaN where it was not measured."""
+    if how.sound_gain is not None:
+        return how.sound_gain
+    return hearing.response(frequency, how.sound_response, extrapolate=how.extrapolate)
 
 
 def _loudest(frequency: Any, sound: Any, how: Perceive) -> float:
@@ -79,7 +86,7 @@ def orbit_row(one: Perceived, how: Perceive, step: float) -> dict[str, Any]:
     """Row of an orbit."""
     numbers = one._replace(others_db=())._asdict()
     row = {name: value if isfinite(value) else None for name, value in numbers.items() if name != "others_db"}
-    if how.sound_gain is None:
+    if not how.gained:
         row["hearing_relative_db"] = row.pop("hearing_db")
     return {**row, "torque_step_db": step}
 

@@ -151,7 +151,7 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         from hknob_cli.results.columns import cell_columns
         from hknob_cli.stages.sweep.perceived import cell_row
 
-        columns = (*columns, *cell_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        columns = (*columns, *cell_columns(gained=plan.perceive.gained, counted=_is_counted(plan)))
         rows = []
         for result in results:
             total = sum(one.trials for one in result.attractors)
@@ -172,7 +172,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         from hknob_cli.results.columns import orbit_columns
         from hknob_cli.stages.sweep.perceived import orbit_row
 
-        columns = (*columns, *orbit_columns(gained=plan.perceive.sound_gain is not None, counted=_is_counted(plan)))
+        columns = (*columns, *orbit_columns(gained=plan.perceive.gained, counted=_is_counted(plan)))
         more |= _turned(
             [orbit_row(one, plan.perceive, _step_db(plan, result)) for result in results for one in result.perceived]
         )

@@ -93,6 +93,7 @@ class SysidStage:
             seed=virtual.seed,
             grips=virtual.grips,
             model="fourth" if virtual.model == "fourth" else "second",
+            torque=virtual.input,
             progress=progress,
         )
 

@@ -13,6 +13,7 @@ import pyarrow as pa
 from hknob_cli.identify.fit import MISFIT, ODDS
 from hknob_cli.recordings.columns import UNNAMED
 from hknob_cli.report.table import short, table
+from hknob_cli.report.verdicts import DEVIATION, ERROR, alone, biased, calibrated, identified
 from hknob_cli.stages.sysid.remarks import DISAGREE
 
 Row = dict[str, Any]
@@ -40,6 +41,7 @@ def study_text(summary: dict[str, Any]) -> str:
     """One table a grip force and nuisance; and one of the finger behind its pad."""
     lines = [f"{summary['name']}: estimators compared with the truth"]
     rows = summary.get("bias", [])
+    lines += ["", biased(rows)] if rows else []
     for grip, nuisance in dict.fromkeys((row["grip_n"], row["nuisance"]) for row in rows):
         chosen = [row for row in rows if (row["grip_n"], row["nuisance"]) == (grip, nuisance)]
         lines += ["", f"{NUISANCES[nuisance][0]}, grip {short(grip)} N: bias ± standard deviation, %"]
@@ -93,7 +95,7 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
         "fits": trials.num_rows,
         "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
         "conditions": [row for row in rows if row["level"] == "all"],
-        "alone": _alone([row for row in rows if row["level"] == "subject"]),
+        "alone": alone(rows),
         "flags": dict(flags.most_common(20)),
         "averages": _averages(fits),
         "remarks": list(dict.fromkeys(_remark(row) for row in rows if DISAGREE in row["flags"])),
@@ -104,12 +106,6 @@ def _remark(row: dict[str, Any]) -> str:
     """Where the estimators of a person's condition disagree."""
     said = [flag for flag in row["flags"].split("; ") if flag.startswith(DISAGREE)]
     return f"{row['subject']}, experiment {row['experiment']}, {row['grip_target_n']:g} N: {'; '.join(said)}"
-
-
-def _alone(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Rows that no mean over persons stands for: those of the only person, or of knobs that nobody grips."""
-    held = any(row["grip_target_n"] for row in rows)
-    return rows if not held or len({row["subject"] for row in rows}) == 1 else []
 
 
 def _averages(fits: list[dict[str, Any]]) -> dict[str, float] | None:
@@ -137,10 +133,11 @@ def sysid_text(summary: dict[str, Any]) -> str:
         return _calibration_text(summary)
     rows = summary["alone"] or summary["conditions"]
     named = len({row["subject"] for row in rows}) > 1 or not any(row["grip_target_n"] for row in rows)
-    whose = "standard error" if summary["alone"] else "standard deviation over persons"
+    whose = ERROR if summary["alone"] else DEVIATION
     first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
+    lines += ["", identified(rows, errors=whose)]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
         where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
         lines += ["", f"{where}{key[1]}: mean ± {whose}"]
@@ -170,7 +167,8 @@ def sysid_text(summary: dict[str, Any]) -> str:
 
 
 def _calibration_text(summary: dict[str, Any]) -> str:
-    lines = [f"{summary['name']}: {len(summary['calibration'])} quantities"]
+    quantities = summary["calibration"]
+    lines = [f"{summary['name']}: {len(quantities)} quantities", "", calibrated(quantities), ""]
     body = [
         [row["quantity"], row["condition"], _spread(row["value"], row["std"], 1.0), row["unit"], row["flags"]]
         for row in summary["calibration"]

@@ -56,6 +56,7 @@ LOOP_ONLY: dict[str, dict[str, Any]] = {
         "angle": "filtered",
         "cut_off": 2.0,
     },
+    "speed, Kalman": {"kind": "velocity_damping", "damping": 2.0e-4, "velocity": "kalman", "acceleration": 300.0},
     "angle, filtered": {"kind": "velocity_damping", "damping": 0.0, "low_pass": 0.002, "angle": "filtered"},
     "speed and angle, filtered": {
         "kind": "velocity_damping",
@@ -78,6 +79,21 @@ def longest_line(places: list[Any], within: Any) -> Any:
     return slope
 
 
+def riccati(acceleration: Any, period: Any, error: Any) -> tuple[Any, Any]:
+    """The gains where a Kalman filter's covariance has settled, by its recursion from a start that knows nothing."""
+    drive = [period * period / 2, period]
+    p = [[error**2 * 10**6, error * 0], [error * 0, (error / period) ** 2 * 10**6]]
+    last, gains = None, (error * 0, error * 0)
+    while last is None or max(abs(a - b) for a, b in zip(gains, last, strict=True)) > abs(gains[0]) * 1e-38:
+        ahead = [[p[0][0] + period * p[1][0], p[0][1] + period * p[1][1]], p[1]]
+        p = [[row[0] + period * row[1], row[1]] for row in ahead]
+        p = [[p[i][j] + acceleration**2 * drive[i] * drive[j] for j in range(2)] for i in range(2)]
+        last, total = gains, p[0][0] + error**2
+        gains = (p[0][0] / total, p[1][0] / total)
+        p = [[p[i][j] - gains[i] * p[0][j] for j in range(2)] for i in range(2)]
+    return gains
+
+
 class Source(Law):
     """The controller as its source has it."""
 
@@ -87,6 +103,10 @@ class Source(Law):
         self.angle: Any = None
         self.clock, self.changed_at, self.last = 0, 0, None
         self.pace = self.zero
+        if self.numbers.get("velocity") == "kalman":
+            with mp.workdps(50):
+                exact = [mp.mpf(one) for one in (self.numbers["acceleration"], self.rig.period, self.rig.quantum)]
+                self.gains = [self.rig.number(one) for one in riccati(exact[0], exact[1], exact[2] / mp.sqrt(12))]
 
     def act(self, shown: Any, speed: Any, before: Any, looks: list[Any]) -> Any:
         window, velocity = self.numbers.get("window", 1), self.numbers.get("velocity")
@@ -99,12 +119,13 @@ class Source(Law):
         elif velocity == "adaptive":
             # Readings are whole counts, so that a line that is a count off is so up to rounding.
             speed = longest_line(self.seen, self.rig.quantum * (1 + mp.mpf(10) ** -12)) / self.rig.period
-        elif velocity == "tracking":
-            time, w = self.rig.period, self.numbers["bandwidth"]
+        elif velocity in ("tracking", "kalman"):
+            time, w = self.rig.period, self.numbers.get("bandwidth")
+            near, fast = self.gains if w is None else (time * 2 * w, time * w * w)
             self.angle += time * self.filtered
             error = shown - self.angle
-            self.angle += time * 2 * w * error
-            self.filtered += time * w * w * error
+            self.angle += near * error
+            self.filtered += fast * error
             speed, at = self.filtered, self.angle
         elif window > 1:
             speed = (shown - self.seen[0]) / (window * self.rig.period)
@@ -164,6 +185,12 @@ class Block(Page):
             e = self.th - (self.p + x * self.T)
             self.p += x * self.T + 2.0 * self.key["bandwidth"] * self.T * e
             self.y = x = x + self.key["bandwidth"] ** 2 * self.T * e
+        elif self.key.get("velocity") == "kalman":
+            g = self.key["acceleration"] * self.T**2 * 12.0**0.5 / self.D
+            d = ((8.0 * g + g * g) ** 0.5 - g) / 4.0
+            e = self.th - (self.p + x * self.T)
+            self.p += x * self.T + d * (2.0 - d) * e
+            self.y = x = x + 2.0 * d * d * e / self.T
         elif "low_pass" in self.key:
             a = 1.0 - exp(-self.T / self.key["low_pass"])
             self.y = self.y + a * (x - self.y)
@@ -181,7 +208,7 @@ class Block(Page):
             return self.v
         if velocity == "differenced":
             return (self.th - self.places[-n]) / (n * self.T)
-        if velocity == "tracking":
+        if velocity in ("tracking", "kalman"):
             return self.y
         if velocity == "adaptive":
             counts = [round(place / self.D) for place in [*self.places[-n:], self.th]]

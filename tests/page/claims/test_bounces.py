@@ -128,6 +128,23 @@ def test_published_thresholds() -> None:
         compute("touch_drop", none, {"thresholds": "thenar", "from_hz": 10, "to_hz": 400})
 
 
+def test_the_rate_at_which_least_is_noticed(made: Made) -> None:
+    """Per resolution the least of the larger level: 1000 Hz (30 dB) and 4000 Hz (felt only); a cell at rest is none."""
+
+    def row(rate: float, counts: int, felt: float | None, heard: float | None) -> dict[str, Any]:
+        return {"sample_rate_hz": rate, "counts_per_rev": counts, "touch_db": felt, "hearing_db": heard}
+
+    coarse = [row(500.0, 256, 40.0, 10.0), row(1000.0, 256, 30.0, 20.0), row(4000.0, 256, 10.0, 35.0)]
+    fine = [row(500.0, 512, 20.0, None), row(1000.0, 512, None, None), row(4000.0, 512, 15.0, -3.0)]
+    made("quiet", {"cells": coarse + fine})
+    evidence = made("loud", {"cells": [{**one, "hearing_db": (one["hearing_db"] or 0.0) + 20.0} for one in coarse]})
+    assert compute("sensed_trough", evidence, {"result": "quiet", "statistic": "least"}) == 1000.0
+    assert compute("sensed_trough", evidence, {"result": "quiet", "statistic": "largest"}) == 4000.0
+    assert compute("sensed_trough", evidence, {"result": "loud"}) == 500.0
+    arguments = {"result": "loud", "over": "quiet", "where": {"counts_per_rev": 256}}
+    assert compute("sensed_trough", evidence, arguments) == pytest.approx(0.5)
+
+
 def test_contours_of_hearing() -> None:
     """ISO 226:2023, Table 1: thresholds -5.9 at 3150 Hz, 12.2 at 10 kHz and so on; its contours are phon at 1 kHz."""
     none = ResultSet({})

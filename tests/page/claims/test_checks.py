@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import UsageError
+from hknob_cli.identify.finger_network import respond_fourth
 from hknob_cli.page.claims.checks import compute, known
 from hknob_cli.page.claims.checks.finger import network
 from hknob_cli.printed import tables
@@ -143,6 +144,28 @@ def test_network_is_equation_1_written_out() -> None:
 
 def test_springs_in_series() -> None:
     assert value("static_stiffness", where=WHERE) == pytest.approx(5 * 11 / 16)
+
+
+def test_the_order_of_the_network() -> None:
+    """Four states with the actuator's mass, three without, and two without the finger's."""
+    assert value("network_order", where=WHERE) == 4.0
+    assert value("network_order", where={**WHERE, "J2": 0}) == 3.0
+    assert value("network_order", where={**WHERE, "J2": 0, "J1": 0}) == 2.0
+
+
+def test_how_deep_the_knob_dips_against_the_motion_sample_by_sample() -> None:
+    """By the identification's own network, whose step is exact, every 10 us."""
+    hand = {"J1": 3.0e-7, "K1": 0.46, "B1": 1.173e-3, "J2": 1.98e-6, "K2": 0.46, "B2": 0.05865}
+    names = {"J2": "inertia", "J1": "finger_inertia", "B1": "finger_damping", "K1": "finger_stiffness"}
+    names |= {"B2": "pad_damping", "K2": "pad_stiffness"}
+    angle = respond_fourth({names[key]: one for key, one in hand.items()}, np.ones(2001), 1e-5)
+    falls = np.flatnonzero(np.diff(angle) < 0.0)
+    rise = next(i for i in range(falls[0], 2000) if angle[i + 1] > angle[i])
+    depth = 100.0 * (angle[falls[0]] - angle[rise]) / angle[falls[0]]
+    assert depth > 5.0
+    assert value("dip_depth", where=hand) == pytest.approx(depth, abs=1e-3)
+    assert value("dip_depth", where={**hand, "K1": 2.53, "B1": 0.01265, "K2": 0.253, "B2": 1.265e-3}) == 0.0
+    assert value("dip_depth", where=hand, pulse_s=0.005) == 0.0
 
 
 def test_network_loses_energy_by_its_dampers_only() -> None:

@@ -78,6 +78,10 @@ def test_two_sweeps(made: Made) -> None:
     assert compute("difference", evidence, beside) == pytest.approx(50.0)
     cells = {"column": "p2p_rad", "result": "a", "where": {"sample_rate_hz": 100}, "to": "b"}
     assert compute("of_two_cells", evidence, cells) == pytest.approx(3.0 / 3.5)
+    evidence = made("c", {"orbits": [{"p2p_rad": 4.0}, {"p2p_rad": 2.0}], "cells": [cell(100, 128, 9.0, 30.0)]})
+    orbits = {"column": "p2p_rad", "result": "c", "to": "c", "file": "orbits"}
+    pair = {"where": {"p2p_rad": 4.0}, "to_where": {"p2p_rad": 2.0}}
+    assert compute("of_two_cells", evidence, {**orbits, **pair}) == 2.0
 
 
 def test_what_cannot_be_compared_is_said(evidence: Any, made: Made) -> None:

@@ -116,6 +116,14 @@ def test_a_cell_has_its_most_noticeable_orbit(gained: SweepTables) -> None:
     assert cell["felt_fraction"] == 1.0
 
 
+def test_a_table_of_one_gain_is_that_gain(gained: SweepTables) -> None:
+    table = sweep(SPEC + "perceive: {knob_radius: 8.9 mm, sound_response: [[1 Hz, 0.02], [1 MHz, 0.02]]}\n")
+    assert table.cells.column_names == gained.cells.column_names
+    for ours, theirs in zip(rows(table.orbits), rows(gained.orbits), strict=True):
+        assert ours["hearing_db"] == pytest.approx(theirs["hearing_db"], abs=1e-9)
+        assert ours["hearing_hz"] == theirs["hearing_hz"]
+
+
 def test_relative_sound_is_sound_less_the_gain() -> None:
     """0 dB re 1 rad/s peak is 20 log10(gain / (sqrt(2) 20 uPa)) dB SPL."""
     (loud,), (relative,) = rows(sweep(SPEC + GAIN).cells), rows(sweep(SPEC + BLOCK).cells)
@@ -164,6 +172,30 @@ def test_a_period_whose_highest_harmonics_are_missing_is_not_judged_by_the_other
     for count, known in ((1250, (True, True)), (500, (True, False)), (31, (False, False))):
         one = perceive(Harmonics(whole.frequency_hz[:count], whole.angle_rad[:count]), HOW)
         assert (np.isfinite(one.touch_db), np.isfinite(one.hearing_db)) == known
+
+
+def test_a_gain_may_change_with_frequency() -> None:
+    """Twice the gain for twice the frequency, from 0.01 at 100 Hz: a harmonic of 300 Hz has 0.03, 9.5 dB more."""
+    rising = Perceive(8.9e-3, sound_response=((100.0, 0.01), (400.0, 0.04)))
+    for hertz, gain in ((100.0, 0.01), (300.0, 0.03), (400.0, 0.04)):
+        by_one = perceive(lines(hertz, 1e-4), Perceive(8.9e-3, sound_gain=gain))
+        by_table = perceive(lines(hertz, 1e-4), rising)
+        assert by_table.hearing_db == pytest.approx(by_one.hearing_db, abs=1e-9)
+        assert by_table.touch_db == pytest.approx(by_one.touch_db, nan_ok=True)
+    flat = Perceive(8.9e-3, sound_response=((1.0, 0.02), (20000.0, 0.02)))
+    assert perceive(lines(1000.0, 1e-6), flat)[2:4] == pytest.approx(perceive(lines(1000.0, 1e-6), HOW)[2:4])
+
+
+def test_where_the_gain_was_not_measured_there_is_no_level() -> None:
+    """Of a loud harmonic outside the table and a faint one inside, the faint one is judged, unless asked to go on."""
+    both = lines(1000.0, 1e-3)
+    both.angle_rad[19] = 1e-6  # at 200 Hz
+    table = Perceive(8.9e-3, sound_response=((100.0, 0.02), (500.0, 0.02)))
+    assert perceive(both, table).hearing_hz == 200.0
+    assert perceive(both, table._replace(extrapolate=True)).hearing_hz == 1000.0
+    none = perceive(lines(1000.0, 1e-3), table)
+    assert np.isnan(none.hearing_db)
+    assert np.isnan(none.hearing_phon)
 
 
 def test_without_a_cycle_there_is_no_level() -> None:
@@ -224,6 +256,13 @@ def test_without_an_encoder_there_is_no_torque_step() -> None:
         ("perceive: {knob_radius: 8.9 mm, sound_gain: 0.02 Pa}\n", "perceive.sound_gain: '0.02 Pa' is in pascal"),
         ("perceive: {knob_radius: 8.9 mm, sound_gian: 0.02}\n", "did you mean 'sound_gain'"),
         ("perceive: {knob_radius: 8.9 mm, hearing: {edition: 1987}}\n", "perceive.hearing.edition"),
+        ("perceive: {knob_radius: 8.9 mm, sound_response: [[100, 0.02]]}\n", "must have two [frequency, gain] or more"),
+        ("perceive: {knob_radius: 8.9 mm, sound_response: [[200, 0.02], [100, 0.02]]}\n", "frequencies must increase"),
+        ("perceive: {knob_radius: 8.9 mm, sound_response: [[100, 0], [200, 0.02]]}\n", "must be > 0"),
+        (
+            "perceive: {knob_radius: 8.9 mm, sound_gain: 0.02, sound_response: [[100, 0.02], [200, 0.02]]}\n",
+            "sound_response: must be absent where sound_gain is given",
+        ),
     ],
 )
 def test_faults_of_the_block(block: str, fault: str) -> None:

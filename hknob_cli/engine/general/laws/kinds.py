@@ -31,13 +31,26 @@ def bounded_lag(shown, speed, past, fixed, out):
 
 
 def first_order_hold(shown, speed, past, fixed, out):
-    """Memory: the wall's last two torques. Fixed: offset, whether to correct."""
-    now, before, earlier = depth_of(shown, fixed[0]), past[0], past[1]
-    torque = 1.5 * now - 0.5 * before
-    if fixed[1] > 0.0:
-        torque = torque + 0.5 * (now + before) - (1.5 * before - 0.5 * earlier)
-    past[0], past[1] = now, before
-    out[0] = torque
+    """Memory: the wall's last torque, the last mean. Fixed: offset, whether to correct, looks, steps."""
+    now, before = depth_of(shown, fixed[0]), past[0]
+    mean, acted = 1.5 * now - 0.5 * before, 0.5 * (now + before)
+    count, steps = int(fixed[2]) + 1, int(fixed[3])
+    if count > 1:
+        total, moment = 0.0, 0.0
+        for k in range(count + 1):
+            w = before if k == 0 else now if k == count else depth_of(past[2 + k], fixed[0])
+            total = total + w
+            moment = moment + (k - 0.5 * count) * w
+        slope = moment * (12.0 / ((count + 1) * (count + 2)))
+        mean = 0.5 * (now + (total / (count + 1) + 1.5 * slope))
+        acted = (total - 0.5 * (before + now)) / count
+    missed = acted - past[1] if fixed[1] > 0.0 else 0.0
+    past[0], past[1] = now, mean
+    out[0] = mean + missed
+    if steps > 1:
+        rise = 2.0 * (mean - now)
+        for k in range(steps):
+            out[k] = now + (k + 0.5) / steps * rise + missed
     return inf
 
 

@@ -130,11 +130,17 @@ def largest_beside(
 
 @check
 def of_two_cells(
-    evidence: ResultSet, column: str, result: str, to: str, where: Where | None = None, to_where: Where | None = None
+    evidence: ResultSet,
+    column: str,
+    result: str,
+    to: str,
+    where: Where | None = None,
+    to_where: Where | None = None,
+    file: str = "cells",
 ) -> float | None:
-    """A column in one cell over the same in another, of the same or another sweep; means where several fit."""
-    first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")
-    second = one_number((row[column] for row in rows_of(evidence, to, "cells", to_where, needs=[column])), "mean")
+    """A column in one row over the same in another, of the same or another result; means where several fit."""
+    first = one_number((row[column] for row in rows_of(evidence, result, file, where, needs=[column])), "mean")
+    second = one_number((row[column] for row in rows_of(evidence, to, file, to_where, needs=[column])), "mean")
     return None if first is None or not second else first / second
 
 

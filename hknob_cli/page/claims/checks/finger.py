@@ -62,6 +62,37 @@ def static_stiffness(_: ResultSet, *, where: Names) -> float:
 
 
 @check
+def network_order(_: ResultSet, *, where: Names) -> float:
+    """Number of states of the network: the degree of torque over angle; a ``where`` with J2 of 0 has no actuator."""
+    names = bound(where)
+    pad = np.polynomial.Polynomial([names["K2"], names["B2"]])
+    finger = np.polynomial.Polynomial([names["K1"], names["B1"], names["J1"]])
+    knob = np.polynomial.Polynomial([0.0, 0.0, names["J2"]])
+    whole = (knob + pad) * (finger + pad) - pad * pad
+    return float(whole.trim().degree())
+
+
+@check
+def dip_depth(_: ResultSet, *, where: Names, pulse_s: float = 0.02, samples: int = 2000) -> float:
+    """How far the network's knob falls back after its first peak before it rises again, % of the peak.
+
+    While a torque is on that began at rest; 0 where it does not fall, or does not rise again.
+    """
+    rates, enters = network(bound(where))
+    values, vectors = np.linalg.eig(rates)
+    rest = -np.linalg.solve(rates, enters)
+    free = vectors[0] * np.linalg.solve(vectors, -rest)  # of the knob's angle, by each motion of its own
+    times = np.linspace(0.0, pulse_s, samples + 1)
+    angle = rest[0] + np.real(np.exp(np.outer(times, values)) @ free)
+    falls = np.flatnonzero(np.diff(angle) < 0.0)
+    if not falls.size:
+        return 0.0
+    peak = int(falls[0])
+    rises = peak + np.flatnonzero(np.diff(angle[peak:]) > 0.0)
+    return float(100.0 * (angle[peak] - angle[rises[0]]) / angle[peak]) if rises.size else 0.0
+
+
+@check
 def fitted_inertia(
     _: ResultSet, *, where: Names, pulse_torque: float, pulse_s: float, samples: int, sample_rate_hz: float
 ) -> float:

@@ -1,15 +1,21 @@
-"""What identification finds of hands and of the apparatus, beside what is printed of them."""
+"""What identification finds of hands and of the apparatus, beside what is printed; the grip that a push asks for."""
 
 from math import sqrt
 from typing import Any
 
+import numpy as np
+
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
 from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.inputs import unit_input
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
 from hknob_cli.results.result_set import MissingError, ResultSet, Where
+from hknob_cli.specs.identification import InputPlan
+from hknob_cli.specs.plan import placed
+from hknob_cli.specs.squeeze import grip_of
 
 _J, _B, _K, _RATIO = "inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad", "damping_ratio"
 _STD = {
@@ -186,3 +192,25 @@ def apparatus_share(
     asked = {"estimator": estimator, **(where or {})}
     rows = rows_of(evidence, result, "trials", asked, needs=[column, "subject"])
     return one_number((100.0 * row[column] / lightest for row in rows if row[column] is not None), statistic)
+
+
+@check
+def asked_grip(evidence: ResultSet, result: str, push_nm: float, over_nm: float | None = None) -> float:
+    """Grip force (N) at which the fingers of a scene's ``squeeze`` hold a push into its wall (Hasser, Chapter 11).
+
+    ``over_nm``: over the grip force at another push. Raises `MissingError` for a result whose grip follows no push.
+    """
+    scene = evidence[result].scene
+    if scene.squeeze is None:
+        raise MissingError(f"the grip of '{result}' does not follow its push")
+    found = grip_of(placed(scene, {"bias.torque": push_nm}))
+    return found if over_nm is None else found / grip_of(placed(scene, {"bias.torque": over_nm}))
+
+
+@check
+def input_power(_: ResultSet, kind: str, over: str, duration_s: float = 0.5, chip_s: float = 0.002) -> float:
+    """Mean square of an input of one kind over that of another, both of the same largest value (Hasser, sec. 2.1)."""
+    first, second = (
+        float(np.mean(unit_input(InputPlan(one, duration_s, 1.0, 100.0, chip_s), 1e-4) ** 2)) for one in (kind, over)
+    )
+    return first / second

@@ -5,6 +5,7 @@ import numpy as np
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
+from hknob_cli.specs.plan import COUNTS, RATE
 
 AUDIBLE_HZ = (20.0, 12500.0)  # where ISO 226 has values
 
@@ -17,6 +18,31 @@ def touch_optimum(_evidence: ResultSet, thresholds: str) -> float:
     points = touch.thresholds(thresholds).points
     least = points[points[:, 1] <= points[:, 1].min() * (1.0 + 1e-9), 0]
     return float(0.5 * (least.min() + least.max()))
+
+
+@check
+def sensed_trough(
+    evidence: ResultSet, result: str, over: str | None = None, where: Where | None = None, statistic: str = "median"
+) -> float | None:
+    """Sample rate, Hz, of the least of max(touch_db, hearing_db); a statistic over resolutions.
+
+    ``over``: over that of another result. Cells at rest are left out, as in the check `trough`.
+    """
+    found = _least_noticed(evidence, result, where, statistic)
+    if over is None or found is None:
+        return found
+    other = _least_noticed(evidence, over, where, statistic)
+    return None if other is None else found / other
+
+
+def _least_noticed(evidence: ResultSet, result: str, where: Where | None, statistic: str) -> float | None:
+    best: dict[float, tuple[float, float]] = {}
+    for row in rows_of(evidence, result, "cells", where, needs=["touch_db", "hearing_db", RATE, COUNTS]):
+        levels = [row[name] for name in ("touch_db", "hearing_db") if row[name] is not None]
+        if levels:
+            here = (max(levels), row[RATE])
+            best[row[COUNTS]] = min(best.get(row[COUNTS], here), here)
+    return one_number((rate for _, rate in best.values()), statistic)
 
 
 @check

@@ -1,0 +1,134 @@
+"""Compiled functions linked into the one that Python calls, and optimised there, once.
+
+Numba optimises a function with copies of all that it calls, makes it executable, and gives it a wrapper by which Python
+calls it. Python calls few functions of the engine. The others are only ever called by these, so that this work on them
+is repeated in each caller and used by none. Here a function exists twice: as a part of others, which is translated and
+no more; and as an entry, into which all its parts are linked before it is optimised. Optimising does not reorder
+arithmetic: results are the same to the last bit.
+"""
+
+import gc
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+
+class Kinds(NamedTuple):
+    """Classes derived from numba's, which is loaded here.
+
+    ``part``: makes a part of a function; ``entry``: makes an entry; ``pipeline``: of an entry, where numba makes it.
+    """
+
+    part: Callable[[Callable[..., Any]], Any]
+    entry: Callable[[Callable[..., Any]], Any]
+    pipeline: Any
+
+
+@cache
+def kinds() -> Kinds:
+    """The kinds of compiled functions."""
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import Compiler
+    from numba.core.environment import lookup_environment
+    from numba.core.registry import CPUDispatcher
+    from numba.core.types import unliteral
+
+    class NotRun:
+        """Numba's generator of code, where none is made."""
+
+        @staticmethod
+        def set_env(_name: str, _environment: Any) -> None:
+            """A part has no place for it; `Entry` sets it."""
+
+    class PartCode(JITCodeLibrary):
+        """What is linked into entries: neither optimised nor executable, and without what it calls."""
+
+        codegen = NotRun
+
+        def _optimize_functions(self, module: Any) -> None:
+            module.data_layout = self._codegen._data_layout
+
+        def add_linking_library(self, library: Any) -> None:
+            self._linking_libraries.append(library)
+
+        def finalize(self) -> None:
+            self._finalized = True
+
+        def get_pointer_to_function(self, _name: str) -> int:
+            self._ensure_finalized()
+            return 0
+
+    class EntryCode(JITCodeLibrary):
+        """What is executable, with all that it calls."""
+
+        def finalize(self) -> None:
+            self._linking_libraries = callers_first(self._linking_libraries)
+            super().finalize()
+
+        def _finalize_specific(self) -> None:
+            super()._finalize_specific()
+            code: Any = self._codegen
+            for variable in self._final_module.global_variables:
+                environment = lookup_environment(variable.name)
+                if environment is not None:
+                    code.set_env(variable.name, environment)
+
+    def callers_first(libraries: list[Any]) -> list[Any]:
+        """Libraries and all that they call, once each: what nothing calls yet would be left out of the entry."""
+        found: dict[int, Any] = {}
+        done: list[Any] = []
+
+        def visit(library: Any) -> None:
+            if id(library) in found:
+                return
+            found[id(library)] = library
+            if isinstance(library, PartCode):
+                for called in library._linking_libraries:
+                    visit(called)
+            done.append(library)
+
+        for library in libraries:
+            visit(library)
+        return done[::-1]
+
+    class Into(Compiler):
+        """Numba's compiler, of code of another kind."""
+
+        code: type
+
+        def compile_extra(self, function: Callable[..., Any]) -> Any:
+            self.state.library = self.code(self.state.targetctx.codegen(), function.__qualname__)
+            self.state.library.enable_object_caching()
+            collecting = gc.isenabled()
+            gc.disable()  # little of what a compiler makes is garbage: a fifth of the time would go into looking
+            try:
+                return super().compile_extra(function)
+            finally:
+                if collecting:
+                    gc.enable()
+
+    class IntoPart(Into):
+        code = PartCode
+
+    class IntoEntry(Into):
+        code = EntryCode
+
+    class Part(CPUDispatcher):
+        """A function that others call."""
+
+        def __init__(self, function: Callable[..., Any]) -> None:
+            options = {"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+            super().__init__(function, targetoptions=options, pipeline_class=IntoPart)
+
+        def get_call_template(self, args: Any, kws: Any) -> Any:
+            """As it is: a number written in the caller does not make it another function."""
+            return super().get_call_template(tuple(map(unliteral, args)), kws)
+
+    class Entry(CPUDispatcher):
+        """A function that Python calls."""
+
+        def __init__(self, function: Callable[..., Any]) -> None:
+            options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True}
+            super().__init__(function, targetoptions=options, pipeline_class=IntoEntry)
+
+    return Kinds(Part, Entry, IntoEntry)

@@ -1,0 +1,70 @@
+"""A grip that follows the push: fingers squeeze as hard as the torque asks that they hold.
+
+Two fingers that press with a force F on a knob of radius r hold a torque of 2 mu F r before they slip. So a knob that
+is pushed deeper into a wall, which pushes back harder, needs a firmer grip, and a firmer grip damps and holds more
+(Tables 1-5). Source: Hasser, Chapter 11 (nonlinear virtual barriers). A coefficient of friction is not printed.
+"""
+
+from hknob_cli.specs.parts import Hand, Scene
+
+
+def squeezed(scene: Scene) -> Scene:
+    """The `Scene` with the hand of the grip that its push asks for, in place of ``squeeze``.
+
+    At rest inside the wall, at a depth d, the wall's torque T(d) and the hand's spring k d hold the push g. The fingers
+    hold T(d), so the grip is F = max(F0, margin T(d) / (2 mu r)), and k, with inertia and damping, is that of F, linear
+    between the rows of the table. Which d, F and k belong together is one answer, found by bisection to the last digit.
+    Friction of the knob is left out, and the grip is that of rest: it does not follow the buzz.
+    """
+    if scene.squeeze is None or scene.hand is None:
+        return scene
+    return scene._replace(hand=hand_at(scene.hand, grip_of(scene)), squeeze=None)
+
+
+def grip_of(scene: Scene) -> float:
+    """The grip force (N) that the push of a `Scene` with ``squeeze`` asks for, at least that of its hand."""
+    assert scene.squeeze is not None
+    assert scene.hand is not None
+    own = scene.hand
+    least = next(grip for grip, hand in own.by_grip if hand[:3] == own[:3])
+    per_newton_meter = scene.squeeze.newtons_per_newton_meter
+    push = abs(scene.bias.torque) if scene.bias and scene.bias.torque else 0.0
+    if push == 0.0 or scene.wall.stiffness == 0.0:
+        return float(least)
+
+    def grip(depth: float) -> float:
+        return max(least, per_newton_meter * _wall_torque(scene, depth))
+
+    low, high = 0.0, push / (scene.wall.stiffness * _surface(scene))
+    while low < (middle := 0.5 * (low + high)) < high:
+        held = _wall_torque(scene, middle) + hand_at(own, grip(middle)).stiffness * middle
+        low, high = (middle, high) if held < push else (low, middle)
+    return float(grip(high))
+
+
+def hand_at(hand: Hand, grip_n: float) -> Hand:
+    """The hand of a table at any grip force between its rows: linear between them, and as at the ends beyond."""
+    rows = hand.by_grip
+    (below, one), (above, other) = rows[0], rows[0]
+    for row in rows:
+        below, one, above, other = above, other, *row
+        if grip_n <= above:
+            break
+    share = min(max((grip_n - below) / (above - below), 0.0), 1.0) if above > below else 0.0
+    inertia, damping, stiffness = (
+        a + share * (b - a) if share < 1.0 else b for a, b in zip(one[:3], other[:3], strict=True)
+    )
+    return hand._replace(inertia=inertia, damping=damping, stiffness=stiffness)
+
+
+def _surface(scene: Scene) -> float:
+    """The part of its stiffness that the wall has at the surface."""
+    return scene.controller.surface if scene.controller and scene.controller.kind == "stiffening" else 1.0
+
+
+def _wall_torque(scene: Scene, depth: float) -> float:
+    """Torque (N·m) of the wall at rest at a depth (rad): of its spring, or of the wall that stiffens with depth."""
+    torque, surface = scene.wall.stiffness * depth, _surface(scene)
+    if scene.controller is None or surface == 1.0:
+        return torque
+    return torque * (surface + (1.0 - surface) * min(depth / scene.controller.depth, 1.0))

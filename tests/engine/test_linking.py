@@ -1,0 +1,65 @@
+"""Functions linked into the one that Python calls: each once, in any order of calls, and nothing is left behind."""
+
+import gc
+from pathlib import Path
+
+import pytest
+
+from hknob_cli.engine.jit import GROUPS
+from hknob_cli.engine.kept_code import load_numba
+from hknob_cli.engine.linking import kinds
+from tests.conftest import ROOT
+
+
+def test_functions_that_share_one_are_linked_with_it() -> None:
+    load_numba()
+
+    def lowest(x, n):
+        return x * n
+
+    def left(x):
+        return lowest(x, 2) + 1.0
+
+    def right(x):
+        return left(x) - lowest(x, 3)
+
+    def top(x):
+        return 2.0 * right(x)  # calls neither of the others
+
+    expected = top(0.7)
+    lowest = kinds().part(lowest)
+    left = kinds().part(left)
+    right = kinds().part(right)
+    entry = kinds().entry(top)
+    assert entry(0.7) == expected
+    assert [len(one.signatures) for one in (lowest, left, right, entry)] == [1, 1, 1, 1]  # whatever numbers are written
+
+
+def test_a_part_is_no_code_of_its_own() -> None:
+    load_numba()
+
+    def half(x):
+        return 0.5 * x
+
+    part = kinds().part(half)
+    part.compile((load_numba().float64,))
+    (made,) = part.overloads.values()
+    assert made.library.get_pointer_to_function(made.fndesc.llvm_func_name) == 0
+
+
+def test_what_cannot_be_compiled_leaves_the_collector_on() -> None:
+    load_numba()
+    entry = kinds().entry(lambda x: x.nothing_like_it)
+    assert gc.isenabled()
+    with pytest.raises(Exception, match="nothing_like_it"):
+        entry(1.0)
+    assert gc.isenabled()
+
+
+@pytest.mark.parametrize("group", GROUPS)
+def test_a_group_is_known_on_the_disk_by_functions_that_it_has(group: str) -> None:
+    modules, entries = GROUPS[group]
+    for entry in entries:
+        module, _, function = entry.partition(".")
+        paths = [Path(f"hknob_cli/engine/{one.replace('.', '/')}.py") for one in modules if one.endswith(module)]
+        assert any(f"\ndef {function}(" in (ROOT / path).read_text() for path in paths), entry

@@ -1,0 +1,113 @@
+"""The installed command without its start: one process loads the program, and forks another for each run.
+
+Loading takes longer than most runs. A run is a process of its own, with its own arguments, folder, environment, output
+and exit code. It differs from the installed command in what is loaded before it begins, and in what a library reads
+only when it is loaded: a test about these starts the command itself.
+"""
+
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterable
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryFile
+
+HKNOB = Path(sys.executable).with_name("hknob")
+# What the command sets before it loads anything.
+FIRST = {"PYDANTIC_DISABLE_PLUGINS": "__all__", "OPENBLAS_NUM_THREADS": "1"}
+MOST = 1 << 20  # bytes of a request
+OFTEN = ("hknob_cli.cli.app", "hknob_cli.cli.stage_run", "filelock", "jinja2")
+
+
+class Forks:
+    """Runs the command in forks of a process that has loaded it, one after the other."""
+
+    def __init__(self) -> None:
+        self._ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        with theirs:
+            self._loaded = subprocess.Popen(
+                [sys.executable, __file__, str(theirs.fileno())],
+                env={**os.environ, **FIRST},
+                stdin=subprocess.DEVNULL,
+                pass_fds=[theirs.fileno()],
+                start_new_session=True,
+            )
+
+    def run(self, words: Iterable[str], *, cwd: Path, env: dict[str, str], timeout: float) -> tuple[int, str, str]:
+        """Exit code, standard output and standard error. Raises `subprocess.TimeoutExpired`."""
+        words = list(words)
+        request = json.dumps([words, os.fspath(cwd), env]).encode()
+        with TemporaryFile("w+", encoding="utf-8") as out, TemporaryFile("w+", encoding="utf-8") as err:
+            socket.send_fds(self._ours, [request], [out.fileno(), err.fileno()])
+            self._ours.settimeout(timeout)
+            try:
+                status = int(self._ours.recv(MOST))
+            except TimeoutError:
+                self.end()
+                raise subprocess.TimeoutExpired(words, timeout) from None
+            texts = []
+            for file in (out, err):
+                file.seek(0)
+                texts.append(file.read())
+        return os.waitstatus_to_exitcode(status), texts[0], texts[1]
+
+    def end(self) -> None:
+        """End the process, and whatever it runs."""
+        self._ours.close()
+        os.killpg(self._loaded.pid, signal.SIGKILL)
+        self._loaded.wait()
+
+
+def load() -> None:
+    """Load what commands load."""
+    from hknob_cli.engine.jit import load_numba
+    from hknob_cli.figures.theme import figure, library_defaults
+    from hknob_cli.stage_table import STAGES
+
+    for name in (*OFTEN, *(stage.work.partition(":")[0] for stage in STAGES.values())):
+        import_module(name)
+    load_numba()
+    with library_defaults():
+        figure(1.0)
+
+
+def serve(ours: socket.socket) -> None:
+    """Run what is asked for until nobody asks."""
+    while True:
+        request, files, _, _ = socket.recv_fds(ours, MOST, 2)
+        if not request:
+            return
+        child = os.fork()
+        if child == 0:
+            ours.close()
+            become(*json.loads(request), *files)
+        for file in files:
+            os.close(file)
+        ours.send(str(os.waitpid(child, 0)[1]).encode())
+
+
+def become(words: list[str], folder: str, environment: dict[str, str], out: int, err: int) -> None:
+    """Be the installed command; does not return."""
+    from hknob_cli import at_once
+    from hknob_cli.cli.main import main
+
+    for file, number in ((out, 1), (err, 2)):
+        os.dup2(file, number)
+        os.close(file)
+    os.chdir(folder)
+    os.environ.clear()
+    os.environ.update(environment)
+    sys.argv, sys.path[0] = [str(HKNOB), *words], str(HKNOB.parent)
+    own = sys.modules["__main__"]
+    own.__file__, own.__spec__ = str(HKNOB), None
+    at_once.listen()
+    main()
+
+
+if __name__ == "__main__":
+    load()
+    serve(socket.socket(fileno=int(sys.argv[1])))

@@ -1,0 +1,90 @@
+"""The answer first: what the sentences say of made-up results, at their ends and where there is nothing."""
+
+from typing import Any
+
+import pytest
+
+from hknob_cli.report.verdicts import biased, calibrated, compared, grid_verdict, identified, people_buzz
+from hknob_cli.stages.remedies.text import _line as remedy_line
+
+Row = dict[str, Any]
+
+
+def cell(size: float, **more: Any) -> Row:
+    pitch = 80.0 if size else None
+    return {"p2p_max_rad": size, "frequency_at_max_hz": pitch, "at_rest_fraction": 0.0 if size else 1.0, **more}
+
+
+def condition(estimator: str, stiffness: float | None, *, std: float | None = 1e-3, flags: str = "") -> Row:
+    return {
+        "estimator": estimator,
+        "stiffness_nm_per_rad": stiffness,
+        "stiffness_nm_per_rad_std": std if stiffness is not None else None,
+        **{name: None for one in ("inertia_kg_m2", "damping_nm_s_per_rad") for name in (one, f"{one}_std")},
+        "flags": flags,
+        "vaf": 0.99,
+    }
+
+
+def test_of_recorded_trials_it_says_so() -> None:
+    recorded = {"sustained": 1, "x": 1.0}
+    assert grid_verdict([], ["x"]) == "No trial could be measured."
+    assert grid_verdict([cell(0.0, **recorded)] * 3, ["x"]) == (
+        "No sustained buzz in any of 3 cells, in the trials recorded."
+    )
+    assert (
+        grid_verdict([cell(2e-3, **recorded)], []) == "It buzzes in this cell, in the trials recorded: 2 mrad at 80 Hz."
+    )
+    some = grid_verdict([cell(2e-3, **recorded), cell(1e-3, sustained=1, x=2.0), cell(0.0, **recorded)], ["x"])
+    assert some.startswith("It buzzes in 2 of 3 cells, in the trials recorded. The most: 2 mrad at 80 Hz (x = 1).")
+
+
+def test_the_least_doubted_estimator_speaks() -> None:
+    rows = [condition("a", 0.04, flags="odd"), condition("b", 0.05), condition("b", 0.2, flags="odd")]
+    said = identified(rows, errors="standard error")
+    assert said == (
+        "By b (± standard error): stiffness 50 ± 1 to 200 ± 1 mN·m/rad, over 2 conditions. "
+        "It is doubtful in 1 of these: their flags say why."
+    )
+    (one,) = (condition("a", 0.04),)
+    assert identified([one], errors="e").endswith("stiffness 40 ± 1 mN·m/rad. Nothing in the data speaks against it.")
+
+
+@pytest.mark.parametrize("rows", [[], [condition("a", None)], [condition("a", 0.0, std=0.0)]])
+def test_what_was_given_or_is_not_known_was_not_identified(rows: list[Row]) -> None:
+    assert identified(rows, errors="standard error") == "Nothing could be identified."
+
+
+def test_a_calibration_says_how_many_are_doubtful() -> None:
+    assert calibrated([{"flags": ""}]) == "Nothing speaks against it."
+    assert calibrated([{"flags": "odd"}, {"flags": ""}]) == "1 of 2 quantities are doubtful: their flags say why."
+
+
+def test_a_study_names_the_least_biased_first() -> None:
+    rows = [{"estimator": name, "bias_percent": bias} for name, bias in (("a", -9.0), ("b", 2.0), ("a", 3.0))]
+    assert biased(rows) == "Largest bias of a parameter over everything tried: b 2 %, a 9 %."
+
+
+def test_people_are_counted() -> None:
+    some = {"people": 20, "buzzing_fraction": 0.5, "p2p_max_rad_median": 1e-3, "p2p_max_rad_p95": 4e-3}
+    rows = [{**some, "frequency_at_max_hz_median": 50.0}, {"people": 20, "buzzing_fraction": 0.0}]
+    assert people_buzz(rows) == (
+        "It buzzes for 0 to 50 % of 20 people, depending on the cell (2 cells), from the starts tried. "
+        "The median of all people is 1 mrad; one in twenty has more than 4 mrad; median pitch 50 Hz."
+    )
+    assert people_buzz(rows[1:]) == "It buzzes for 0 % of 20 people, from the starts tried."
+
+
+def test_a_bench_says_where_nobody_else_is_accurate() -> None:
+    rows = [{"exact_seconds": 1.0, "ratio": 3.0}, {"exact_seconds": 1.0, "ratio": None}, {"exact_seconds": None}]
+    assert compared(rows) == (
+        "The exact engine is accurate in 2 of 3 scenes. The fastest accurate rival takes 3 times as long; "
+        "in 1 of these scenes no rival is accurate."
+    )
+
+
+def test_a_remedy_whose_trials_have_no_decided_end_does_not_diverge() -> None:
+    row = {"p2p_max_rad": None, "diverged_fraction": 0.0}
+    grid = {"ratio_median": 2.0}
+    assert remedy_line(row, grid, 8)[0] == "undecided"
+    assert remedy_line({**row, "diverged_fraction": 0.5}, grid, 8)[0] == "diverges"

@@ -1,0 +1,174 @@
+"""A grip that follows the push: against roots of the balance at 50 digits, in every engine alike, and its faults."""
+
+from copy import deepcopy
+from itertools import pairwise
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from hknob_cli.errors import SpecError
+from hknob_cli.printed.tables import grasps
+from hknob_cli.report.scene_words import scene_sentences
+from hknob_cli.scene.sampled_cells import scene_along
+from hknob_cli.specs.bench import merged
+from hknob_cli.specs.load import validate
+from hknob_cli.specs.plan import COUNTS, GRIP, RATE, SweepPlan, placed, scene_at
+from hknob_cli.specs.source import Source
+from hknob_cli.specs.squeeze import grip_of
+from hknob_cli.stages.sweep.run import SweepStage
+
+SQUEEZE = {"friction": 0.7, "radius": 8.9e-3, "margin": 1.5}
+STIFFENING = {"kind": "stiffening", "surface": 0.3, "depth": 0.2}
+BASE: dict[str, Any] = {
+    "kind": "sweep",
+    "name": "small",
+    "scene": {
+        "knob": {"inertia": 1.9e-6},
+        "hand": {"table": 1, "grip_n": 0.71},
+        "wall": {"stiffness": 0.27},
+        "bias": {"torque": 0.02},
+        "squeeze": SQUEEZE,
+    },
+    "grid": {RATE: [1000.0], COUNTS: [2650]},
+    "starts": {"angle": 0.02, "phases": 4},
+}
+
+
+def planned(scene: dict[str, Any] | None = None, **grid: Any) -> SweepPlan:
+    source = Source("spec.yaml")
+    source.value = merged(deepcopy(BASE), {"scene": scene or {}, "grid": grid})
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    return plan
+
+
+def faults(scene: dict[str, Any], **grid: Any) -> list[str]:
+    with pytest.raises(SpecError) as raised:
+        planned(scene, **grid)
+    return [f"{fault.key}: {fault.message}" for fault in raised.value.faults]
+
+
+def by_balance(push: float, *, stiffening: bool) -> float:
+    """The grip whose hand and wall hold a push: roots of the balance in each piece of the table, at 50 digits.
+
+    The wall's torque is T = a d + b d^2, the grip p T, and the hand's stiffness in a piece h + s p T.
+    """
+    with mpmath.workdps(50):
+        rows = [(mpmath.mpf(row.grip_n), mpmath.mpf(row.stiffness)) for row in grasps(1)]
+        wall, p = mpmath.mpf("0.27"), mpmath.mpf("1.5") / (2 * mpmath.mpf("0.7") * mpmath.mpf("8.9e-3"))
+        a, b = (wall * mpmath.mpf("0.3"), wall * mpmath.mpf("0.7") / mpmath.mpf("0.2")) if stiffening else (wall, 0)
+        found = []
+        for (low, soft), (high, stiff) in [((mpmath.mpf(0), rows[0][1]), rows[0]), *pairwise(rows)]:
+            s = (stiff - soft) / (high - low)
+            h = soft - s * low
+            terms = [-mpmath.mpf(push), a + h, b + s * p * a, s * p * b]
+            while terms[-1] == 0:
+                terms.pop()
+            for root in mpmath.polyroots(terms, maxsteps=500, extraprec=200, asc=True):
+                depth = mpmath.re(root)
+                grip = p * (a * depth + b * depth**2)
+                if abs(mpmath.im(root)) < 1e-30 and depth > 0 and low < grip <= high:
+                    assert not stiffening or depth < mpmath.mpf("0.2")
+                    found.append(float(max(grip, rows[0][0])))
+    (only,) = found
+    return only
+
+
+@pytest.mark.parametrize("push", [1e-3, 6e-3, 2e-2, 4e-2])
+@pytest.mark.parametrize("stiffening", [False, True])
+def test_grip_wall_and_hand_hold_the_push_together(push: float, stiffening: bool) -> None:
+    scene = planned({"bias": {"torque": push}, "controller": STIFFENING if stiffening else None}).scene
+    assert grip_of(scene) == pytest.approx(by_balance(push, stiffening=stiffening), rel=1e-14)
+
+
+def test_beyond_its_depth_the_wall_is_a_spring() -> None:
+    deep = planned({"controller": {**STIFFENING, "depth": 0.001}, "bias": {"torque": 0.04}}).scene
+    assert grip_of(deep) == grip_of(planned({"bias": {"torque": 0.04}}).scene)
+
+
+def test_a_light_push_leaves_the_hand_as_it_is() -> None:
+    """Two fingers at 0.71 N hold 2 * 0.7 * 8.9 mm * 0.71 N / 1.5 = 5.9 mN·m."""
+    scene = planned({"bias": {"torque": 0.001}}).scene
+    assert scene_at(scene, {}) == placed(scene, {})._replace(squeeze=None)
+    assert grip_of(scene) == 0.71
+    firm = planned({"bias": {"torque": 0.04}}).scene
+    assert grip_of(firm) > 3.0
+    held, own = scene_at(firm, {}).hand, firm.hand
+    assert held is not None
+    assert own is not None
+    assert held.damping > own.damping
+    assert held.stiffness > own.stiffness
+
+
+def test_at_a_row_of_the_table_it_is_that_row() -> None:
+    """The push at which the grip is exactly 4.3 N, from the row's own stiffness."""
+    torque = 4.3 * 2.0 * 0.7 * 8.9e-3 / 1.5
+    push = torque + 0.11 * torque / 0.27
+    made = scene_at(planned({"bias": {"torque": push}}).scene, {}).hand
+    row = next(grasp for grasp in grasps(1) if grasp.grip_n == 4.3)
+    assert made is not None
+    assert made[:3] == pytest.approx(row[1:4], rel=1e-13)
+
+
+def test_many_cells_at_once_are_each_alone() -> None:
+    """Columns of every axis that the grip depends on, and of one that it does not."""
+    axes = {
+        "bias.torque": [0.001, 0.03],
+        GRIP: [0.71, 2.4],
+        "squeeze.friction": [0.5, 0.9],
+        "wall.damping": [0.0, 1e-5],
+    }
+    plan = planned(**axes)
+    combinations = np.array(np.meshgrid(*axes.values())).reshape(len(axes), -1)
+    columns = dict(zip(axes, combinations, strict=True))
+    size = combinations.shape[1]
+    along = scene_along(plan.scene, {**columns, RATE: np.full(size, 1000.0), COUNTS: np.full(size, 2650)})
+    assert along.hand is not None
+    for i in range(size):
+        alone = scene_at(plan.scene, {name: float(values[i]) for name, values in columns.items()})
+        assert alone.hand is not None
+        assert tuple(np.asarray(value)[i] for value in along.hand[:3]) == alone.hand[:3]
+    bare = scene_along(plan.scene, {RATE: np.array([1000.0]), COUNTS: np.array([2650])})
+    assert bare == scene_at(plan.scene, {})
+
+
+def test_a_sweep_has_the_motion_of_that_hand() -> None:
+    hand = scene_at(planned().scene, {}).hand
+    assert hand is not None
+    by_numbers = {**hand._asdict(), "table": None, "grip_n": None}
+    numbers = {key: by_numbers[key] for key in ("inertia", "damping", "stiffness", "table", "grip_n")}
+    follows = SweepStage(planned()).run()
+    same = SweepStage(planned({"hand": numbers, "squeeze": None})).run()
+    other = SweepStage(planned({"squeeze": None})).run()
+    assert follows.orbits.equals(same.orbits)
+    assert not follows.orbits.equals(other.orbits)
+
+
+def test_what_it_says() -> None:
+    plan = planned(**{"bias.torque": [0.001, 0.02]})
+    (said,) = (text for text in scene_sentences(plan.scene, plan.axes) if text.startswith("Hand"))
+    assert said == (
+        "Hand: measured, at the grip that the push asks for, 0.71 to 1.906 N: 1.5 times what holds at a friction of"
+        " 0.7."
+    )
+
+
+@pytest.mark.parametrize(
+    ("scene", "grid", "said"),
+    [
+        ({"hand": {"table": None, "grip_n": None, "damping": 1e-4}}, {}, "squeeze: must be absent where the hand has"),
+        ({"bias": {"torque": None, "half_quantum": True}}, {}, "bias.half_quantum: must be absent where"),
+        ({"detents": {"per_revolution": 12, "torque": 0.002}}, {}, "detents: must be absent where 'squeeze' is given"),
+        ({}, {"hand.stiffness": [0.1, 0.2]}, "must be absent where 'squeeze' is given"),
+        ({"bias": {"torque": 0.3}}, {}, "squeeze: must ask for at most 14.2 N, the firmest"),
+        ({}, {"squeeze.friction": [0.01, 0.5]}, "squeeze: must ask for at most 14.2 N"),
+        ({"knob": {"inertia": 3e-7}}, {}, "squeeze: must leave an inertia above 0"),
+        ({"squeeze": {"friction": 0}}, {}, "squeeze.friction: must be > 0"),
+        ({"squeeze": {"margin": 0.5}}, {}, "squeeze.margin: must be >= 1"),
+    ],
+)  # fmt: skip
+def test_faults_have_their_place(scene: dict[str, Any], grid: dict[str, Any], said: str) -> None:
+    found = faults(scene, **grid)
+    assert any(said in one for one in found), found
