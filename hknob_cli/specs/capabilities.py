@@ -182,7 +182,7 @@ _EXPLORED = frozenset(
     (
         *("bias", "hand", "grip", "people", "knob_damping", "friction", "hand_damping", "hand_stiffness"),
         *("virtual_damping", "delay", "torque_limit", "torque_step", "dead_band", "rounding", "offset"),
-        *("controller", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
+        *("controller", "knob_model", "motor", "supply", "eddy_brake", "undamped", "unheld", "unpushed", "handless"),
     )
 )
 
