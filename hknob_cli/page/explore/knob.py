@@ -63,7 +63,8 @@ def _faults(scene: Scene) -> Iterator[str]:
     """The key of each part that the page does not follow, and why."""
     for part in sorted(parts_of(scene)):
         if not takes("explore", [part]):
-            yield f"{PARTS[part].path}: {PARTS[part].title} is not in explore: {reason(part, 'explore')}"
+            path = PARTS[part].path or "controller"  # what a controller does within an interval is no key
+            yield f"{path}: {PARTS[part].title} is not in explore: {reason(part, 'explore')}"
     control = scene.controller
     if control and control.kind not in KINDS:
         yield f"controller.kind: '{control.kind}' is not in explore; there are: {', '.join(KINDS)}"
