@@ -135,7 +135,7 @@ def test_what_is_proven_is_what_the_reference_does_for_ever_after(seed: int) -> 
             rig = Rig(scene, rate, counts)
             trial = rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, 0.5)
             settling = float(np.max(1.0 / -np.log(np.abs(eigenvalues(scene, rate, counts)))))
-            transient = int(40.0 * max(settling, 1.0 / made.rate)) + 200
+            transient = int(40.0 * max(settling, 1.0 / made.rate)) + 2000  # until it is captured, and from then on
             late = np.array([state[0] for state in islice(trial, transient, transient + 2 * end.period)])
             states, _ = run(engine, made, [end.x, end.v, *end.state], end.line, end.period)
             orbit = np.array([knob.angle_rad(x) for x in states[:-1, 0]])
