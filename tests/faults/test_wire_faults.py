@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Settings
+from hknob_cli.hardware.port import Block, Control, Settings, Sine
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.wire import pump
 from hknob_cli.hardware.wire.codes import Kind, State, Trip
@@ -26,6 +26,7 @@ from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, 
 from hknob_cli.hardware.wire.messages import encode
 from hknob_cli.hardware.wire.session import Session
 from tests.conftest import ROOT
+from tests.hardware.controllers import told
 from tests.hardware.fake_target import Manners, PtyTarget, spoiler, spoilt
 from tests.hardware.golden import BOOT, GOLDEN, SETTINGS, WITH_SINES
 from tests.hardware.test_serial_device import assert_whole, trial
@@ -217,18 +218,24 @@ def another(name: str) -> Callable[[Any], Any]:
         value = getattr(values, name, None)
         if value is None:
             return values
-        if isinstance(value, tuple):
-            return values._replace(**{name: (value[0]._replace(phase=0.125), *value[1:])})
-        return values._replace(**{name: value + 1 if isinstance(value, int) else float(np.nextafter(value, 9))})
+        return values._replace(**{name: (least(value[0]), *value[1:]) if isinstance(value, tuple) else least(value)})
+
+    def least(value: Any) -> Any:
+        if isinstance(value, Sine):
+            return value._replace(phase=0.125)
+        return value + 1 if isinstance(value, int) else float(np.nextafter(value, 9))
 
     return alter
 
 
-@pytest.mark.parametrize("name", [*Settings._fields, *type(WITH_SINES)._fields])
+SENT = [*(name for name in Settings._fields if name != "control"), *Control._fields, *type(WITH_SINES)._fields]
+
+
+@pytest.mark.parametrize("name", SENT)
 def test_a_target_that_took_another_value_is_not_armed(name: str) -> None:
     with PtyTarget(Manners(alter=another(name))) as served, SerialDevice(served.url) as device:
         with pytest.raises(DeviceError, match=f"took other values, and was not armed: {name}.* sent .*, taken "):
-            device.configure(SETTINGS, WITH_SINES)
+            device.configure(SETTINGS._replace(control=told("lag").control), WITH_SINES)
         with pytest.raises(DeviceError, match="not armed"):
             device.arm()
         assert Kind.ARM not in served.target.heard

@@ -20,7 +20,7 @@ import numpy as np
 from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 
@@ -131,7 +131,7 @@ class FakeTarget:
                 self.host_has = message.expected
             case Again():
                 return b"".join(map(self._send, self.blocks[message.first : message.first + message.count]))
-            case Plain() | Configure() | Simulate():
+            case Plain() | Configure() | SetControl() | Simulate():
                 if self._done is not None and self._done[0] == message.nonce:
                     return self._send(self._done[1])
                 out, said = self._carry_out(message, now)
@@ -144,11 +144,11 @@ class FakeTarget:
                 return out + self._send(ack)
         return b""
 
-    def _carry_out(self, message: Plain | Configure | Simulate, now: float) -> tuple[bytes, Any]:
+    def _carry_out(self, message: Plain | Configure | SetControl | Simulate, now: float) -> tuple[bytes, Any]:
         out = b""
         match message.kind, self.state:
             case Kind.HELLO, _:
-                return out, About(10_000, 20_000, simulated=self.manners.simulated, name="made up")
+                return out, About(10_000, 20_000, simulated=self.manners.simulated, name="made up", knows_control=True)
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None
@@ -156,6 +156,9 @@ class FakeTarget:
                 assert isinstance(message, Configure)
                 self.settings = message.settings
                 return out, self.manners.alter(message.settings)
+            case Kind.CONTROL, State.IDLE if self.settings is not None:
+                assert isinstance(message, SetControl)
+                return out, self.manners.alter(message.control)
             case Kind.SIMULATE, State.IDLE:
                 assert isinstance(message, Simulate)
                 self.simulated = message.simulated
