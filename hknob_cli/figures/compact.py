@@ -1,8 +1,8 @@
 """A figure's SVG in a third of its bytes, for pages that hold a hundred figures: the same picture, said once.
 
-No place moves by more than half a `STEP`, and no curve by more than `BEND` further: less than a tenth of a pixel on a
-page. What matplotlib says of looks in styles becomes attributes, which a page need not allow, and neighbours share
-them.
+No place moves by more than half a `STEP` across and down, and no curve by more than `BEND` further: less than a fifth
+of a pixel on a page. What matplotlib says of looks in styles becomes attributes, which a page need not allow, and
+neighbours share them.
 """
 
 import re
@@ -13,7 +13,7 @@ from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 from xml.sax.saxutils import escape, quoteattr
 
-STEP = 0.01  # points, to which places are rounded
+STEP = 0.1  # points, to which places are rounded
 BEND = 0.05  # points that a curve may be off where points of it are left out
 FONTS = "DejaVu Sans, Verdana, sans-serif"
 _NUMBER = re.compile(r"-?\d*\.?\d+(?:[eE][-+]?\d+)?")
@@ -244,7 +244,7 @@ def _joined(steps: list[tuple[int, int]]) -> str:
 
 def _short(value: float) -> str:
     """A number to the step."""
-    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    text = f"{value:.1f}".removesuffix(".0")
     return "0" if text == "-0" else re.sub(r"^(-?)0\.", r"\1.", text)
 
 

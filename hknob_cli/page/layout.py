@@ -225,4 +225,10 @@ def _anchors(sources: Iterable[Source]) -> list[str]:
 
 def _spec(source: Source) -> str:
     """Its spec as JSON, which YAML readers take, too."""
-    return json.dumps(source.spec, indent=2, ensure_ascii=False, default=str)
+    text = json.dumps(source.spec, indent=1, ensure_ascii=False, default=str)
+    return re.sub(r"([\[{])\s+([^\[\]{}]*?)\s+([\]}])", _in_one_line, text)
+
+
+def _in_one_line(found: re.Match[str]) -> str:
+    """A list or a mapping of plain values, on a line of its own."""
+    return found[1] + " ".join(found[2].split()) + found[3]

@@ -15,7 +15,7 @@ from hknob_cli.figures import theme
 from hknob_cli.figures.compact import BEND, STEP, compact
 
 SPACE = "{http://www.w3.org/2000/svg}"
-SEEN = 0.1 / 1.5  # points: a tenth of a pixel, of which a page draws one and a half a point at most
+SEEN = 0.2 / 1.5  # points: a fifth of a pixel, of which a page draws one and a half a point at most
 
 Point = tuple[float, float]
 

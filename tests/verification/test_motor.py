@@ -144,9 +144,9 @@ def check_orbits(case: Case) -> int:
 
 
 def test_proven_orbits_of_random_scenes() -> None:
-    assert sum(check_orbits(random_case(seed)) for seed in range(1000, 1016)) >= 6
+    assert sum(check_orbits(random_case(seed)) for seed in range(1000, 1006)) >= 2
 
 
 @pytest.mark.long
 def test_proven_orbits_of_many_random_scenes() -> None:
-    assert sum(check_orbits(random_case(seed)) for seed in range(2000, 2200)) >= 80
+    assert sum(check_orbits(random_case(seed)) for seed in range(2000, 2050)) >= 20
