@@ -14,7 +14,7 @@ from xml.etree.ElementTree import Element
 from xml.sax.saxutils import escape, quoteattr
 
 STEP = 0.1  # points, to which places are rounded
-BEND = 0.05  # points that a curve may be off where points of it are left out
+BEND = 0.06  # points that a curve may be off where points of it are left out
 FONTS = "DejaVu Sans, Verdana, sans-serif"
 _NUMBER = re.compile(r"-?\d*\.?\d+(?:[eE][-+]?\d+)?")
 _COMMAND = re.compile(r"([MLCQz])([^MLCQz]*)")

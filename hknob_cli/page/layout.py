@@ -165,10 +165,11 @@ def _figures(page: Page) -> dict[str, _Figure]:
     drawn = [figure for chapter in page.chapters for figure in chapter.figures]
     figures = {}
     for number, figure in enumerate(drawn, 1):
-        box = _VIEWBOX.search(figure.svg)
-        group = _FIRST_GROUP.search(figure.svg)
+        svg = _named_shortly(figure.svg, figure.id, number)
+        box = _VIEWBOX.search(svg)
+        group = _FIRST_GROUP.search(svg)
         figures[figure.id] = _Figure(
-            figure,
+            figure._replace(svg=svg),
             number,
             " ".join(box.groups()) if box else "",
             float(box[3]) if box else 0.0,
@@ -177,6 +178,12 @@ def _figures(page: Page) -> dict[str, _Figure]:
             tuple(origins.get(name, _Origin(name, "")) for name in figure.results),
         )
     return figures
+
+
+def _named_shortly(svg: str, own: str, number: int) -> str:
+    """A drawing whose parts are named after its number on the page, and referred to as browsers do."""
+    text = re.sub(rf'(href="#|url\(#|id="){re.escape(own)}-', rf"\g<1>f{number}-", svg)
+    return text.replace(' xmlns:xlink="http://www.w3.org/1999/xlink"', "").replace('xlink:href="#', 'href="#')
 
 
 def _table_numbers(page: Page) -> dict[str, int]:
