@@ -91,6 +91,7 @@ def _write(path: Path, text: str) -> None:
     Raises `RefusedError` where another file is in its place, `ComputationError` where it cannot be written.
     """
     from hknob_cli.page.explore.sheet import MARK
+    from hknob_cli.results.files import create, put_in_place
 
     half = path.with_name(f".{path.name}.part")
     try:
@@ -99,10 +100,13 @@ def _write(path: Path, text: str) -> None:
         if path.exists() and MARK.encode() not in path.read_bytes()[:200]:
             raise RefusedError(f"{path}: is there already and was not written by explore; name another file with --out")
         path.parent.mkdir(parents=True, exist_ok=True)
-        half.write_text(text, encoding="utf-8")
-        half.replace(path)
+        try:
+            with create(half) as file:
+                file.write(text.encode())
+            put_in_place(half, path)
+        finally:
+            half.unlink(missing_ok=True)
     except OSError as error:
-        half.unlink(missing_ok=True)
         raise unwritable(path, error) from None
 
 

@@ -107,3 +107,13 @@ def test_what_a_spec_asks_for_beyond_the_page_is_said(hknob, spec_file) -> None:
     done = hknob("explore", "spec.yaml", "-o", "page.html")
     assert "The spec asks for starts anywhere. This page follows one start at a time" in done.stderr
     assert hknob("explore", "spec.yaml", "-o", "page.html", "-q").stderr == ""
+
+
+def test_the_page_is_written_through_no_link(hknob, tmp_path: Path) -> None:
+    other = tmp_path / "other.txt"
+    other.write_text("mine")
+    (tmp_path / ".page.html.part").symlink_to(other)
+    assert hknob("explore", "-o", "page.html", "-q").returncode == 0
+    assert other.read_text() == "mine"
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+    assert (tmp_path / "page.html").stat().st_size > 50_000
