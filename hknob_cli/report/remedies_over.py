@@ -58,7 +58,8 @@ def _together(rows: list[Row]) -> Row:
 
 
 def _rests(row: Row) -> bool:
-    return bool(row["p2p_max_rad"] == 0.0 and row["diverged_fraction"] == 0.0)
+    """Whether all trials come to rest, and none is undecided."""
+    return bool(row["p2p_max_rad"] == 0.0 and row["at_rest_fraction"] > 1.0 - 1e-9)
 
 
 def _compared(row: Row) -> bool:
