@@ -6,6 +6,7 @@ between `LINK` marks, and `END` closes a paragraph, a heading, or a cell of a ta
 
 import re
 from collections.abc import Iterator
+from functools import partial
 
 from proselint.registry.checks import Check, CheckResult, engine, types
 
@@ -13,7 +14,7 @@ CODE = "\N{BULLET}"
 LINK = ("\N{SINGLE LEFT-POINTING ANGLE QUOTATION MARK}", "\N{SINGLE RIGHT-POINTING ANGLE QUOTATION MARK}")
 END = "\N{PILCROW SIGN}"
 
-LONGEST = 40  # words of a sentence; a piece of code, or a list of such, is a word
+LONGEST, SHORT = 40, 30  # words of a sentence; a piece of code, or a list of such, is a word
 _WORD = rf"{CODE}(?:,\s{CODE})*|\w[\w'.,/-]*"
 
 # Of proselint, but not of this house.
@@ -24,6 +25,9 @@ OFF = (
 
 # Headings of the dissertation are quoted as they are printed, and a cell of that table is a list.
 OFF_IN = {"docs/reference/contents.md": ("house.words", "weasel_words", "house.length")}
+
+# Pages that a newcomer reads have shorter sentences.
+FOR_NEWCOMERS = ("README.md", "docs/index.md", "docs/tutorials/", "docs/howto/")
 
 # One word for one thing, as docs/reference/glossary.md has it, and British spelling.
 WORDS = {
@@ -66,19 +70,29 @@ def _preferred(path: str, words: dict[str, str]) -> Check:
     return Check(types.PreferredFormsSimple(words), path=path, message="write '{}', not '{}'")
 
 
-def long_sentences(text: str, check: Check) -> Iterator[CheckResult]:
-    """Sentences of more than `LONGEST` words."""
+def _at_most(words: int, path: str) -> Check:
+    message = "a sentence of {} words; {} at most: make two of it"
+    return Check(partial(_long_sentences, words), path=path, message=message)
+
+
+def off_in(page: str) -> tuple[str, ...]:
+    """Rules that do not hold in a page, by its path in the checkout."""
+    return (*OFF_IN.get(page, ()), "house.length" if page.startswith(FOR_NEWCOMERS) else "house.short")
+
+
+def _long_sentences(most: int, text: str, check: Check) -> Iterator[CheckResult]:
     for block in re.finditer(f"[^{END}]+", text):
         for one in re.finditer(r"\S.*?(?:[.!?][\"')\]]*(?=\s+[^a-z])|\Z)", block[0], re.DOTALL):
             words = len(re.findall(_WORD, one[0]))
-            if words > LONGEST:
+            if words > most:
                 start = block.start() + one.start()
-                message = check.message.format(words, LONGEST)
+                message = check.message.format(words, most)
                 yield CheckResult(check.path, message, (start, start + 1), None)
 
 
 RULES = (
-    Check(long_sentences, path="house.length", message="a sentence of {} words; {} at most: make two of it"),
+    _at_most(LONGEST, "house.length"),
+    _at_most(SHORT, "house.short"),
     _preferred("house.words", WORDS),
     _preferred("house.plain", PLAIN),
     _pattern(

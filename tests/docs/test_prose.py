@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from .house_style import LONGEST
+from .house_style import LONGEST, off_in
 from .prose import findings, main
 
 LONG = "The knob meets " + " and ".join(f"wall{number}" for number in range(20)) + "."  # 42 words
@@ -42,7 +42,7 @@ PLAIN = [
 
 @pytest.mark.parametrize("text", STIFF)
 def test_stiff_sentences_are_found(text: str) -> None:
-    assert [found.rule for found in findings(text + "\n")] == [STIFF[text]]
+    assert [found.rule for found in findings(text + "\n", ("house.short",))] == [STIFF[text]]
 
 
 @pytest.mark.parametrize("text", PLAIN)
@@ -52,6 +52,12 @@ def test_plain_sentences_pass(text: str) -> None:
 
 def test_a_rule_can_be_off_in_a_page() -> None:
     assert findings("The sampling rate.\n", ("house.words",)) == []
+
+
+def test_newcomers_get_shorter_sentences() -> None:
+    text = "The knob meets " + " and ".join(f"wall{number}" for number in range(15)) + ".\n"  # 32 words
+    assert [found.rule for found in findings(text, off_in("docs/tutorials/your_knob.md"))] == ["house.short"]
+    assert findings(text, off_in("docs/reference/wire.md")) == []
 
 
 def test_a_finding_has_its_place(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
