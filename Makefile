@@ -105,9 +105,8 @@ compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme 
 fuzz: $(VENV)/.run ## odd specs, tables and sessions, COUNT of each, other ones by SEED; saves what breaks a rule
 	@$(BIN)/python tests/fuzz/campaign.py --count $(COUNT) --seed $(SEED) --workers $$(nproc) --save $(OUT)/fuzz
 
-bench: $(VENV)/.dev ## throughput, many cells, start-up, rival methods, and identification
-	@for name in throughput cells friction rivals startup sysid; do \
-	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
+bench: $(VENV)/.dev ## throughput, many cells, start-up, rivals, identification; a line of ratios beside the last
+	@$(BIN)/python tests/benchmarks/record.py
 
 clean: ## remove the environment, caches and results
 	@rm -rf $(VENV) results build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
