@@ -68,10 +68,13 @@ def draw_trial(rows: Rows, *, title: str, path: Path) -> bool:
     return bool(rows) and write_sheet(result, cases_of(result), path=path)
 
 
-def draw_tried(remedies: pa.Table, reference: str, *, title: str, path: Path) -> None:
-    """Draw a campaign's remedies into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
+def draw_tried(remedies: pa.Table, reference: str, *, title: str, path: Path) -> bool:
+    """Draw a campaign's remedies into ``path`` (PNG); False, drawing nothing, where no trial could be measured.
+
+    Raises `ComputationError` if the file cannot be written.
+    """
     result = Held(title, "hw-run", {"remedies": remedies}, [], {"reference": reference})
-    write_sheet(result, tried_of(result), path=path)
+    return write_sheet(result, tried_of(result), path=path)
 
 
 def draw_bias(rows: Rows, *, title: str, path: Path) -> bool:

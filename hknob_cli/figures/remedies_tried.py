@@ -3,15 +3,18 @@
 from statistics import fmean, median
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.remedies import plain_numbers
 from hknob_cli.report.remedies_tried import over_the_trials
-from hknob_cli.results.result_set import ResultSet, Rows
+from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_DECADES = 20.0  # from a range this wide on an axis is labelled at powers of ten alone
 _APART = 0.15  # of what is computed from what is measured, in rows
 Look = tuple[str, str, float, dict[str, Any]]  # a label, the columns' prefix, the place in a row, the style
 
@@ -26,6 +29,8 @@ def remedies_tried(evidence: ResultSet, of: str, *, reference: str = "plain wall
     without remedies.
     """
     rows = evidence[of].rows("remedies")
+    if not rows:
+        raise MissingError(f"'{of}' has no trial that could be measured")
     names = [row["remedy"] for row in reversed(over_the_trials(rows))]
     looks: list[Look] = [("measured", "", 0.0, {"color": theme.COLOURS[0]})]
     if "computed_p2p_rad" in rows[0]:
@@ -57,24 +62,30 @@ def _range(panel: "Axes", values: list[float], y: float, style: dict[str, Any]) 
 def _share(rows: Rows, *, computed: bool) -> float | None:
     """How many of the trials, or starts, buzz, in per cent; None where that is not known."""
     if not computed:
-        return 100.0 * sum(row["sustained"] for row in rows) / sum(row["trials"] for row in rows)
+        return 100.0 * float(sum(row["sustained"] for row in rows) / sum(row["trials"] for row in rows))
     rest = [row["computed_at_rest_fraction"] for row in rows if row["computed_at_rest_fraction"] is not None]
     return 100.0 * (1.0 - fmean(rest)) if rest else None
 
 
 def _dress(panels: "list[Axes]", names: list[str], reference: str) -> None:
+    from matplotlib.ticker import LogLocator
+
     panels[0].set_yticks(range(len(names)), names, fontsize=8)
     panels[0].set_ylim(-0.7, len(names) - 0.3)
     of = reference if len(reference) <= 24 else "reference"
     for panel, label in zip(panels, ("peak to peak, mrad", "frequency, Hz", f"times smaller than\nthe {of}'s"),
                             strict=False):  # fmt: skip
         panel.set_xlabel(label)
-        if any(len(line.get_xdata()) for line in panel.lines):
+        if any(np.size(line.get_xdata()) for line in panel.lines):
             panel.set_xscale("log")
             plain_numbers(panel)
+            low, high = panel.get_xlim()
+            if high > _DECADES * low:
+                panel.xaxis.set_major_locator(LogLocator())
         else:
             panel.text(0.5, 0.5, "no buzz", ha="center", va="center", transform=panel.transAxes)
             panel.set_xticks([])
     panels[2].axvline(1.0, color="black", linewidth=0.6, alpha=0.5)
     panels[3].set_xlabel("buzzes, %")
     panels[3].set_xlim(-6.0, 106.0)
+    panels[3].tick_params(axis="x", labelsize=7.5)

@@ -135,7 +135,7 @@ def _spread(value: float | None, std: float | None) -> str:
 def _clock(summary: dict[str, Any]) -> list[str]:
     quench = (
         []
-        if summary["sustained"] == len(summary["trials"])
+        if summary["sustained"] == len(summary["trials"]) or "remedies" in summary
         else ["r in some or all trials the buzz was not sustained; they are in no size or frequency"]
     )
     missed = summary["missed_ticks"]

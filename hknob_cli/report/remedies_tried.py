@@ -65,6 +65,8 @@ def _buzz(row: Row) -> tuple[float, float]:
 
 def tried_verdict(found: Sequence[Row], reference: str) -> str:
     """Of remedies tried on a knob: which leaves the smallest buzz, and whether that was computed, too."""
+    if not found:
+        return "No trial could be measured."
     others = [row for row in found if row["remedy"] != reference]
     best = next(iter(others), None)
     if best is None:

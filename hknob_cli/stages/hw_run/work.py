@@ -57,7 +57,10 @@ class HwRunWork(Work):
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
-        found = {"against_sha256": remedies.digest(job.plan.against)} if job.plan.against else {}
+        found = {}
+        if job.plan.against:
+            remedies.Computed(job.plan)  # which must be of these remedies before the first trial, not after the last
+            found["against_sha256"] = remedies.digest(job.plan.against)
         for i, path in enumerate(job.plan.recordings):
             try:
                 file = inside(path, RESULTS[0])
@@ -77,10 +80,8 @@ class HwRunWork(Work):
         return {**super().versions(job), **self.surroundings()}
 
     def verify(self, job: Job) -> None:
-        """Whether the simulated person can hold the knob as told, and remedies are those that were computed."""
+        """Whether the simulated person can hold the knob as told."""
         check_persons(job.plan)
-        if job.plan.against:
-            remedies.Computed(job.plan)
 
     def refuse(self, job: Job) -> None:
         """Recordings of a real device that are of another spec stay as they are."""
@@ -142,15 +143,15 @@ class HwRunWork(Work):
 
         plan = job.plan
         samples, rows = tables[0], tables[1].to_pylist()
-        shown, title = rows, plan.name
+        shown, title, drawn = rows, plan.name, paths[:2]
         if plan.has_remedies:
             from hknob_cli.figures.plot import draw_tried
 
             shown, title = [row for row in rows if row["remedy"] == plan.reference], f"{plan.name}, {plan.reference}"
-            draw_tried(tables[3], plan.reference, title=plan.name, path=paths[2])
+            drawn += [paths[2]] if draw_tried(tables[3], plan.reference, title=plan.name, path=paths[2]) else []
         draw_hw_run(samples, shown, target_n=plan.course.grip_target_n, title=title, name=plan.name, path=paths[0])
         draw_timing(samples, rows, name=plan.name, path=paths[1])
-        return paths
+        return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
