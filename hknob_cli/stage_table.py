@@ -89,7 +89,8 @@ _ROWS = (
     Stage(
         "hw-run",
         "Run trials over a grid on a knob, real or simulated: record them, and measure how it buzzes.",
-        "Draw the grid, the grip and the motions into hw_run.png, and the sample clock into timing.png.",
+        "Draw the grid, the grip and the motions into hw_run.png, the sample clock into timing.png, remedies into "
+        "remedies.png.",
         model="hknob_cli.specs.hw_run:HwRunSpec",
         validate="hknob_cli.specs.hw_run:validate_hw_run",
         work="hknob_cli.stages.hw_run.work:WORK",

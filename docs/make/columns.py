@@ -89,7 +89,13 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "`hw-run`: trials.parquet": (
         ("always", _HW, "CELL TRIAL_KEYS TRIALS"),
-        ("`controller`", _HW, "CONTROLLED"),
+        ("`controller`, `remedies`", _HW, "CONTROLLED"),
+        ("`remedies`", _HW, "TRIED"),
+    ),
+    "`hw-run`: remedies.parquet, with `remedies`": (
+        ("always", "hknob_cli.stages.hw_run.remedies", "MEASURED"),
+        ("`against`", "hknob_cli.stages.hw_run.remedies", "COMPUTED"),
+        ("always", _REMEDIES, "NEEDS"),
     ),
     "`hw-run`: timing.parquet": (("always", _HW, "TIMING"),),
     "`bench`: bench.parquet, a row for each run": (("always", "hknob_cli.stages.bench.run", "RUNS"),),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Row = dict[str, Any]
 _FILES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
-_CHOICES = {"dfa": "method", "predict": "law"}
+_CHOICES = {"dfa": "method", "predict": "law", "hw-run": "remedy"}
 _SHORT = {"sample_rate_hz": "{} Hz", "counts_per_rev": "{} counts", "person": "person {}"}
 SIZE, PITCH = ("peak to peak, mrad", 1e3), ("frequency, Hz", 1.0)
 
@@ -77,7 +77,8 @@ def place_of(row: Row, axes: list[str]) -> str:
 
 def _sized(result: Result, rows: Rows, names: list[str]) -> list[Series]:
     mean = _points(rows, (("p2p_rad", SIZE[1]), ("frequency_hz", PITCH[1])))
-    if choice := _CHOICES.get(result.stage):
+    choice = _CHOICES.get(result.stage)
+    if choice in names:
         found: dict[str, list[Point]] = {row[choice]: [] for row in rows}
         for point in mean:
             found[point.row[choice]].append(point)

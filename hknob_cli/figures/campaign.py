@@ -60,15 +60,29 @@ class Held:
         return kept
 
 
-def held_trials(evidence: ResultSet, of: str) -> list[Held]:
-    """The first trial of every cell, by resolution and rate. Raises `MissingError` where no samples were kept."""
+def _tried(evidence: ResultSet, of: str, remedy: str) -> list[Row]:
+    """Trials of a campaign, or those of a remedy that it tried. Raises `MissingError` where there is no such remedy."""
+    rows = evidence[of].rows("trials")
+    there = list(dict.fromkeys(row["remedy"] for row in rows if "remedy" in row))
+    if there and not remedy:
+        raise MissingError(f"'{of}' tried several remedies; give one of them as 'remedy': {', '.join(there)}")
+    if remedy and remedy not in there:
+        raise MissingError(f"'{of}' tried no remedy '{remedy}'; it has {', '.join(there) or 'none'}")
+    return [row for row in rows if not remedy or row["remedy"] == remedy]
+
+
+def held_trials(evidence: ResultSet, of: str, remedy: str = "") -> list[Held]:
+    """The first trial of every cell, by resolution and rate; ``remedy``: under which, where a campaign tried several.
+
+    Raises `MissingError` where no samples were kept, or there is no such remedy.
+    """
     from pydantic import TypeAdapter
 
     from hknob_cli.specs.campaign import Wall
 
     stiffness = TypeAdapter(Wall).validate_python(evidence[of].provenance["spec"].get("wall") or {}).stiffness
     first: dict[tuple[int, float], Row] = {}
-    for row in evidence[of].rows("trials"):
+    for row in _tried(evidence, of, remedy):
         key = (row[COUNTS], row[RATE])
         if key not in first or row["block"] < first[key]["block"]:
             first[key] = row
@@ -87,27 +101,28 @@ def held_trials(evidence: ResultSet, of: str) -> list[Held]:
             part[name].to_numpy()[running] for name in ("time_s", "angle_rad", "torque_nm", "grip_n")
         )
         begin = time[0] if time.size else 0.0
-        found.append(Held(row, time - begin, angle, torque, grip, steady[running], stiffness))
+        spring = row.get("wall_stiffness", stiffness)
+        found.append(Held(row, time - begin, angle, torque, grip, steady[running], spring))
     return found
 
 
-def one_trial(evidence: ResultSet, of: str, *, sample_rate_hz: float, counts_per_rev: int) -> Held:
-    """The first trial of a cell. Raises `MissingError` where there is none."""
-    for trial in held_trials(evidence, of):
+def one_trial(evidence: ResultSet, of: str, *, sample_rate_hz: float, counts_per_rev: int, remedy: str = "") -> Held:
+    """The first trial of a cell, under a remedy if one is named. Raises `MissingError` where there is none."""
+    for trial in held_trials(evidence, of, remedy):
         if abs(trial.row[RATE] - sample_rate_hz) < 1e-6 and trial.row[COUNTS] == counts_per_rev:
             return trial
     raise MissingError(f"'{of}' has no trial at {sample_rate_hz:g} Hz and {counts_per_rev} counts")
 
 
 @drawing
-def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0) -> "Figure":
+def campaign_thumbnails(evidence: ResultSet, of: str, *, cycles: float = 8.0, remedy: str = "") -> "Figure":
     """The end of the steady part of each cell's first trial: ``cycles`` of them, angle (mrad) about its mean.
 
     Rates rise to the right, resolutions downward, as in the print; a row has one scale. Trials without a sustained buzz
-    are grey, their last 0.1 s. Raises `MissingError` where no samples were kept, or for more than 6 rates or
-    resolutions.
+    are grey, their last 0.1 s. ``remedy``: under which, of a campaign that tried several. Raises `MissingError` where
+    no samples were kept, for another remedy, or for more than 6 rates or resolutions.
     """
-    trials = held_trials(evidence, of)
+    trials = held_trials(evidence, of, remedy)
     rates, counts = sorted({one.row[RATE] for one in trials}), sorted({one.row[COUNTS] for one in trials})
     if max(len(rates), len(counts)) > MOST:
         raise MissingError(f"'{of}' has {len(counts)} resolutions at {len(rates)} rates, too many for thumbnails")
@@ -152,14 +167,15 @@ def campaign_trial(
     from_s: float | None = None,
     to_s: float | None = None,
     grip: bool = True,
+    remedy: str = "",
 ) -> "Figure":
     """One trial: angle by the device's own encoder, below it the torque, with the angle that the wall sees, and grip.
 
     The last ``cycles`` of the steady part, or from ``from_s`` to ``to_s`` (s from when the wall came on). Angles in
-    mrad, or µrad if small, torque in mN·m, grip in N. Raises `MissingError` where there is no such trial, or nothing in
-    that window.
+    mrad, or µrad if small, torque in mN·m, grip in N. ``remedy``: under which, of a campaign that tried several. Raises
+    `MissingError` where there is no such trial, or nothing in that window.
     """
-    trial = one_trial(evidence, of, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    trial = one_trial(evidence, of, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, remedy=remedy)
     buzzes = bool(trial.row["sustained"] and trial.row["cycle_hz"])
     shown = trial.last(cycles / trial.row["cycle_hz"] if buzzes else _STILL_S)
     if from_s is not None or to_s is not None:

@@ -41,6 +41,10 @@ _LARGEST = "Of several cycles in a cell the largest."
 _AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
 _PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
 _CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
+_TRIED = (
+    "Dots are medians over the cells that buzz, lines reach from the least to the largest: filled as measured, hollow "
+    "as computed. The remedy with the smallest buzz is uppermost."
+)
 _REMEDIES = "Over all cells and hands: dots are medians, lines reach from the least to the largest."
 _DESIGNS = "Left and low is better. The line joins the designs that nothing as cheap and as stiff is felt less than."
 
@@ -275,15 +279,32 @@ def _bench(result: Result) -> list[FigurePlan]:
     ]
 
 
+def tried_of(result: Result) -> list[FigurePlan]:
+    """The picture of the remedies that a campaign tried. Raises `MissingError`."""
+    options = {"reference": result.reference}
+    return [planned(result, "remedies_tried", "remedies, as measured and as computed", _TRIED, **options)]
+
+
 def _campaign(result: Result) -> list[FigurePlan]:
+    if result.has_remedies:
+        figures = tried_of(result)
+        if "samples.parquet" in result.files and _few(result):
+            motion = f"motion, {result.reference}"
+            text = "The end of each trial of the reference."
+            figures.append(planned(result, "campaign_thumbnails", motion, text, remedy=result.reference))
+        return figures
     wide = _wide(result, "cells")
-    cells = result.rows("cells")
     if len(wide) == 2:
         figures = _maps(result, _TRIALS)
     else:
         draw = "axis_lines" if wide else "cell_dots"
         figures = [planned(result, draw, "peak to peak and frequency", _TRIALS)]
-    few = max(len({row[axis] for row in cells}) for axis in result.axes) <= MOST
-    if few and "samples.parquet" in result.files:
+    if _few(result) and "samples.parquet" in result.files:
         figures.append(planned(result, "campaign_thumbnails", "motion", "The end of each trial."))
     return figures
+
+
+def _few(result: Result) -> bool:
+    """Whether a campaign has few enough rates and resolutions for thumbnails."""
+    cells = result.rows("cells")
+    return max(len({row[axis] for row in cells}) for axis in result.axes) <= MOST

@@ -34,7 +34,7 @@ _AXES = {
 
 Row = dict[str, Any]
 _TABLES = {"sweep": "cells", "dfa": "dfa", "predict": "predict", "hw-run": "cells"}
-_CHOICES = {"dfa": "method", "predict": "law"}  # the column of which a figure shows one value
+_CHOICES = {"dfa": "method", "predict": "law", "hw-run": "remedy"}  # the column of which a figure shows one value
 _NAMES: dict[str, tuple[str, float]] = {
     "p2p_rad": ("peak to peak, mrad", 1e3),
     "sweep_p2p_rad": ("peak to peak of the sweep, mrad", 1e3),
@@ -105,7 +105,7 @@ def rows_of(result: Result, where: Row | None = None) -> Rows:
     rows = result.rows(_TABLES[result.stage])
     chosen = dict(where or {})
     choice = _CHOICES.get(result.stage)
-    if choice and rows:
+    if choice and rows and choice in rows[0]:
         several = list(dict.fromkeys(row[choice] for row in rows))
         if choice not in chosen and len(several) > 1:
             raise MissingError(f"'{result.name}' has several; choose by where: {{{choice}: ...}}, of {several}")

@@ -28,8 +28,13 @@ _MOST_THUMBNAILS = 8  # of rows, and of columns
 _MOST_TICKS = 40
 
 
-def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: str, path: Path) -> None:
-    """Draw a campaign into ``path`` (PNG). Raises `ComputationError` if the file cannot be written."""
+def draw_hw_run(
+    samples: pa.Table, trials: list[Row], *, target_n: float, name: str, path: Path, title: str = ""
+) -> None:
+    """Draw a campaign, or trials of it, into ``path`` (PNG); ``title``: of these trials, where it is not its name.
+
+    Raises `ComputationError` if the file cannot be written.
+    """
     from matplotlib.figure import Figure
 
     cells = cells_of(trials)
@@ -44,7 +49,7 @@ def draw_hw_run(samples: pa.Table, trials: list[Row], *, target_n: float, name: 
     if small:
         _thumbnails(parts[2], samples, trials, rates, counts)
     buzzing = sum(row["sustained"] for row in trials)
-    figure.suptitle(f"{name}: trials against a virtual wall, {buzzing} of {len(trials)} with sustained buzz")
+    figure.suptitle(f"{title or name}: trials against a virtual wall, {buzzing} of {len(trials)} with sustained buzz")
     save(figure, path, stage="hw-run", name=name)
 
 
@@ -103,8 +108,9 @@ def _grips(figure: "SubFigure", trials: list[Row], target_n: float) -> None:
         label="mean and standard deviation of a trial",
     )
     ax.set_ylim(0.0, 1.2 * max([target_n, *(row["grip_mean_n"] + row["grip_std_n"] for row in shown)]))
-    ax.set_xlim(0.5, len(trials) + 0.5)
-    if len(trials) <= _MOST_TICKS:
+    last = max(row["order"] for row in trials)
+    ax.set_xlim(0.5, last + 0.5)
+    if last <= _MOST_TICKS:
         ax.set_xticks([row["order"] for row in trials])
     ax.set_ylabel("grip force, N")
     ax.set_xlabel("trial, in the order they were run")

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from hknob_cli.figures.defaults import cases_of, figures_of, planned
+from hknob_cli.figures.defaults import cases_of, figures_of, planned, tried_of
 from hknob_cli.figures.sheet import write_sheet
 from hknob_cli.report.table import is_whole
 from hknob_cli.report.verdicts import grid_verdict
@@ -66,6 +66,15 @@ def draw_trial(rows: Rows, *, title: str, path: Path) -> bool:
     """
     result = Held(title, "remedies", {"cases": pa.Table.from_pylist(rows)}, [])
     return bool(rows) and write_sheet(result, cases_of(result), path=path)
+
+
+def draw_tried(remedies: pa.Table, reference: str, *, title: str, path: Path) -> bool:
+    """Draw a campaign's remedies into ``path`` (PNG); False, drawing nothing, where no trial could be measured.
+
+    Raises `ComputationError` if the file cannot be written.
+    """
+    result = Held(title, "hw-run", {"remedies": remedies}, [], {"reference": reference})
+    return write_sheet(result, tried_of(result), path=path)
 
 
 def draw_bias(rows: Rows, *, title: str, path: Path) -> bool:

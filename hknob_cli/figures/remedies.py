@@ -46,7 +46,7 @@ def remedy_dots(evidence: ResultSet, of: str, *, case: str, felt: bool = False) 
         _draw_hand(list(panels), [mine[name] for name in names], i, len(hands), hand, rest)
     for axes in panels[:3]:
         axes.set_xscale("log")
-        _plain_numbers(axes)
+        plain_numbers(axes)
     panels[0].set_yticks(range(len(names)), names, fontsize=8)
     panels[0].set_ylim(-0.7, len(names) - 0.3)
     panels[0].axvline(1.5 * rest, color="black", linewidth=0.6, alpha=0.5)
@@ -86,7 +86,8 @@ def _draw_hand(panels: "list[Axes]", rows: Rows, i: int, count: int, hand: str, 
             panel.plot(changes, at, **{**style, "fillstyle": fill})
 
 
-def _plain_numbers(axes: "Axes") -> None:
+def plain_numbers(axes: "Axes") -> None:
+    """Label a logarithmic axis across with plain numbers, as many as it has room for."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
     low, high = axes.get_xlim()

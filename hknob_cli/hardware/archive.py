@@ -98,7 +98,7 @@ class Archive:
         """The journal of a trial; what there is of it from before is set aside."""
         self._keep_other(trial)
         self.set_aside(trial)
-        return Journal(self._path(trial, "part"), {"trial": trial._asdict(), **about})
+        return Journal(self._path(trial, "part"), {"trial": trial.values, **about})
 
     def finish(self, recorded: Recorded) -> None:
         """Put a trial in place, whole, and end its journal. Raises `ComputationError` if it cannot be written."""

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.order import Trial, settings_of, trials_of
+from hknob_cli.hardware.order import Trial, period_ns, trials_of
 from hknob_cli.hardware.port import Device, Simulated
 from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
 
@@ -65,7 +65,7 @@ def who_of(plan: HwRunPlan) -> Who:
     )
 
     def who(trial: Trial) -> Simulated:
-        place = settings_of(plan, trial).period_ns, trial.counts_per_rev, trial.block
+        place = period_ns(trial.sample_rate_hz), trial.counts_per_rev, trial.block
         return hold(person, plan.knob, seed=plan.seed, place=place)
 
     return who

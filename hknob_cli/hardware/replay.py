@@ -191,8 +191,8 @@ def _round_rate(time_s: Array) -> float:
 class ReplayDevice(ComputedDevice):
     """A device that gives what was recorded, as fast as it is read.
 
-    A trial is found by its sample rate and counts per revolution; where there are several, they take turns, in the
-    order of the files. Overruns are not in a recording's samples: none are told.
+    A trial is found by its sample rate, its counts per revolution and the torque of its wall; where there are several,
+    they take turns, in the order of the files. Overruns are not in a recording's samples: none are told.
     """
 
     def __init__(self, paths: Iterable[Path]) -> None:
@@ -201,7 +201,7 @@ class ReplayDevice(ComputedDevice):
         if not self._takes:
             raise UsageError("there is nothing to replay")
         self._identity = Identity("replay", self._takes[0].native_counts, 1, False, 1, knows_control=True)
-        self._turns: dict[tuple[int, int], int] = {}
+        self._turns: dict[Settings, int] = {}
         self._chosen: tuple[RecordedTrial, Settings] | None = None
         self._playing: _Playing | None = None
         self._started = False
@@ -220,9 +220,8 @@ class ReplayDevice(ComputedDevice):
         fitting = [take for take in near if is_of_wall(take, settings)]
         if not fitting:
             raise DeviceError(_not_there(settings, near, self._takes))
-        cell = settings.period_ns, settings.counts_per_rev
-        turn = self._turns.get(cell, 0)
-        self._turns[cell] = turn + 1
+        turn = self._turns.get(settings, 0)
+        self._turns[settings] = turn + 1
         self._chosen = fitting[turn % len(fitting)], settings
 
     def arm(self) -> None:

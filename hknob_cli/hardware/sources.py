@@ -19,17 +19,22 @@ EARLIER = "earlier"
 RECORDING = "recording"
 ABOUT = "campaign.json"
 RESULTS = ("samples.parquet", "trials.parquet", "timing.parquet")
-ALL = (RECORDING, *RESULTS, "hw_run.png", "timing.png")
+REMEDIES = "remedies.parquet"
+ALL = (RECORDING, *RESULTS, REMEDIES, "hw_run.png", "timing.png", "remedies.png")
+# What a spec says of what is made of recordings, not of what is recorded.
+_AFTERWARDS = ("reference", "against", "hand")
 
 
 def spec_digest(values: dict[str, Any]) -> str:
     """Digest of a spec as run: recordings are of a spec, whatever version of the program made them.
 
-    A device that is found at another port, as one plugged in again often is, is the same device.
+    A device that is found at another port, as one plugged in again often is, is the same device. With what they are
+    compared says nothing of recordings.
     """
     device = values.get("device")
     if isinstance(device, dict) and "url" in device:
         values = {**values, "device": {**{key: device[key] for key in device if key != "baud"}, "url": ""}}
+    values = {key: values[key] for key in values if key not in _AFTERWARDS}
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 

@@ -1,5 +1,6 @@
 """The tables of a campaign: every sample, every trial measured as Chapter 8 does, and its sample clock."""
 
+import hashlib
 import math
 from typing import Any
 
@@ -7,33 +8,44 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.errors import MISSHAPEN
-from hknob_cli.hardware.order import period_ns
+from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
+from hknob_cli.hardware.wire.commands import pack_control
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.campaign_files import CONTROLLED, TIMING, TRIALS
-from hknob_cli.specs.campaign import Course
-from hknob_cli.specs.controller import Controller
+from hknob_cli.results.campaign_files import CONTROLLED, TIMING, TRIALS, TRIED
+from hknob_cli.specs.campaign import Course, HwRunPlan
+
+_DIGITS = 16  # of a digest
 
 
-def campaign_tables(
-    done: list[Recorded], course: Course, controller: Controller | None = None
-) -> tuple[pa.Table, pa.Table, pa.Table]:
+def campaign_tables(done: list[Recorded], plan: HwRunPlan) -> tuple[pa.Table, pa.Table, pa.Table]:
     """Samples, trials and timing of finished trials, in the order they were run.
 
-    ``controller``: that of the campaign. A trial that cannot be measured has a row without measures, which says why.
+    A trial that cannot be measured has a row without measures, which says why.
     """
     samples = pa.concat_tables([one.table for one in done]).combine_chunks()
-    rows = [_row(one, course) for one in done]
-    if controller is None:
-        trials = build_table(TRIALS, rows)
-    else:
-        trials = build_table((*TRIALS, *CONTROLLED), [{**row, "controller": controller.words} for row in rows])
+    tried = TRIED if plan.has_remedies else ()
+    controlled = CONTROLLED if tried or plan.first.controller else ()
+    rows = [{**_row(one, plan.course), **(_acting(plan, one.trial) if controlled else {})} for one in done]
+    trials = build_table((*TRIALS, *controlled, *tried), rows)
     return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
+
+
+def _acting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
+    """What acted in a trial: values of `CONTROLLED` and `TRIED`."""
+    acts, control = plan.tried(trial.remedy), settings_of(plan, trial).control
+    return {
+        "controller": acts.controller.words if acts.controller else "",
+        "remedy": acts.name,
+        "wall_stiffness": acts.wall.stiffness,
+        "wall_damping": acts.wall.damping,
+        "control_digest": hashlib.sha256(pack_control(control)).hexdigest()[:_DIGITS] if control else "",
+    }
 
 
 def _row(one: Recorded, course: Course) -> dict[str, Any]:

@@ -129,7 +129,7 @@ def sample_table(samples: Samples, key: Key, trial: Trial, native_counts: int) -
 def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
     """Write a trial, whole or not at all. Raises `ComputationError` if it cannot be written."""
     about = {
-        "trial": recorded.trial._asdict(),
+        "trial": recorded.trial.values,
         **{name: getattr(recorded, name) for name in Recorded._fields if name not in ("trial", "table")},
     }
     half = partial(path)

@@ -12,6 +12,7 @@ from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.large import varying
 from hknob_cli.report.population import describe_people
 from hknob_cli.report.remedies_over import over_the_grid
+from hknob_cli.report.remedies_tried import over_the_trials, tried_verdict
 from hknob_cli.report.table import short
 from hknob_cli.report.verdicts import (
     Buzz,
@@ -52,7 +53,9 @@ def checked(result: Result) -> list[str]:
 
 def _answers(result: Result) -> Iterator[str]:
     kind = result.stage
-    if kind in ("sweep", CAMPAIGN):
+    if result.has_remedies:
+        yield tried_verdict(over_the_trials(result.rows("remedies")), result.reference)
+    elif kind in ("sweep", CAMPAIGN):
         if PERSON in result.axes and not result.parted("cells"):
             yield people_buzz(describe_people(result.rows("cells"), result.axes))
         elif found := buzz_in(result):
@@ -170,7 +173,7 @@ def tiles_of(evidence: ResultSet, first: Sequence[str]) -> tuple[Tile, ...]:
     found: list[Tile] = []
     for name in names:
         result = evidence[name]
-        if result.stage in ("sweep", CAMPAIGN) and (buzz := buzz_in(result)) and buzz.cells:
+        if result.stage in ("sweep", CAMPAIGN) and not result.has_remedies and (buzz := buzz_in(result)) and buzz.cells:
             found += _of_buzz(buzz, name)
             break
     for name in names:

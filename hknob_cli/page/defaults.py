@@ -42,7 +42,7 @@ _FILES = {
     "remedies": ("cases", "remedies"),
     "design": ("design",),
     "sysid": ("conditions", "trials", "calibration", "bias", "hidden_inertia"),
-    CAMPAIGN: ("cells", "trials"),
+    CAMPAIGN: ("cells", "remedies", "trials"),
     "bench": ("bench",),
 }
 _FLAGS = ("chosen", "present", "next_cheaper", "front")
@@ -57,6 +57,8 @@ def tables_of(result: Result) -> tuple[TablePlan, ...]:
 
 def _has_rows(result: Result, file: str) -> bool:
     if result.stage == CAMPAIGN and file == "cells":
+        if result.has_remedies:  # whose table has the same cells
+            return False
         return bool(result.table(file).num_rows)
     if f"{file}.parquet" not in result.files:
         return False

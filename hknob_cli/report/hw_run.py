@@ -6,6 +6,7 @@ from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.report.remedies_tried import tried_text
 from hknob_cli.report.table import MAX_ROWS, grid, labels, matrix, short
 from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.results.campaign_files import cell_rows
@@ -55,6 +56,8 @@ def hw_run_text(summary: dict[str, Any]) -> str:
         f"{summary['sustained']} with sustained buzz; "
         f"{held}{stale}"
     ]
+    if "remedies" in summary:
+        return "\n".join(line.rstrip() for line in [*lines, "", *tried_text(summary), "", *_ends(summary)])
     lines += ["", grid_verdict(cells, [axis for axis in AXES if len({cell[axis] for cell in cells}) > 1])]
     lines += [f"controller: {one}" for one in dict.fromkeys(row["controller"] for row in rows if "controller" in row)]
     across = len({cell[RATE] for cell in cells})
@@ -66,8 +69,13 @@ def hw_run_text(summary: dict[str, Any]) -> str:
         ):
             lines += ["", *matrix(cells, AXES, column, scale=scale, title=title, mark=_mark)]
         lines += ["", *grip_table(cells)] if grip["target_n"] else []
-    lines += ["", *_clock(summary), *_doubts(rows)]
+    lines += ["", *_ends(summary)]
     return "\n".join(line.rstrip() for line in lines)
+
+
+def _ends(summary: dict[str, Any]) -> list[str]:
+    """What there is to say of the clock, and of trials that are doubtful."""
+    return [*_clock(summary), *_doubts(summary["trials"])]
 
 
 def _sizes(cells: list[Row]) -> list[tuple[str, float, str]]:
@@ -127,7 +135,7 @@ def _spread(value: float | None, std: float | None) -> str:
 def _clock(summary: dict[str, Any]) -> list[str]:
     quench = (
         []
-        if summary["sustained"] == len(summary["trials"])
+        if summary["sustained"] == len(summary["trials"]) or "remedies" in summary
         else ["r in some or all trials the buzz was not sustained; they are in no size or frequency"]
     )
     missed = summary["missed_ticks"]
@@ -148,5 +156,11 @@ def _drift(summary: dict[str, Any]) -> list[str]:
 def _doubts(rows: list[Row]) -> list[str]:
     """A line for each trial in which something is doubtful."""
     return [
-        f"trial {row['order']} ({row[RATE]:g} Hz, {row[COUNTS]} counts): {row['fault']}" for row in rows if row["fault"]
+        f"trial {row['order']} ({row[RATE]:g} Hz, {row[COUNTS]} counts{_under(row)}): {row['fault']}"
+        for row in rows
+        if row["fault"]
     ]
+
+
+def _under(row: Row) -> str:
+    return f", {row['remedy']}" if row.get("remedy") else ""

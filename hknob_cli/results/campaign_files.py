@@ -73,8 +73,22 @@ TRIALS = (
     Column("device", _TEXT, "", "what the device calls itself"),
     Column("native_counts", _WHOLE, "1/rev", "counts per revolution of the device's own encoder"),
 )
-# Where a controller is asked for.
+# Where a controller, or a trial of remedies, is asked for.
 CONTROLLED = (Column("controller", _TEXT, "", "what acts in place of the wall's spring, or beside it, in SI units"),)
+REMEDY = Column("remedy", _TEXT, "", "name of the remedy that it tries")
+# Where remedies are tried.
+TRIED = (
+    REMEDY,
+    Column("wall_stiffness", _REAL, "N*m/rad", "stiffness of the wall under this remedy"),
+    Column("wall_damping", _REAL, "N*m*s/rad", "damping of the wall under this remedy"),
+    Column(
+        "control_digest",
+        _TEXT,
+        "",
+        "SHA-256, its first 16 digits, of the controller's law, numbers and memory as the wire carries them, which "
+        "differ by sample rate, counts and wall; empty without a controller",
+    ),
+)
 # How evenly a trial was sampled, by the device's own clock; intervals are those between samples of consecutive index.
 TIMING = (
     *TRIAL_KEYS,
@@ -139,16 +153,17 @@ _AT_REST = "rest"  # why such a trial ended
 
 
 def campaign_cells(trials: Sequence[Row]) -> pa.Table:
-    """One row for each cell of the grid, in its order; ``trials``: rows of a campaign's ``trials.parquet``."""
-    return build_table(COLUMNS, cell_rows(trials))
+    """One row for each cell of the grid, and each remedy, in its order; ``trials``: rows of ``trials.parquet``."""
+    rows = cell_rows(trials)
+    return build_table((*COLUMNS, REMEDY) if rows and REMEDY.name in rows[0] else COLUMNS, rows)
 
 
 def cell_rows(trials: Sequence[Row]) -> list[Row]:
     """The same as rows. A trial whose buzz is not sustained is in no size and in no pitch."""
-    cells: dict[tuple[float, int], list[Row]] = {}
-    for row in sorted(filter(_is_measured, trials), key=lambda row: (row[RATE], row[COUNTS])):
-        cells.setdefault((row[RATE], row[COUNTS]), []).append(row)
-    return [_cell(rate, counts, same) for (rate, counts), same in cells.items()]
+    cells: dict[tuple[float, int, str], list[Row]] = {}
+    for row in filter(_is_measured, trials):
+        cells.setdefault((row[RATE], row[COUNTS], row.get(REMEDY.name, "")), []).append(row)
+    return [_cell(rate, counts, cells[rate, counts, remedy]) for rate, counts, remedy in sorted(cells)]
 
 
 def _is_measured(trial: Row) -> bool:
@@ -172,6 +187,7 @@ def _cell(rate: float, counts: int, same: list[Row]) -> Row:
         "sustained": len(buzzing),
         "at_rest": sum(one["ended"] == _AT_REST and not one["sustained"] for one in same),
         **{name: _mean(same, name) for name in _EVERY},
+        **({REMEDY.name: same[0][REMEDY.name]} if REMEDY.name in same[0] else {}),
     }
 
 

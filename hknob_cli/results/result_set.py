@@ -18,6 +18,7 @@ from hknob_cli.results.campaign_files import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
 from hknob_cli.results.provenance import DESIGN, axes_in, record_of
+from hknob_cli.specs.campaign import PLAIN
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, Scene
 
@@ -123,6 +124,16 @@ class Result:
     def stage(self) -> str:
         """Kind of the stage that made it. Raises `MissingError`."""
         return str(self.provenance["stage"])
+
+    @property
+    def has_remedies(self) -> bool:
+        """Whether it is a campaign that tried remedies. Raises `MissingError`."""
+        return self.stage == CAMPAIGN and bool(self.provenance["spec"].get("remedies"))
+
+    @property
+    def reference(self) -> str:
+        """The remedy that the others of a campaign are compared with. Raises `MissingError`."""
+        return str(self.provenance["spec"].get("reference", PLAIN))
 
     @property
     def axes(self) -> list[str]:

@@ -27,6 +27,7 @@ from hknob_cli.specs.quantity import (
 
 SERIAL, REPLAY = "serial", "replay"
 VIRTUAL: Literal["virtual"] = "virtual"
+PLAIN = "plain wall"  # the remedy that others are compared with, unless another is named
 SCHEMES = ("socket", "rfc2217", "loop")
 
 
@@ -134,17 +135,31 @@ class Nuisance(NamedTuple):
     overruns: Annotated[Share, "share of the samples that come too late"] = 0.0
 
 
+class Tried(NamedTuple):
+    """What acts on the knob in a trial: the wall, and what acts in place of its spring, or beside it.
+
+    Of a remedy its ``name``, what it ``needs``, and the ``source`` that it is from; empty without remedies.
+    """
+
+    wall: Wall
+    controller: Controller | None = None
+    name: str = ""
+    needs: str = ""
+    source: str = ""
+
+
 class HwRunPlan(NamedTuple):
     """A campaign of trials over a grid of sample rates and counts. ``axes`` as in a sweep; ``subject`` who holds.
 
     ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
-    force. ``controller``: what acts in place of the wall's spring, or beside it.
+    force. ``tries``: what each cell is tried with, one a remedy; ``reference``: the remedy that others are compared
+    with, ``against`` a folder of what was computed of them, ``hand`` the hand in it; all empty without remedies.
     """
 
     name: str
     device: Device
     recordings: tuple[Path, ...]
-    wall: Wall
+    tries: tuple[Tried, ...]
     axes: dict[str, list[float | int]]
     course: Course
     limits: Limit
@@ -158,7 +173,23 @@ class HwRunPlan(NamedTuple):
     nuisances: Nuisance
     values: dict[str, Any]
     grip_place: Fault
-    controller: Controller | None = None
+    reference: str = ""
+    against: str = ""
+    hand: str = ""
+
+    @property
+    def has_remedies(self) -> bool:
+        """Whether it is a trial of remedies, and not of one wall."""
+        return bool(self.tries[0].name)
+
+    @property
+    def first(self) -> Tried:
+        """The reference; what every trial has, without remedies."""
+        return self.tried(self.reference)
+
+    def tried(self, remedy: str) -> Tried:
+        """What acts in trials of a remedy; in all, without remedies."""
+        return next(one for one in self.tries if one.name == remedy)
 
     @property
     def is_source(self) -> bool:

@@ -44,6 +44,7 @@ MODULES: dict[str, str] = {
     "population": "cell_dots",
     "pulse_terms": "pulses",
     "pulse_vectors": "pulses",
+    "remedies_tried": "remedies_tried",
     "remedy_dots": "remedies",
     "remedy_grid": "remedies",
     "saturated_map": "maps",

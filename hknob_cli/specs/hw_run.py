@@ -1,12 +1,13 @@
 """The spec of a campaign on a knob, real or simulated: the sixteen trials of Chapter 8 where nothing else is said."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import (
+    PLAIN,
     REPLAY,
     SERIAL,
     Course,
@@ -17,6 +18,7 @@ from hknob_cli.specs.campaign import (
     Limit,
     Nuisance,
     Person,
+    Tried,
     Wall,
     url_fault,
 )
@@ -25,9 +27,10 @@ from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
-from hknob_cli.specs.refusals import controller_faults, device_refusals
+from hknob_cli.specs.remedies import Label
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
+from hknob_cli.specs.tried import BESIDE, TriedSpec, acting_faults, tries_of
 
 MOST_TRIALS = 1000
 MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole: a quarter of an hour at 20 kHz
@@ -56,6 +59,18 @@ class HwRunSpec(Part):
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
+    remedies: Annotated[
+        dict[Label, TriedSpec],
+        Field(max_length=100, description="remedies by name, each tried in every cell; without any, the wall alone"),
+    ] = {}  # noqa: RUF012
+    reference: Annotated[Label, Field(description="the remedy that the others are compared with")] = PLAIN
+    against: Annotated[
+        str | None,
+        Field(
+            min_length=1, description="results folder of remedies to compare with, remedy by remedy and cell by cell"
+        ),
+    ] = None
+    hand: Annotated[Label | None, Field(description="of the folder of against: its hand; default: its only one")] = None
     grid: Annotated[TrialGridSpec, Field(default_factory=TrialGridSpec)]
     grip: Annotated[
         Grip | Literal["none"],
@@ -90,8 +105,13 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
     axes, faults = _axes(source, spec)
     grip = None if spec.grip == "none" else spec.grip
-    found = (*_device_faults(spec), *_controller_faults(spec, source.value, axes), *_faults(spec, axes))
+    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
+    found = (*_device_faults(spec), *acting, *_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
+    tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller),)
+    if spec.remedies and not acting:
+        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes)
+        faults += wrong
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
@@ -99,7 +119,7 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         name=spec.name,
         device=spec.device,
         recordings=tuple(folder / name for name in spec.device.recordings or ()),
-        wall=spec.wall,
+        tries=tries,
         axes=axes,
         course=spec.trial._replace(grip=grip),
         limits=spec.limits,
@@ -113,7 +133,9 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         nuisances=spec.nuisances or Nuisance(),
         values=source.value,
         grip_place=source.fault(("grip", "target"), ""),
-        controller=spec.controller,
+        reference=spec.reference if spec.remedies else "",
+        against=spec.against or "",
+        hand=spec.hand or "",
     )
 
 
@@ -157,21 +179,14 @@ def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
     return found
 
 
-def _controller_faults(spec: HwRunSpec, values: dict[str, Any], axes: Axes) -> list[tuple[Place, str]]:
-    """What is wrong with the controller, and what of it no target runs."""
-    if spec.controller is None:
-        return []
-    given = frozenset(values["controller"])
-    found = controller_faults(spec.controller, given, axes) or device_refusals(spec.controller, given)
-    found = [(place[1:], text) for place, text in found]  # a campaign has no scene around it
-    if spec.wall.stiffness == 0.0:
-        found.append((("wall", "stiffness"), "must be > 0 where a controller is given"))
-    return found
-
-
 def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
     """Numbers that exclude one another."""
     found: list[tuple[Place, str]] = []
+    if not spec.remedies:
+        alone = "must be absent without remedies"
+        found += [((name,), alone) for name in BESIDE if name in spec.model_fields_set]
+    elif spec.hand and not spec.against:
+        found.append((("hand",), "must be absent without against: it is one of that folder's hands"))
     least, most = spec.trial.buzz
     if most < least:
         found.append((("trial", "buzz"), f"must rise, got {least:g} to {most:g}"))
@@ -194,7 +209,8 @@ def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
                 f"must be shorter: {rate * longest:.2g} samples in a trial at {rate:g} Hz, at most {MOST_SAMPLES:.0e}"
             )
             found.append((("trial", "longest"), text))
-    count = len(axes.get(RATE, ())) * len(axes.get(COUNTS, ())) * spec.repeats
+    count = len(axes.get(RATE, ())) * len(axes.get(COUNTS, ())) * spec.repeats * max(1, len(spec.remedies))
     if count > MOST_TRIALS:
-        found.append((("grid",), f"must be at most {MOST_TRIALS} trials with repeats, got {count}"))
+        what = "repeats and remedies" if spec.remedies else "repeats"
+        found.append((("grid",), f"must be at most {MOST_TRIALS} trials with {what}, got {count}"))
     return found

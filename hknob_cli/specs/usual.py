@@ -85,7 +85,8 @@ def _quantities(plan: Any) -> Iterator[tuple[str, float]]:
     for scene in _scenes(plan):
         yield from _numbers(scene, "")
     if hasattr(plan, "course"):  # of a campaign
-        yield from (*_numbers(plan.wall, "wall."), *_numbers(plan.knob, "knob."))
+        for part, path in (*((one.wall, "wall.") for one in plan.tries), (plan.knob, "knob.")):
+            yield from _numbers(part, path)
 
 
 def _scenes(plan: Any) -> Iterator[Any]:

@@ -36,15 +36,20 @@ COLUMNS = (
 
 def sweep_file(folder: str) -> Path:
     """Cells of the sweep in a results folder. Raises `UsageError` if there are none."""
-    path = Path(folder) / "cells.parquet"
+    return result_file(folder, "cells.parquet", "sweep", what="sweep")
+
+
+def result_file(folder: str, file: str, stage: str, *, what: str) -> Path:
+    """A file that a stage left in a folder; ``what``: that stage's work. Raises `UsageError` if there is none."""
+    path = Path(folder) / file
     try:
         found = origin(result_schema(path).metadata)
     except ChangedError as error:
-        raise UsageError(f"against: {path} {why_unreadable(error)}; run the sweep again") from None
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the {what} again") from None
     except (OSError, pa.ArrowException):
-        raise UsageError(f"against: {path} is not there or cannot be read; run the sweep first") from None
-    if found is None or found[0] != "sweep":
-        raise UsageError(f"against: {path} is not the result of a sweep")
+        raise UsageError(f"against: {path} is not there or cannot be read; run the {what} first") from None
+    if found is None or found[0] != stage:
+        raise UsageError(f"against: {path} is not the result of a {what}")
     return path
 
 
@@ -96,7 +101,7 @@ class Against:
         own: set[str] | None = None
         if table is None:
             path = sweep_file(folder)
-            table = _read(path)
+            table = read_table(path, what="sweep")
             own = set(axes_of(table.schema.metadata))
         lacking = [axis for axis in axes if axis not in table.column_names]
         if lacking:
@@ -149,11 +154,12 @@ def overlap(folder: str, axes: Axes, cells: Cells) -> dict[str, int]:
     return {"cells": len(cells), "with_partner": Against(folder, list(axes), cells).partners(cells)}
 
 
-def _read(path: Path) -> pa.Table:
+def read_table(path: Path, *, what: str) -> pa.Table:
+    """The table of a `result_file`. Raises `UsageError` if it cannot be read."""
     try:
         return read_result(path)
     except (OSError, pa.ArrowException) as error:
-        raise UsageError(f"against: {path} {why_unreadable(error)}; run the sweep again") from None
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the {what} again") from None
 
 
 def _numbers(table: pa.Table, axes: list[str], path: Path) -> list[dict[str, Any]]:

@@ -9,10 +9,11 @@ from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.report.table import short
 from hknob_cli.specs.capabilities import ESTIMATED, parts_of, verdict_of
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import Axes, Bias, Cell, Knob, Scene, SweepPlan, Wall, scene_at
+from hknob_cli.specs.plan import Axes, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.specs.promise import not_proven
 from hknob_cli.specs.usual import unusual
 from hknob_cli.stages.grid_words import grid_lines, size, starts_lines, who
+from hknob_cli.stages.hw_run.explained import explained_campaign
 from hknob_cli.stages.work import counted
 
 _UNPUSHED = "nothing pushes the knob into the wall: where it rests, it may buzz under a push"
@@ -133,42 +134,6 @@ def _design(plan: Any) -> Found:
     return f"{answer} for {counted(plan.people, 'hand')}?", about, sweep.scene, axes
 
 
-def _hw_run(plan: Any) -> Found:
-    trials = plan.repeats
-    for values in plan.axes.values():
-        trials *= len(values)
-    device = plan.device
-    simulated = device.driver == "virtual" or bool(device.target)
-    where = device.target or device.url or ", ".join(map(str, plan.recordings)) or "computed here"
-    wall = Wall(*plan.wall)
-    knob = Knob(*plan.knob)
-    bias = Bias(torque=plan.person.push) if simulated else None
-    scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.controller)
-    if simulated:
-        parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
-        wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
-        parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
-    else:
-        said = ("Wall:", "Encoder:", "Clock:", "Controller:")
-        parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
-    course, limits = plan.course, plan.limits
-    about = {
-        "parts": parts,
-        "device": [f"{device.driver}: {where}."],
-        "trials": [
-            f"Each records {short(course.buzz[0])} to {short(course.buzz[1])} s of buzz, and ends after "
-            f"{short(course.longest)} s in any case.",
-            f"Order: {'shuffled' if plan.shuffled else 'as listed'}, seed {plan.seed}.",
-        ],
-        "limits": [f"Torque up to {short(limits.torque)} N*m, speed up to {short(limits.speed)} rad/s."],
-        "not proven": ["Trials are measured, not proven."],
-        "ignored": [] if simulated else ["The keys knob and person: they describe a simulated device."],
-    }
-    asked = "on a simulated knob" if simulated else "on a knob" if device.driver == "serial" else "played back"
-    answer = f"{counted(trials, 'trial')} {asked} {'measure' if trials > 1 else 'measures'} whether it buzzes."
-    return answer, about, scene if simulated else scene._replace(knob=Knob(inertia=0.0)), plan.axes
-
-
 def _sysid(plan: Any) -> Found:
     if plan.study:
         asked = [name for name in ("bias", "hidden") if getattr(plan.study, name)]
@@ -232,7 +197,7 @@ EXPLANATIONS: dict[str, Callable[[Any], Found]] = {
     "predict": _predict,
     "remedies": _remedies,
     "design": _design,
-    "hw-run": _hw_run,
+    "hw-run": explained_campaign,
     "bench": _bench,
     "report": _report,
 }

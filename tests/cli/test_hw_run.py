@@ -207,7 +207,15 @@ def test_in_a_pipeline(hknob, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "name", ["ch8_hardware", "ch8_hardware_plain", "ch8_hardware_bounded_lag", "ch8_serial_host", "ch8_serial_qemu"]
+    "name",
+    [
+        "ch8_hardware",
+        "ch8_hardware_plain",
+        "ch8_hardware_bounded_lag",
+        "ch8_hardware_remedies",
+        "ch8_serial_host",
+        "ch8_serial_qemu",
+    ],
 )
 def test_experiments_are_good(hknob, name: str) -> None:
     done = hknob("check", EXPERIMENTS / f"{name}.yaml")

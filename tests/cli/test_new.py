@@ -80,6 +80,7 @@ def test_starters_from_presets(kind: str, preset: str, tmp_path: Path) -> None:
         ("sysid", "knob_radius", "8.9 mm"),
         ("hw-run", "device", "{driver: serial, url: /dev/ttyACM0}"),
         ("hw-run", "limits", "{torque: 20 mN*m}"),
+        ("hw-run", "remedies", "{plain wall: {}, softer wall: {change: {wall: {stiffness: 0.135}}}}"),
     ],
 )
 def test_alternatives_in_comments_are_valid(kind: str, key: str, value: str, tmp_path: Path) -> None:

@@ -34,6 +34,11 @@ CASES = {
     "dfa of one cell": ("dfa", analysis(SPEC, "dfa")),
     "predict of one cell": ("predict", analysis(SPEC, "predict")),
     "a grip over a grid": ("hw-run", "kind: hw-run\nname: h\ntrial: {buzz: [1, 1]}\ngrid: {counts_per_rev: [1024]}\n"),
+    "remedies on a knob": (
+        "hw-run",
+        "kind: hw-run\nname: h\ntrial: {buzz: [1, 1]}\ngrid: {sample_rate_hz: [1000], counts_per_rev: [256]}\n"
+        "remedies: {plain wall: {}, a wall of half the stiffness: {change: {wall: {stiffness: 0.1}}}}\n",
+    ),
     "an identification": ("sysid", (EXPERIMENTS / "motor.yaml").read_text()),
 }
 

@@ -1,10 +1,10 @@
 """Runs of every kind killed at random instants, over and over, until they are through: nothing lost, nothing changed.
 
 `python tests/faults/campaign.py --kills 200 --seed S` kills that many in all: sweeps (in one go, spread over processes,
-spread and written in parts), a pipeline and a simulated measuring campaign. Each is killed and begun again, with the
-same command and no clearing up, until one run comes through; then its folder must hold what an undisturbed run leaves,
-byte for byte, and nothing else, and what was finished before a kill must have stayed as it was. `test_campaign.py` does
-a share of it.
+spread and written in parts), a pipeline, a simulated measuring campaign and one that tries remedies. Each is killed and
+begun again, with the same command and no clearing up, until one run comes through; then its folder must hold what an
+undisturbed run leaves, byte for byte, and nothing else, and what was finished before a kill must have stayed as it was.
+`test_campaign.py` does a share of it.
 
 2026-11-21, --kills 200 --seed 20261121, two busy cores, 334 s: 40 kills of each kind, and 66 runs that came through
 (sweep 3, spread 25, parts 19, run 16, hw-run 3), all as undisturbed. At the kills of spread sweeps 0 to 14 pieces or
@@ -32,6 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.conftest import SPEC
 from tests.faults import small_pieces
 from tests.faults.spread_runs import SLOW, SMALL_PIECES, SWEEP, left
+from tests.hardware.campaigns import REMEDIES
 from tests.hardware.campaigns import SPEC as HW_RUN
 
 PIPELINE = """\
@@ -64,6 +65,7 @@ CASES = {
     "parts": Case([sys.executable, str(SMALL_PIECES), IN_PARTS, "sweep"], SWEEP, ("*.piece", "orbits/part-*")),
     "run": Case([*HKNOB, "run"], PIPELINE, ("orbits.parquet",)),
     "hw-run": Case([*HKNOB, "hw-run"], HW_RUN, ("recording/*.parquet",)),
+    "tried": Case([*HKNOB, "hw-run"], HW_RUN + REMEDIES, ("recording/*.parquet",)),
 }
 RECORDS = re.compile(r"\.pytask.*|pytask\.lock|pipeline\.json|.*\.hknob\.lock")  # of a pipeline's runs, not results
 

@@ -16,10 +16,20 @@ from tests.conftest import EXPERIMENTS, HKNOB
 GRID = "grid={sample_rate_hz: [1000, 4000], counts_per_rev: [256, 2048]}"
 SHORT = "trial={zero: 0.1, settle: 0.1, buzz: [1, 1], longest: 3}"
 STARTS = "starts={angle: 0.02, phases: 4}"
+SOFT = "{wall: {stiffness: 0.135}}"
+TWO = "remedies={plain wall: {}, softer wall: {change: CHANGE}}"
 RUNS = {
     "plain": ("hw-run", "ch8_hardware_plain", GRID, SHORT),
     "friction": ("hw-run", "ch8_hardware", GRID, SHORT),
     "row": ("hw-run", "ch8_hardware_plain", "grid={sample_rate_hz: [1000], counts_per_rev: [256]}", SHORT),
+    "computed": (
+        "remedies",
+        "ch8_remedies",
+        f"base.{GRID}",
+        TWO.replace("CHANGE", f"{{scene: {SOFT}}}"),
+        "base.starts={angle: 0.02, phases: 2}",
+    ),
+    "tried": ("hw-run", "ch8_hardware_remedies", GRID, SHORT, TWO.replace("CHANGE", SOFT), "against=BASE/computed"),
     "sweep": ("sweep", "chapter8", GRID, STARTS, "scene.bias={torque: 0.001}"),
     "predict": ("predict", "predict_chapter8", GRID),
     "whine": ("sweep", "whine", "starts={angle: 1.0e-4, phases: 4}", "record={duration: 0.01, interval: 2.0e-5}"),
@@ -58,6 +68,10 @@ CASES: list[tuple[str, object, dict[str, Any], tuple[str, ...]]] = [
         ("101-fold", "whine", "row", "printed", "peak to peak, mrad"),
     ),
     ("torque_reach", ["whine"], {}, ("no losses",)),
+    ("remedies_tried", "tried", {}, ("softer wall", "measured", "computed", "times smaller than", "buzzes, %")),
+    ("campaign_thumbnails", "tried", {"remedy": "softer wall"}, ("1000 Hz", "2048", "8 cycles")),
+    ("campaign_trial", "tried", {**ONE, "remedy": "softer wall"}, ("angle, mrad", "grip, N")),
+    ("grid_map", "tried", {"where": {"remedy": "softer wall"}}, ("2048",)),
 ]  # fmt: skip
 
 
@@ -67,7 +81,7 @@ def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
     folders: dict[str, Path] = {}
     for name, (stage, spec, *sets) in RUNS.items():
         folders[name] = base / name
-        more = [part for value in sets for part in ("--set", value)]
+        more = [part for value in sets for part in ("--set", value.replace("BASE", str(base)))]
         command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", "-o", folders[name], "-q", *more]
         done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
         assert done.returncode == 0, done.stderr
@@ -93,6 +107,10 @@ def test_what_a_figure_says(
         ("campaign_lines", ["sweep", "row"], {}, "1 resolutions at 1 rates"),
         ("what_explains", ["row"], {"over": "whine"}, "no cell in common"),
         ("torque_reach", ["plain"], {}, "of several cells"),
+        ("remedies_tried", "plain", {}, r"no remedies\.parquet of 'plain'"),
+        ("campaign_thumbnails", "tried", {}, "tried several remedies; give one of them as 'remedy': "),
+        ("campaign_thumbnails", "plain", {"remedy": "x"}, "tried no remedy 'x'; it has none"),
+        ("grid_map", "tried", {}, "has several; choose by where"),
     ],
 )
 def test_what_is_not_there_is_said(
@@ -119,3 +137,12 @@ def test_a_page_of_its_own(evidence: ResultSet) -> None:
     assert [figure.draw for figure in chapter.figures] == ["grid_map", "grid_map", "campaign_thumbnails"]
     (answer,) = answers_of(one)
     assert answer.startswith("friction: It buzzes in 2 of 4 cells, in the trials recorded. The most: ")
+
+
+def test_a_page_of_remedies_that_were_tried(evidence: ResultSet) -> None:
+    one = ResultSet({"tried": evidence["tried"].folder})
+    (chapter,) = chapters_of(one)
+    assert [figure.draw for figure in chapter.figures] == ["remedies_tried", "campaign_thumbnails"]
+    assert [table.file for table in chapter.tables] == ["remedies", "trials"]
+    (answer,) = answers_of(one)
+    assert answer.startswith(("tried: Smallest buzz: softer wall, ", "tried: No remedy made the buzz smaller"))

@@ -20,6 +20,12 @@ grid: {sample_rate_hz: [1000, 2000], counts_per_rev: [256, 512]}
 trial: {zero: 0.05, settle: 0.05, buzz: [0.1, 0.2], longest: 2}
 person: {wandering_push: false, grip_wander: false}
 """
+REMEDIES = """\
+remedies:
+  plain wall: {}
+  softer wall: {change: {wall: {stiffness: 0.135}}}
+  bounded lag: {change: {controller: {kind: bounded_lag, keep: 0.15, time_constant: 0.2}}}
+"""
 
 
 def planned(text: str = SPEC) -> HwRunPlan:

@@ -17,7 +17,7 @@ from hknob_cli.hardware.trial_run import Nobody, View, Wish
 from hknob_cli.hardware.wire.block_order import GAP_PATIENCE_S
 from hknob_cli.hardware.wire.session import SIMULATED_SILENCE_S
 from hknob_cli.recordings.read import read
-from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
+from tests.hardware.campaigns import REMEDIES, SPEC, Faulty, campaign, planned
 
 
 def test_every_cell_once_in_each_repeat_in_an_order_of_its_own() -> None:
@@ -28,10 +28,10 @@ def test_every_cell_once_in_each_repeat_in_an_order_of_its_own() -> None:
     assert set(cells.values()) == {1}
     assert len(cells) == 12
     assert trials == trials_of(plan)
-    orders = {tuple(trial[2:] for trial in trials_of(plan._replace(seed=seed))) for seed in range(20)}
+    orders = {tuple(trial[2:4] for trial in trials_of(plan._replace(seed=seed))) for seed in range(20)}
     assert len(orders) > 10
     straight = trials_of(plan._replace(shuffled=False, repeats=1))
-    assert [trial[2:] for trial in straight] == [(1000, 256), (1000, 512), (2000, 256), (2000, 512)]
+    assert [trial[2:4] for trial in straight] == [(1000, 256), (1000, 512), (2000, 256), (2000, 512)]
 
 
 def test_settings_of_a_trial() -> None:
@@ -283,6 +283,43 @@ def test_a_device_at_another_port_is_the_same_campaign() -> None:
     assert spec_digest(first.values) == spec_digest(same.values)
     assert spec_digest(first.values) != spec_digest({**first.values, "seed": 3})
     assert spec_digest(first.values) != spec_digest(built.values)
+
+
+def test_what_trials_are_compared_with_is_no_other_campaign() -> None:
+    plan = planned(SPEC + REMEDIES)
+    compared = planned(SPEC + REMEDIES + "against: somewhere\nhand: pinch\nreference: softer wall\n")
+    assert spec_digest(plan.values) == spec_digest(compared.values)
+    assert spec_digest(plan.values) != spec_digest(planned(SPEC + REMEDIES.replace("0.15,", "0.2,")).values)
+
+
+def test_a_campaign_of_remedies_goes_on_where_it_broke_off(tmp_path: Path) -> None:
+    plan = planned(SPEC + REMEDIES)
+    whole = campaign(tmp_path / "whole", Faulty(), plan).run()
+    assert [one.trial for one in whole] == list(trials_of(plan))
+    device = Faulty(fail_at=140)
+    (tmp_path / "out").mkdir()
+    with pytest.raises(DeviceError) as error:
+        campaign(tmp_path / "out", device, plan, is_source=True).run()
+    trial = trials_of(plan)[device.calls.count("start") - 1]
+    cell = f"{trial.sample_rate_hz:g} Hz, {trial.counts_per_rev} counts, {trial.remedy}"
+    assert str(error.value).startswith(f"trial {trial.number} of 12 ({cell}): the link is cut")
+    again = Faulty()
+    done = campaign(tmp_path / "out", again, plan, is_source=True).run()
+    assert again.calls.count("start") == 12 - (trial.number - 1)
+    assert all(one == other for one, other in zip(done, whole, strict=True))
+    # A finished trial is that of its remedy: the same trials under other names are done again, and kept.
+    renamed = planned(SPEC + REMEDIES.replace("softer wall", "soft wall"))
+    other = Faulty()
+    campaign(tmp_path / "out", other, renamed, is_source=True).run()
+    assert other.calls.count("start") == 4
+    assert len(list((tmp_path / "out" / "recording" / "aborted").glob("*.parquet"))) == 5
+
+
+def test_a_campaign_without_remedies_says_nothing_of_them(tmp_path: Path) -> None:
+    (one, *_) = campaign(tmp_path, Faulty()).run()
+    file = next((tmp_path / "recording").glob("*.parquet"))
+    assert b"remedy" not in file.read_bytes()
+    assert str(one.trial).count(",") == 1
 
 
 def test_what_was_computed_gives_way(tmp_path: Path) -> None:

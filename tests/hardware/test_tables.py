@@ -29,7 +29,7 @@ def test_one_trial_that_cannot_be_measured_takes_no_other_ones_rows_away(tmp_pat
     place = table.column_names.index("time_s")
     coarse = np.floor(table["time_s"].to_numpy() * 200.0) / 200.0
     done[1] = done[1]._replace(table=table.set_column(place, table.schema.field(place), pa.array(coarse)))
-    samples, trials, timing = campaign_tables(done, planned().course)
+    samples, trials, timing = campaign_tables(done, planned())
     rows = trials.to_pylist()
     assert (samples.num_rows, timing.num_rows) == (sum(one.table.num_rows for one in done), 4)
     assert [row["p2p_rad"] is None for row in rows] == [False, True, False, False]

@@ -132,6 +132,11 @@ grid: {GRID}
 trial: {zero: 0.05, settle: 0.05, buzz: [0.1, 0.2], longest: 2}
 person: {wandering_push: false, grip_wander: false}
 """
+REMEDIES = """\
+remedies:
+  plain wall: {}
+  bounded lag: {change: {controller: {kind: bounded_lag, keep: 0.15, time_constant: 0.2}}, needs: a running mean}
+"""
 CAMPAIGNS = {
     "one cell": "sample_rate_hz: [1000], counts_per_rev: [256]",
     "one axis": "sample_rate_hz: [1000, 2000], counts_per_rev: [256]",
@@ -188,6 +193,8 @@ def _all() -> dict[str, str]:
     found["remedies with cases and perceive"] = TRIED.replace("GRID", GRIDS["one axis"].strip()) + CASES + PERCEIVE
     found |= {f"sysid, {sort}": f"kind: sysid\nname: x\n{text}" for sort, text in SYSID.items()}
     found |= {f"hw-run, {shape}": CAMPAIGN.replace("GRID", grid) for shape, grid in CAMPAIGNS.items()}
+    for shape, grid in CAMPAIGNS.items():
+        found[f"hw-run of remedies, {shape}"] = CAMPAIGN.replace("GRID", grid) + REMEDIES
     found["bench"] = BENCH
     return found
 

@@ -131,7 +131,8 @@ class Watching(Operator):
         force = "   -  " if view.grip_n is None else f"{view.grip_n:6.2f}"
         text = Text()
         text.append(f"trial {trial.number}/{view.trials}", style="bold")
-        text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts  ")
+        under = f", {trial.remedy}" if trial.remedy else ""
+        text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts{under}  ")
         said = (_SAID if plan.grip else {**_SAID, **_WITHOUT_CELL}).get(view.state, view.state)
         said += ", then press space" if view.state == HANDS_OFF and self._attended else ""
         text.append(said, style="green" if view.state == "buzz" else "yellow")

@@ -13,12 +13,14 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.drivers import check_persons, opened, who_of
-from hknob_cli.hardware.sources import RESULTS, move_to_earlier, refuse_other, spec_digest
+from hknob_cli.hardware.sources import REMEDIES, RESULTS, move_to_earlier, refuse_other, spec_digest
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
+from hknob_cli.report.remedies_tried import describe_tried
 from hknob_cli.results.versions import source_digest
 from hknob_cli.specs.campaign import REPLAY, SERIAL
 from hknob_cli.specs.named_file import digest_of, inside
+from hknob_cli.stages.hw_run import remedies
 from hknob_cli.stages.hw_run.strip import watching
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
@@ -33,23 +35,32 @@ class HwRunWork(Work):
 
     def size(self, plan: Any) -> str:
         """Trials."""
-        return counted(prod(len(values) for values in plan.axes.values()) * plan.repeats, "trial")
+        cells = prod(len(values) for values in plan.axes.values())
+        return counted(cells * len(plan.tries) * plan.repeats, "trial")
 
-    def files(self, _job: Job) -> tuple[str, ...]:
-        """Samples, trials, and the audit of the sample clock."""
-        return RESULTS
+    def files(self, job: Job) -> tuple[str, ...]:
+        """Samples, trials, and the audit of the sample clock; remedies where they are tried."""
+        return *RESULTS, *([REMEDIES] if job.plan.has_remedies else [])
 
-    def pictures(self, _job: Job) -> tuple[str, ...]:
-        """The campaign, and its sample clock."""
-        return "hw_run.png", "timing.png"
+    def stale_outputs(self, job: Job) -> tuple[str, ...]:
+        """Remedies, where none are tried."""
+        return () if job.plan.has_remedies else (REMEDIES,)
+
+    def pictures(self, job: Job) -> tuple[str, ...]:
+        """The campaign, its sample clock, and remedies where they are tried."""
+        return "hw_run.png", "timing.png", *(["remedies.png"] if job.plan.has_remedies else [])
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
-        """Recordings to replay; a folder stands for its samples."""
-        return tuple(inside(path, RESULTS[0]) for path in job.plan.recordings)
+        """Recordings to replay, where a folder stands for its samples; and what was computed of remedies."""
+        computed = [remedies.computed_path(job.plan.against)] if job.plan.against else []
+        return *(inside(path, RESULTS[0]) for path in job.plan.recordings), *computed
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
         found = {}
+        if job.plan.against:
+            remedies.Computed(job.plan)  # which must be of these remedies before the first trial, not after the last
+            found["against_sha256"] = remedies.digest(job.plan.against)
         for i, path in enumerate(job.plan.recordings):
             try:
                 file = inside(path, RESULTS[0])
@@ -79,6 +90,8 @@ class HwRunWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """Run what is not finished, then measure all."""
+        if job.plan.against and (lacking := remedies.Computed(job.plan).lacking):
+            note(job, f"{job.plan.name}: not computed in {job.plan.against}: {', '.join(lacking)}")
         archive = self._archive(job)
         if job.force:
             earlier = move_to_earlier(job.out)
@@ -106,7 +119,8 @@ class HwRunWork(Work):
         if job.verbose:
             seconds = time.perf_counter() - begin
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
-        return campaign_tables(done, job.plan.course, job.plan.controller)
+        tables = campaign_tables(done, job.plan)
+        return (*tables, remedies.remedies_table(job.plan, tables[1])) if job.plan.has_remedies else tables
 
     def partial_results(self, job: Job) -> list[Path]:
         """Single trials of a simulation."""
@@ -124,19 +138,28 @@ class HwRunWork(Work):
         return Archive(job.out, identity=identity, is_source=source, stamp=stamp)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """Grid, grip and motions; the sample clock."""
+        """Grid, grip and motions, of several remedies those of the reference; the sample clock; the remedies."""
         from hknob_cli.figures.hw_run_picture import draw_hw_run, draw_timing
 
+        plan = job.plan
         samples, rows = tables[0], tables[1].to_pylist()
-        target, name = job.plan.course.grip_target_n, job.plan.name
-        draw_hw_run(samples, rows, target_n=target, name=name, path=paths[0])
-        draw_timing(samples, rows, name=name, path=paths[1])
-        return paths
+        shown, title, drawn = rows, plan.name, paths[:2]
+        if plan.has_remedies:
+            from hknob_cli.figures.plot import draw_tried
+
+            shown, title = [row for row in rows if row["remedy"] == plan.reference], f"{plan.name}, {plan.reference}"
+            drawn += [paths[2]] if draw_tried(tables[3], plan.reference, title=plan.name, path=paths[2]) else []
+        draw_hw_run(samples, shown, target_n=plan.course.grip_target_n, title=title, name=plan.name, path=paths[0])
+        draw_timing(samples, rows, name=plan.name, path=paths[1])
+        return drawn
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
-        summary = describe_hw_run(tables[1], target_n=job.plan.course.grip_target_n)
-        return {**summary, **describe_clock(tables[2])}
+        plan = job.plan
+        summary = {**describe_hw_run(tables[1], target_n=plan.course.grip_target_n), **describe_clock(tables[2])}
+        if not plan.has_remedies:
+            return summary
+        return {**summary, **describe_tried(tables[3], reference=plan.reference, against=plan.against)}
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """Tables over sample rate and resolution."""

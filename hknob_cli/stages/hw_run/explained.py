@@ -1,0 +1,56 @@
+"""What a spec of a campaign on a knob describes, in words."""
+
+from typing import Any
+
+from hknob_cli.report.scene_words import scene_sentences
+from hknob_cli.report.table import short
+from hknob_cli.specs.plan import Axes, Bias, Knob, Scene, Wall
+from hknob_cli.stages.work import counted
+
+
+def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | None, Axes]:
+    """The answer, sentences by title, and the scene and axes from which numbers follow."""
+    trials = plan.repeats * len(plan.tries)
+    for values in plan.axes.values():
+        trials *= len(values)
+    device = plan.device
+    simulated = device.driver == "virtual" or bool(device.target)
+    where = device.target or device.url or ", ".join(map(str, plan.recordings)) or "computed here"
+    wall = Wall(*plan.first.wall)
+    knob = Knob(*plan.knob)
+    bias = Bias(torque=plan.person.push) if simulated else None
+    scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.first.controller)
+    if simulated:
+        parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
+        wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
+        parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
+    else:
+        said = ("Wall:", "Encoder:", "Clock:", "Controller:")
+        parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
+    course, limits = plan.course, plan.limits
+    about = {
+        "parts": parts,
+        "device": [f"{device.driver}: {where}."],
+        "trials": [
+            f"Each records {short(course.buzz[0])} to {short(course.buzz[1])} s of buzz, and ends after "
+            f"{short(course.longest)} s in any case.",
+            f"Order: {'shuffled' if plan.shuffled else 'as listed'}, seed {plan.seed}.",
+        ],
+        **({"remedies": [_tried(one, plan.reference) for one in plan.tries]} if plan.has_remedies else {}),
+        **({"compared": [f"With what was computed of them in {plan.against}."]} if plan.against else {}),
+        "limits": [f"Torque up to {short(limits.torque)} N*m, speed up to {short(limits.speed)} rad/s."],
+        "not proven": ["Trials are measured, not proven."],
+        "ignored": [] if simulated else ["The keys knob and person: they describe a simulated device."],
+    }
+    asked = "on a simulated knob" if simulated else "on a knob" if device.driver == "serial" else "played back"
+    under = f" under {counted(len(plan.tries), 'remedy', 'remedies')}" if plan.has_remedies else ""
+    answer = f"{counted(trials, 'trial')} {asked} {'measure' if trials > 1 else 'measures'} whether it buzzes{under}."
+    return answer, about, scene if simulated else scene._replace(knob=Knob(inertia=0.0)), plan.axes
+
+
+def _tried(one: Any, reference: str) -> str:
+    acts = one.controller.words if one.controller else "no controller"
+    damping = f", damping {short(one.wall.damping)} N*m*s/rad" if one.wall.damping else ""
+    needs = f"; needs {one.needs}" if one.needs else ""
+    name = f"{one.name}{' (the reference)' if one.name == reference else ''}"
+    return f"{name}: a wall of {short(one.wall.stiffness)} N*m/rad{damping}, {acts}{needs}."
