@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from hknob_cli.cli.options import Sets
 from hknob_cli.errors import RefusedError, UsageError, unwritable
 from hknob_cli.stage_table import SPECS
 from hknob_cli.terminal import reporting, say, tell
@@ -33,8 +34,9 @@ def new(
         str,
         typer.Option(
             "--from",
-            metavar="PRESET",
-            help="A knob to begin from: a preset's name, or the path of its file from the spec's folder.",
+            metavar="PRESET|SPEC",
+            help="A knob to begin from: a preset's name, the path of its file from the spec's folder, or a spec of a"
+            " sweep or of remedies.",
             show_default=False,
             autocompletion=_presets,
         ),
@@ -49,6 +51,7 @@ def new(
             show_default=False,
         ),
     ] = None,
+    sets: Sets = None,
 ) -> None:
     """Write a short commented spec to begin from."""
     with reporting():
@@ -64,12 +67,29 @@ def new(
             return
         if kind not in SPECS:
             raise UsageError(unknown("kind", kind, list(SPECS)))
-        text = starter(kind, preset, out.parent if out else Path())
+        beside = out.parent if out else Path()
+        if (spec := _spec(preset)) is not None:
+            from hknob_cli.stages.begin_from import begin_from
+
+            name = out.stem if out else f"{spec.stem}-{kind}"
+            text = begin_from(kind, spec, name, beside, tuple(sets or ()))
+        elif sets:
+            raise UsageError("--set: changes a spec that another begins from; name it by --from")
+        else:
+            text = starter(kind, preset, beside)
         if out is None:
             sys.stdout.write(text)
             return
         _write(out, text)
         say(f"wrote {out}")
+
+
+def _spec(given: str) -> Path | None:
+    """The path of a spec that was given in place of a preset, if it is one."""
+    from hknob_cli.specs.load import kind_of
+
+    path = Path(given)
+    return path if path.suffix in (".yaml", ".yml") and path.is_file() and kind_of(path) is not None else None
 
 
 def _write(path: Path, text: str) -> None:

@@ -30,7 +30,12 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
         out = _out(job.out, job.plan.name)
         return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
     then = STAGES[job.kind].then
-    return _new(then, job.plan.name) if then and summary.get("orbits", {"cycle": 1})["cycle"] else ""
+    if not then or not summary.get("orbits", {"cycle": 1})["cycle"]:
+        return ""
+    from hknob_cli.stages.begin_from import FROM, KINDS
+
+    same = ["--from", job.spec, *_sets(job.overrides)] if job.kind in FROM and then in KINDS else []
+    return _new(then, job.plan.name, same)
 
 
 def after_pipeline(
@@ -61,9 +66,12 @@ def _show(page: Path) -> str:
     return shlex.join(["python3", "-m", "webbrowser", str(page)])
 
 
-def _new(kind: str, name: str) -> str:
+def _new(kind: str, name: str, same: Sequence[str] = ()) -> str:
+    """``same``: options that give it the knob of another spec."""
     file = f"{name}-{kind}.yaml"
-    return "" if len(file) > _LONGEST or Path(file).exists() else shlex.join(["hknob", "new", kind, "--out", file])
+    if len(file) > _LONGEST or Path(file).exists():
+        return ""
+    return shlex.join(["hknob", "new", kind, *same, "--out", file])
 
 
 def _out(folder: Path, name: str) -> list[str]:

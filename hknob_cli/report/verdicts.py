@@ -108,14 +108,17 @@ def quietest(grid: Mapping[str, Row]) -> str:
 
 
 def best_remedy(grid: Mapping[str, Row]) -> str:
-    """Of a trial of remedies: which makes the largest cycles smallest over the grid, and how surely."""
+    """Of a trial of remedies: which bring the knob to rest, which makes cycles smallest over the grid, how surely."""
+    rests = [one for one, row in grid.items() if row["at_rest_fraction"] > 1.0 - 1e-9]
+    still = f"To rest everywhere: {', '.join(rests)}. " if rests else ""
     name = quietest(grid)
     if not name:
-        return "No remedy makes the buzz smaller over the grid."
+        return still.strip() or "No remedy makes the buzz smaller over the grid."
     row = grid[name]
     proven = "all proven" if row["certified_fraction"] == 1.0 else f"{100.0 * row['certified_fraction']:.3g} % proven"
     least = f"at least {row['ratio_least']:.3g} times" if row["ratio_least"] else "in some cell it buzzes anew"
-    return f"Smallest buzz: {name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
+    smaller = f"{name}, {row['ratio_median']:.3g} times smaller (median over the grid; {least}; {proven})."
+    return f"{still}Smallest buzz{' of the others' if still else ''}: {smaller}"
 
 
 def identified(rows: Sequence[Row], *, errors: str) -> str:

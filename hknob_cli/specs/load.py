@@ -50,7 +50,7 @@ def load(
     source.waiting = waiting
     if kind in KINDS and source.value.get("kind") == PIPELINE:
         return _only_stage(source, overrides, str(kind))
-    _apply(source, overrides, label)
+    apply_overrides(source, overrides, label)
     return validate(source, kind=kind)
 
 
@@ -60,7 +60,7 @@ def load_text(text: str, name: str, overrides: tuple[str, ...] = (), *, kind: st
     Raises `SpecError` with every fault found.
     """
     source = yaml.parse(text, name)
-    _apply(source, overrides, "--set ")
+    apply_overrides(source, overrides, "--set ")
     return validate(source, kind=kind)
 
 
@@ -84,7 +84,7 @@ def load_pipeline(path: Path, overrides: tuple[str, ...] = ()) -> PipelinePlan:
     if kind in KINDS:
         name = str(load(path, overrides).name)
         return PipelinePlan(name, {str(kind): StagePlan(str(kind), path, overrides, {}, "--set ")}, source.value)
-    _apply(source, overrides, "--set ")
+    apply_overrides(source, overrides, "--set ")
     if kind != PIPELINE:
         raise SpecError([source.fault(("kind",), _kind_fault(kind, SPECS))])
     from hknob_cli.specs.pipeline import validate_pipeline
@@ -105,7 +105,7 @@ def _only_stage(source: Source, overrides: tuple[str, ...], kind: str) -> Plan:
     return load(stages[0].spec, (*stages[0].settings, *overrides), kind=kind)
 
 
-def _apply(source: Source, overrides: tuple[str, ...], label: str) -> None:
+def apply_overrides(source: Source, overrides: tuple[str, ...], label: str) -> None:
     """Apply overrides to the values of a source. Raises `SpecError`."""
     faults = [fault for text in overrides if (fault := _override(source, text, label))]
     if faults:

@@ -25,7 +25,7 @@ def test_the_picture_then_the_next_question(hknob, spec_file, tmp_path: Path) ->
         then = hknob(*words[1:])
         assert (then.returncode, "grid.png" in then.stdout) == (0, True)
         second = then.stdout.splitlines()[-1]
-        assert second.startswith("next: hknob new remedies --out ")
+        assert second.startswith(f"next: hknob new remedies --from {shlex.quote(str(spec))} --set ")
     assert hknob(*shlex.split(second)[2:]).returncode == 0
     assert not hknob(*words[1:]).stdout.splitlines()[-1].startswith("next:")  # that file is there now
 
