@@ -8,7 +8,8 @@ OUT ?= results
 COUNT ?= 10000
 SEED ?= 1000000
 WORKERS ?= auto
-TEXTS := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs hknob_cli
+PAGES := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs
+TEXTS := $(PAGES) hknob_cli
 
 .DEFAULT_GOAL := help
 .PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long matrix firmware lint schemas compare bench clean
@@ -59,11 +60,12 @@ ladder: $(VENV)/.run ## that grid at half a count's bias: formulas, describing f
 smoke: $(VENV)/.run ## every kind of stage on a 3x3 grid, in seconds
 	@$(BIN)/hknob run experiments/smoke.yaml --out $(OUT)/smoke
 
-test: $(VENV)/.dev ## lint, types, and the tests (but the long ones); ends with what was left out, and why
+test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; ends with what was left out, and why
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
+	@$(BIN)/python -m tests.docs.prose $(PAGES)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder -rs -m 'not long'
 
 long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
@@ -76,11 +78,12 @@ firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
 	@$(BIN)/python -m hknob_cli.hardware.reference_target $(OUT)/firmware
 
-lint: $(VENV)/.dev ## lint, format, types and words, mending what can be mended
+lint: $(VENV)/.dev ## lint, format, types, words and sentences, mending what can be mended
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 	@$(BIN)/mypy
 	@$(BIN)/codespell $(TEXTS)
+	@$(BIN)/python -m tests.docs.prose $(PAGES)
 
 schemas: $(VENV)/.run ## regenerate schemas/ and the pages of docs/reference/ that are made from the program
 	@for kind in $$($(BIN)/python -m hknob_cli.stage_table); do \
@@ -102,9 +105,8 @@ compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme 
 fuzz: $(VENV)/.run ## odd specs, tables and sessions, COUNT of each, other ones by SEED; saves what breaks a rule
 	@$(BIN)/python tests/fuzz/campaign.py --count $(COUNT) --seed $(SEED) --workers $$(nproc) --save $(OUT)/fuzz
 
-bench: $(VENV)/.dev ## throughput, many cells, start-up, rival methods, and identification
-	@for name in throughput cells friction rivals startup sysid; do \
-	    echo "== $$name"; $(BIN)/python tests/benchmarks/$$name.py || exit 1; done
+bench: $(VENV)/.dev ## throughput, many cells, start-up, rivals, identification; a line of ratios beside the last
+	@$(BIN)/python tests/benchmarks/record.py
 
 clean: ## remove the environment, caches and results
 	@rm -rf $(VENV) results build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

@@ -1,6 +1,11 @@
 """Fixtures shared by all tests: specs as text, and sweeps of the main grid, run once."""
 
 import os
+
+# As the command does, before anything loads numpy: matrices are small, and idle threads of linear algebra would only
+# spin beside the other tests.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import signal
 import subprocess
 from collections.abc import Callable, Iterator

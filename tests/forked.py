@@ -20,7 +20,14 @@ HKNOB = Path(sys.executable).with_name("hknob")
 # What the command sets before it loads anything.
 FIRST = {"PYDANTIC_DISABLE_PLUGINS": "__all__", "OPENBLAS_NUM_THREADS": "1"}
 MOST = 1 << 20  # bytes of a request
-OFTEN = ("hknob_cli.cli.app", "hknob_cli.cli.stage_run", "filelock", "jinja2")
+OFTEN = (
+    "hknob_cli.cli.app",
+    "hknob_cli.cli.stage_run",
+    "filelock",
+    "jinja2",
+    "pytask",
+    "matplotlib.backends.backend_agg",
+)
 
 
 class Forks:
@@ -64,7 +71,7 @@ class Forks:
 
 def load() -> None:
     """Load what commands load."""
-    from hknob_cli.engine.jit import load_numba
+    from hknob_cli.engine.jit import GROUPS, compiled, is_kept, load_numba
     from hknob_cli.figures.theme import figure, library_defaults
     from hknob_cli.stage_table import STAGES
 
@@ -73,6 +80,9 @@ def load() -> None:
     load_numba()
     with library_defaults():
         figure(1.0)
+    for group in GROUPS:
+        if is_kept(group):  # what each run would load again
+            compiled(group)
 
 
 def serve(ours: socket.socket) -> None:

@@ -51,14 +51,14 @@ def explore(
 ) -> None:
     """Write a page to play with a knob: sliders, the exact motion, its sound, and a remedy beside it."""
     with reporting():
-        from hknob_cli.page.explore.knob import knobs_of
+        from hknob_cli.page.explore.knob import knobs_of, page_of
         from hknob_cli.page.explore.sheet import sheet
         from hknob_cli.report.table import folded
         from hknob_cli.stages.work import counted
 
         called = str(spec) if spec else EXAMPLE
         knobs = knobs_of(_plan(spec, tuple(sets or ())), called)
-        path = out or Path("results") / f"{knobs.name}-explore.html"
+        path = out or page_of(knobs.name)
         _write(path, sheet(knobs))
         if as_json:
             print(json.dumps({"kind": "explore", "name": knobs.name, "cells": len(knobs.cells), "files": [str(path)]}))

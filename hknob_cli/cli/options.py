@@ -58,7 +58,7 @@ Executor = Annotated[
 Scheduler = Annotated[
     str | None,
     typer.Option(
-        "--scheduler", metavar="ADDRESS", help="Of a Dask cluster: tcp://HOST:PORT, or the scheduler's JSON file."
+        "--scheduler", metavar="ADDRESS", help="The address of a Dask cluster: tcp://HOST:PORT, or its JSON file."
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Recompute even where results are up to date.")]

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from hknob_cli.stages.job import Job
 
 Stage = dict[str, Any]
+_DONE = ("computed", "up to date")
 
 
 def run(
@@ -54,15 +55,24 @@ def run(
     with reporting():
         if why := unspreadable("run", executor, scheduler):
             raise UsageError(why)
+        from hknob_cli.cli.next_step import after_pipeline
         from hknob_cli.pipeline import fresh
 
         options = {"overrides": list(sets or ()), "until": until}
         root = out or _root(pipeline, tuple(sets or ()))
         request = fresh.asked(pipeline, root, options)
+
+        def done_with(name: str, stages: list[Stage]) -> None:
+            _report(name, root, stages, as_json=as_json)
+            if not (as_json or quiet) and all(stage["status"] in _DONE for stage in stages):
+                files = [file for stage in stages for file in stage["files"]]
+                if step := after_pipeline(pipeline, root, tuple(sets or ()), name, until, files):
+                    tell(f"next: {step}")
+
         if not (force or dry_run or explain):
             done = fresh.finished(root, request)
             if done is not None:
-                _report(done["name"], root, done["stages"], as_json=as_json)
+                done_with(done["name"], done["stages"])
                 return
         from hknob_cli.pipeline.build import Fate, build
         from hknob_cli.pipeline.steps import chosen, jobs_of, steps_of
@@ -106,7 +116,7 @@ def run(
                     for row in table
                 ]
                 fresh.write_record(root, plan.name, request, up_to_date)
-        _report(plan.name, root, table, as_json=as_json)
+        done_with(plan.name, table)
         _fail(outcomes)
 
 
@@ -132,7 +142,7 @@ def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> Non
     tell(f"{name}: {len(stages)} stage{'s' if len(stages) > 1 else ''}, {said}")
     tell(f"results: {root}")
     for stage in stages:
-        for file in stage["files"] if stage["status"] in ("computed", "up to date") else ():
+        for file in stage["files"] if stage["status"] in _DONE else ():
             if file.endswith(".html"):
                 tell(f"page: {file}")
 

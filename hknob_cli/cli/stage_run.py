@@ -1,13 +1,11 @@
-"""Run a stage, and say what it found or would do, and which command a user would want then."""
+"""Run a stage, and say what it found or would do."""
 
 import json
-import shlex
-from pathlib import Path
 from typing import Any
 
+from hknob_cli.cli.next_step import after_stage
 from hknob_cli.report.table import folded
 from hknob_cli.results.changes import as_data, in_a_line
-from hknob_cli.stage_table import STAGES
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import State, as_written, make, state_of, warn
 from hknob_cli.stages.work import Work
@@ -37,28 +35,8 @@ def run_stage(job: Job) -> None:
         return
     tell(folded(text))
     tell("\n" + "\n".join(f"wrote {path}" if computed else str(path) for path in files))
-    if not job.quiet and (step := next_step(job, work, summary)):
+    if not job.quiet and (step := after_stage(job, work, summary)):
         tell(f"\nnext: {step}")
-
-
-def next_step(job: Job, work: Work, summary: dict[str, Any]) -> str:
-    """The command line; empty where there is none, as of a job that no command named.
-
-    What it writes is not there yet. A knob that does not buzz needs no remedies.
-    """
-    if job.spec in ("", "-"):
-        return ""
-    if pages := [name for name in work.texts(job) if name.endswith(".html")]:
-        return shlex.join(["python3", "-m", "webbrowser", str(job.out / pages[0])])
-    if work.pictures(job) and not job.plot:
-        out = [] if job.out == Path("results") / job.plan.name else ["--out", str(job.out)]
-        sets = [word for one in job.overrides for word in ("--set", one)]
-        return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *sets])
-    then = STAGES[job.kind].then
-    file = f"{job.plan.name}-{then}.yaml"
-    if not then or len(file) > 200 or Path(file).exists() or not summary.get("orbits", {"cycle": 1})["cycle"]:
-        return ""
-    return shlex.join(["hknob", "new", then, "--out", file])
 
 
 def _say_plan(job: Job, work: Work, state: State) -> None:

@@ -35,8 +35,8 @@ def attractors(evidence: ResultSet, of: str) -> "Figure":
     """A bar from least to largest angle for every attractor of the one cell of a sweep, the most frequent uppermost.
 
     Beside it stand peak to peak, frequency, and the share of the trials that end there. The wall is shaded; dotted
-    lines are count edges, where they are few. Trials that diverge or stay undecided have no bar. Of more than 30
-    attractors the most frequent are drawn. Raises `MissingError` for a sweep of several cells.
+    lines are count edges, where they are few. Trials that diverge or stay undecided have no bar. The 30 most
+    frequent attractors are drawn. Raises `MissingError` for a sweep of several cells.
     """
     result = evidence[of]
     rows = result.rows("orbits")

@@ -114,8 +114,8 @@ def axis_lines(evidence: ResultSet, of: str, *, column: str | None = None) -> "F
     """Peak to peak (mrad) and frequency (Hz) over the axis that varies, or one ``column``; a line a series.
 
     Series are the methods or laws of an analysis, with the sweep that it is compared with, or of a sweep the largest
-    attractor and the mean. Of several cycles of a method in a cell the line has the largest. A cell at rest is at 0;
-    outside a method's domain a line is thin. Raises `MissingError` where no axis varies, or several do.
+    attractor and the mean. If a method finds several cycles in a cell, the line has the largest. A cell at rest is at
+    0; outside a method's domain a line is thin. Raises `MissingError` where no axis varies, or several do.
     """
     result = evidence[of]
     cells = cells_of(result, column=column)

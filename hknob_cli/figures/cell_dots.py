@@ -28,7 +28,7 @@ def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: f
     """Cumulative distribution over people of peak to peak and of frequency, a line for each cell.
 
     ``at`` gives values of axes, the nearest of which are taken. Both are of a person's largest cycle: peak to peak of
-    all people, 0 at rest; frequency of those for whom the knob buzzes. Of many cells a few are drawn. Raises
+    all people, 0 at rest; frequency of those for whom the knob buzzes. If there are many cells, a few are drawn. Raises
     `MissingError` where the result has no population.
     """
     result = evidence[of]
@@ -81,7 +81,7 @@ def cumulative(values: list[float], scale: float) -> tuple[list[float], list[flo
 def cell_dots(evidence: ResultSet, of: str, *, column: str | None = None) -> "Figure":
     """Peak to peak (mrad) and frequency (Hz) of every cell, or one ``column``; a marker a series.
 
-    Up to 30 cells have a row each. Of more the figure shows how many of them, in per cent, have at most so large a
+    Up to 30 cells have a row each. For more the figure shows how many of them, in per cent, have at most so large a
     value. A cell at rest is at 0, or, on a logarithmic scale, left of a line. Series are as in `axis_lines`. Raises
     `MissingError` for a result without cells.
     """

@@ -126,6 +126,7 @@ def _ruled(parts: list[Element], ticks: dict[str, str]) -> list[Element]:
     """Parts of an axis, of which grid lines and ticks of one look are one path."""
     found: list[Element] = []
     lines: dict[tuple[tuple[str, str], ...], Element] = {}
+    ends: dict[tuple[tuple[str, str], ...], tuple[int, int]] = {}
     for one in parts:
         data = one.get("d", "") if one.tag == "path" and _RULE.fullmatch(one.get("d", "")) else ""
         if one.tag == "use" and one.get("xlink:href") in ticks:
@@ -133,11 +134,16 @@ def _ruled(parts: list[Element], ticks: dict[str, str]) -> list[Element]:
         look = tuple(sorted(_looks(one).items()))
         if not data or "transform" in one.attrib:
             found.append(one)
-        elif look in lines:
-            lines[look].set("d", lines[look].get("d", "") + data)
+            continue
+        x, y, length = (round(float(number) / STEP) for number in _NUMBER.findall(data))
+        if look in lines:
+            across, down = ends[look]
+            rule = data[max(data.rfind("h"), data.rfind("v")) :]
+            lines[look].set("d", f"{lines[look].get('d')}m{_joined([(x - across, y - down)])}{rule}")
         else:
             lines[look] = Element("path", {"d": data, **dict(look)})
             found.append(lines[look])
+        ends[look] = (x + length, y) if "h" in data else (x, y + length)
     return found
 
 

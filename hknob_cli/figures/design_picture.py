@@ -28,8 +28,8 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     """Touch (dB above threshold) over cost, a marker a remedy: filled where every limit is met, hollow where not.
 
     The line joins the front: designs stiff enough that nothing as cheap and as stiff is felt less. Designs at rest are
-    below the axis, and those of which no level is known above it. Of more than 600 designs those on the front, and
-    others from all over, are drawn. Raises `MissingError` for a result of another kind.
+    below the axis, and those of which no level is known above it. If there are more than 600 designs, those on the
+    front and others from all over are drawn. Raises `MissingError` for a result of another kind.
     """
     rows = evidence[of].rows("design")
     if not rows:

@@ -230,7 +230,7 @@ def what_matters(evidence: ResultSet, of: str, *, where: Row | None = None, most
 
     A cell is judged by its largest cycle; one in which all trials rest is the least.
 
-    Lines are medians, bands reach from 10 to 90 % of the cells that buzz, dots are some of them; "explains" is the
+    Lines are medians, bands reach from 10 to 90 % of the cells that buzz, dots are some of them. "Explains" is the
     share of the variance of the cells' places in order of size that lies between the bins of an axis (epsilon squared
     of Kruskal and Wallis). ``where`` chooses a method or law. Raises `MissingError` where too few cells have a size.
     """

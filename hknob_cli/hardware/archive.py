@@ -16,7 +16,7 @@ from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.sources import ABOUT, RECORDING, read_about, refuse_other
 from hknob_cli.hardware.trial_file import Recorded, joined, read_trial, sample_table, write_trial, zero_of
 from hknob_cli.recordings.trial import Key
-from hknob_cli.results.files import create, make_folder, put_in_place, refuse_link
+from hknob_cli.results.files import create, make_folder, put_in_place, refuse_link, sync_folder
 from hknob_cli.results.store import partial
 from hknob_cli.specs.seal import BLANK, is_changed, sealed
 
@@ -77,7 +77,8 @@ class Archive:
     def finished(self, trial: Trial) -> Recorded | None:
         """A trial that is done; None if it is not.
 
-        Raises `ComputationError` for a recording of a device that is not as it was written: it cannot be made again.
+        Raises `ComputationError` for a recording of a device that is not as it was written: it cannot be made again;
+        `OSError` where its journal cannot be removed.
         """
         path = self._path(trial, "parquet")
         if not path.is_file():
@@ -88,7 +89,10 @@ class Archive:
                 f"{path}: is not as it was recorded: damaged, or changed; put a copy of it back, or move it away to "
                 "record this trial anew"
             )
-        return found if found is not None and found.trial == trial else None
+        if found is None or found.trial != trial:
+            return None
+        self._path(trial, "part").unlink(missing_ok=True)  # a run was cut short as it was to do so
+        return found
 
     def begin(self, trial: Trial, about: dict[str, Any]) -> Journal:
         """The journal of a trial; what there is of it from before is set aside."""
@@ -117,14 +121,14 @@ class Archive:
             recorded = _broken_off(found, trial) if found is not None and found.blocks else None
             kept = self._free(trial)
             make_folder(kept.parent)
+            if recorded is not None:
+                write_trial(kept.with_suffix(".parquet"), recorded, self._stamp)
+            if found is None or not found.whole or (found.blocks and recorded is None):
+                put_in_place(part, kept.with_suffix(".part"))  # with bytes that nobody could read
+            else:
+                part.unlink()
         except OSError as error:
             raise ComputationError(f"{part}: cannot be set aside: {error.strerror or error}") from None
-        if recorded is not None:
-            write_trial(kept.with_suffix(".parquet"), recorded, self._stamp)
-        if found is None or not found.whole or (found.blocks and recorded is None):
-            part.replace(kept.with_suffix(".part"))  # with bytes that nobody could read
-        else:
-            part.unlink()
         return kept.with_suffix(".part" if recorded is None else ".parquet")
 
     def _keep_other(self, trial: Trial) -> None:
@@ -134,7 +138,7 @@ class Archive:
             if self._is_source and path.is_file():
                 kept = self._free(trial)
                 make_folder(kept.parent)
-                path.replace(kept.with_suffix(".parquet"))
+                put_in_place(path, kept.with_suffix(".parquet"))
         except OSError as error:
             raise ComputationError(f"{path}: cannot be set aside: {error.strerror or error}") from None
 
@@ -173,6 +177,7 @@ class Archive:
         try:
             if self.folder.exists():
                 self.folder.rename(partial(self.folder))
+                sync_folder(self.folder.parent)
         except OSError as error:
             raise ComputationError(f"{self.folder}: cannot be removed: {error.strerror or error}") from None
         self._finish_removing()

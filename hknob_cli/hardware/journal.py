@@ -16,6 +16,7 @@ import numpy as np
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.port import Block
+from hknob_cli.results.files import sync_folder
 
 MAGIC = b"hknob trial 1\n"
 _HEAD = struct.Struct("<II")
@@ -59,6 +60,7 @@ class Journal:
             file, self._file = self._file, None
             with file:
                 os.fsync(file.fileno())
+            sync_folder(self.path.parent)
 
 
 class Journalled(NamedTuple):

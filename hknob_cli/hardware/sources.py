@@ -8,7 +8,7 @@ from typing import Any
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.files import make_folder
+from hknob_cli.results.files import make_folder, sync_folder
 from hknob_cli.results.provenance import KEY
 from hknob_cli.specs.campaign import SERIAL
 from hknob_cli.specs.named_file import is_endless
@@ -102,10 +102,11 @@ def move_to_earlier(out: Path) -> Path | None:
     place = out / EARLIER / str(number)
     try:
         make_folder(place.parent)
-        place.mkdir()
+        make_folder(place)
         for name in ALL:
             if (out / name).exists():
                 (out / name).rename(place / name)
+        sync_folder(place)
     except OSError as error:
         raise ComputationError(f"{place}: cannot be written: {error.strerror or error}") from None
     return place

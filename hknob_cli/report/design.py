@@ -1,5 +1,6 @@
 """A search for a design on the terminal: the answer, what binds it, what less would cost, and the front."""
 
+import re
 from typing import Any
 
 import pyarrow as pa
@@ -14,7 +15,7 @@ Row = dict[str, Any]
 MOST_FRONT = 20  # lines
 SAID = (
     "Costs add. The share of people is of their hands (inertia, damping, stiffness); all have the same, average",
-    "threshold, for no spread of thresholds between persons could be read from any source. All push as the base says.",
+    "threshold, because no source gives the spread of thresholds between persons. All push as the base says.",
 )
 
 
@@ -107,7 +108,7 @@ def design_text(plan: DesignPlan, summary: Row) -> str:
         lines += ["", *surface]
         lines.append(
             f"The notional surface of Hasser's Fig. 70 (above) is least at {best[RATE]:g} Hz and {best[COUNTS]} counts,"
-            f" where touch is {_level(best)}."
+            f" where the knob {_felt(best)}."
         )
     return "\n".join([*lines, "", " ".join(SAID)])
 
@@ -117,8 +118,11 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
     if chosen is None:
         lines = ["No design meets every limit; all were evaluated."]
     else:
-        proof = "every orbit of everyone proven" if chosen["certified"] else _unproven(chosen)
-        lines = [f"Cheapest that meets every limit: {name_of(plan, chosen)}", f"  cost {chosen['cost']:g}; {proof}"]
+        proof = "Every orbit of everyone is proven." if chosen["certified"] else _unproven(chosen)
+        lines = [
+            f"The cheapest design that meets every limit: {name_of(plan, chosen)}",
+            f"  It costs {chosen['cost']:g} and {_felt(chosen)}. {proof}",
+        ]
         lines += [f"  {_extent(chosen)}"] if plan.ranged else []
         if chosen.get("in_domain") is False:
             lines.append(
@@ -126,16 +130,25 @@ def _answer(plan: DesignPlan, summary: Row) -> list[str]:
                 " docs/reference/controllers.md states"
             )
         for step in summary["relaxed"]:
-            what = f"{step['choice']} {_value(step['from'])} -> {_value(step['to'])}"
-            lines.append(f"  binds: {what}, saving {step['saves']:g}, fails {step['fails'] or 'nothing'}")
+            what = f"{step['choice']} {_value(step['to'])} in place of {_value(step['from'])}"
+            lines.append(f"  {what} would save {step['saves']:g}, but {misses(step['fails'])}")
         cheaper = summary["next_cheaper"]
         if cheaper:
-            more = summary["next_cheaper_touch_db"]
-            felt = f"felt {more:+.1f} dB" if more is not None else f"touch {_level(cheaper)}, not {_level(chosen)}"
-            lines.append(f"  next cheaper: {name_of(plan, cheaper)}, cost {cheaper['cost']:g}, {felt}")
-    lines.append(f"Present design: {name_of(plan, there)}, cost {there['cost']:g}, touch {_level(there)}")
+            lines.append(f"The next cheaper design: {name_of(plan, cheaper)}")
+            lines.append(f"  It costs {cheaper['cost']:g} and {_felt(cheaper)}.")
+    lines.append(f"The present design: {name_of(plan, there)}")
+    lines.append(f"  It costs {there['cost']:g} and {_felt(there)}.")
     lines += [f"  {_extent(there)}"] if plan.ranged else []
     return [*lines, *_how_sure(plan, summary)]
+
+
+def misses(fails: str) -> str:
+    """By how much a cheaper design misses which limits: of ``fails``, the text of its row."""
+    parts = [
+        one.replace(" +", " by ") if " +" in one else re.sub(r" (?=\d|not)(.*)", r" (\1)", one)
+        for one in fails.split(", ")
+    ]
+    return f"misses the limit of {' and of '.join(parts)}" if fails else "meets every limit"
 
 
 def _how_sure(plan: DesignPlan, summary: Row) -> list[str]:
@@ -152,12 +165,12 @@ def _how_sure(plan: DesignPlan, summary: Row) -> list[str]:
         close = f", less than the {off:g} dB to which levels are known" if chosen["margin_db"] < off else ""
         lines.append(f"How sure: the tightest limit is met by {chosen['margin_db']:.1f} dB{close}.")
     if same:
-        lines.append(f"  the same answer: {', '.join(same)}")
+        lines.append(f"  The answer stays the same with {', '.join(same)}.")
     for name, row in found.items():
         if row is None:
-            lines.append(f"  {name}: nothing at this cost or below; a dearer design")
+            lines.append(f"  With {name} the answer is a dearer design.")
         elif row is not chosen:
-            lines.append(f"  {name}: {name_of(plan, row)}, cost {row['cost']:g}")
+            lines.append(f"  With {name} it is {name_of(plan, row)}, at a cost of {row['cost']:g}.")
     return [*lines, *_others_drawn(plan, summary)]
 
 
@@ -167,12 +180,14 @@ def _others_drawn(plan: DesignPlan, summary: Row) -> list[str]:
         return []
     chosen, found = summary["chosen"], summary["redrawn"]
     lines = [
-        f"  {plan.people} other people, by {REDRAWS} redraws: the same answer in {100 * chosen['redrawn']:.0f} %,"
-        f" a dearer one in {100 * (1.0 - sum(row['redrawn'] for row in found)):.0f} %"
+        f"  With {plan.people} other people, by {REDRAWS} redraws: the same answer in {100 * chosen['redrawn']:.0f} %,"
+        f" a dearer one in {100 * (1.0 - sum(row['redrawn'] for row in found)):.0f} %."
     ]
     other = next((row for row in found if row is not chosen), None)
     if other:
-        lines.append(f"    {100 * other['redrawn']:.0f} %: {name_of(plan, other)}, cost {other['cost']:g}")
+        lines.append(
+            f"  In {100 * other['redrawn']:.0f} % it is {name_of(plan, other)}, at a cost of {other['cost']:g}."
+        )
     return lines
 
 
@@ -193,7 +208,9 @@ def _size(value: float | None) -> str:
 
 
 def _unproven(row: Row) -> str:
-    return f"NOT PROVEN for all: {100 * (1.0 - row['certified_fraction']):.2g} % of the trials have no certificate"
+    return (
+        f"It is NOT PROVEN for all: {100 * (1.0 - row['certified_fraction']):.2g} % of the trials have no certificate."
+    )
 
 
 def name_of(plan: DesignPlan, row: Row) -> str:
@@ -210,17 +227,20 @@ def _value(value: Any) -> str:
     return value if isinstance(value, str) else f"{value:g}"
 
 
-def _level(row: Row) -> str:
+def _felt(row: Row) -> str:
+    """How much the most noticeable cycle is felt, above an average person's threshold."""
     if row["touch_db"] is not None:
-        return f"{row['touch_db']:.1f} dB"
-    return "not known" if row.get("unknown") else "none (at rest)"
+        return f"is felt by {row['touch_db']:.1f} dB"
+    return "has no known level of touch" if row.get("unknown") else "comes to rest"
 
 
 def _table(plan: DesignPlan, summary: Row) -> list[str]:
     also = [row for row in (summary["chosen"], summary["present"]) if row and not row["front"]]
     rows = sorted([*summary["front"][-MOST_FRONT:], *also], key=lambda row: row["cost"])
     heads = ["cost", "touch dB", "ear dB", "step dB", "K", "proven %", "design"]
-    lines = ["Cost against touch, nothing stiff enough as cheap is felt less (ear: sound over the present design's):"]
+    lines = [
+        "Cost against touch; ear: sound over the present design's. Nothing stiff enough and as cheap is felt less:"
+    ]
     body = []
     for row in rows:
         cells = [

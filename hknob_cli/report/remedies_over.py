@@ -1,11 +1,8 @@
-"""Remedies over a grid, and over a further axis of it: where each helps and where it harms."""
+"""Remedies over a grid, and over a further axis of it: how much each helps, and where it harms, as numbers."""
 
-from collections.abc import Sequence
 from math import inf
 from statistics import median
 from typing import Any
-
-from hknob_cli.report.table import table
 
 Row = dict[str, Any]
 
@@ -58,51 +55,9 @@ def _together(rows: list[Row]) -> Row:
 
 
 def _rests(row: Row) -> bool:
-    return bool(row["p2p_max_rad"] == 0.0 and row["diverged_fraction"] == 0.0)
+    """Whether all trials come to rest, and none is undecided."""
+    return bool(row["p2p_max_rad"] == 0.0 and row["at_rest_fraction"] > 1.0 - 1e-9)
 
 
 def _compared(row: Row) -> bool:
     return row["p2p_ratio"] is not None
-
-
-def over_text(axis: str, found: dict[str, list[Row]]) -> list[str]:
-    """A table: a line a remedy, a column a value of the axis."""
-    heads = [f"{row[axis]:.3g}" for row in next(iter(found.values()))]
-    return [
-        f"over {axis}: times smaller, for the hand and cell that gain least",
-        *table(["", *heads], [[name, *(said(row) for row in rows)] for name, rows in found.items()], left={0}),
-        "below 1: larger than with the reference. rest: all come to rest. -: nothing to compare.",
-        "starts: the remedy buzzes where the reference rests. *: outside its stated domain.",
-    ]
-
-
-def said(row: Row) -> str:
-    """How much a remedy helps at a value of the axis, in a word or a number."""
-    mark = "*" if row["outside_domain"] else ""
-    if row["starts"]:
-        return f"starts{mark}"
-    if row["rests"]:
-        return f"rest{mark}"
-    return "-" if row["times_least"] is None else f"{row['times_least']:.2g}{mark}"
-
-
-def tuned_values(cases: list[Row], grid: list[Row], further: Sequence[str], name: str) -> str:
-    """To what a remedy was tuned, at every case and over each further axis, in words; empty where it was not."""
-    mine = [row for row in grid if row["remedy"] == name]
-    if not mine or mine[0].get("tuned") is None:
-        return ""
-    said = [
-        f"{row['tuned']:g} at {case}"
-        for case, row in {row["case"]: row for row in cases if row["remedy"] == name}.items()
-    ]
-    for axis in further:
-        values: dict[Any, list[float]] = {}
-        for row in mine:
-            values.setdefault(row[axis], []).append(row["tuned"])
-        said.append(f"{', '.join(_span(some) for _, some in sorted(values.items()))} over {axis}")
-    return "; ".join(said) or _span([row["tuned"] for row in mine])
-
-
-def _span(values: list[float]) -> str:
-    low, high = min(values), max(values)
-    return f"{low:g}" if low == high else f"{low:g} to {high:g}"

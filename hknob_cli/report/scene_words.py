@@ -91,7 +91,7 @@ class _Words:
             finger = self._parts("hand.finger", tuple(_UNITS))
             pad = self._parts("hand.fingerpad", ("damping", "stiffness"))
             said = f"Hand: a finger of {finger}; between it and the knob a fingerpad of {pad}"
-            return f"{said}. What follows takes finger and knob as one body."
+            return f"{said}. The numbers below take finger and knob as one body."
         numbers = self._parts("hand", tuple(_UNITS))
         return f"Hand: {numbers}, turning with the knob." if numbers else "Hand: without inertia, damping or stiffness."
 

@@ -3,7 +3,7 @@
 The digest of a file's content, or of a folder of results. Loads nothing: a pipeline asks for it before it does.
 """
 
-import contextlib
+import errno
 import hashlib
 import os
 from pathlib import Path
@@ -57,24 +57,45 @@ def sync(path: Path) -> None:
 
 
 def sync_folder(path: Path) -> None:
-    """Wait until the names in a folder are on the disk, where the system can do that for folders."""
-    with contextlib.suppress(OSError):
+    """Wait until the names in a folder are on the disk, where the system can do that for folders.
+
+    Raises `OSError` where the disk fails.
+    """
+    try:
         handle = os.open(path, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)
+    except OSError:
+        return
+    try:
+        os.fsync(handle)
+    except OSError as error:
+        if error.errno in (errno.EIO, errno.ENOSPC, errno.EDQUOT):
+            raise
+    finally:
+        os.close(handle)
 
 
 def make_folder(path: Path) -> None:
-    """Make a folder inside a results folder, if it is not there.
+    """Make a folder inside a results folder, for good, if it is not there.
 
     Raises `OSError`, and `RefusedError` for a file or a link in the way.
     """
     refuse_link(path)
     if path.exists() and not path.is_dir():
         raise RefusedError(f"{path}: not written by hknob; move it away, or choose another --out")
-    path.mkdir(exist_ok=True)
+    if not path.exists():
+        make_folders(path)
+
+
+def make_folders(path: Path) -> list[Path]:
+    """Make a folder and those that it lies in, for good; those that were not there, the innermost first.
+
+    What is in a folder is lost with its name, however often it was synced itself. Raises `OSError`.
+    """
+    made = [folder for folder in (path, *path.parents) if not folder.exists()]
+    path.mkdir(parents=True, exist_ok=True)
+    for folder in made:
+        sync_folder(folder.parent)
+    return made
 
 
 def refuse_link(path: Path) -> None:

@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from hknob_cli.errors import ComputationError, RefusedError
-from hknob_cli.results.files import create, put_in_place
+from hknob_cli.results.files import create, put_in_place, sync_folder
 from hknob_cli.results.provenance import KEY, origin
 from hknob_cli.specs.named_file import is_endless
 from hknob_cli.specs.parquet import opened, schema_of, table_of
@@ -284,6 +284,7 @@ def clear_aside(place: Path) -> None:
         return
     if old.is_symlink() or not old.is_dir() or not all(_is_part(path) for path in old.iterdir()):
         raise RefusedError(f"{old}: not written by hknob; move it away, or choose another --out")
+    sync_folder(place.parent)  # the new one is there for good before the old one goes
     shutil.rmtree(old)
 
 

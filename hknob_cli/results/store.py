@@ -7,7 +7,7 @@ from pathlib import Path
 import pyarrow as pa
 
 from hknob_cli.errors import ComputationError, RefusedError, unwritable
-from hknob_cli.results.files import create, make_folder, sync, sync_folder
+from hknob_cli.results.files import create, make_folder, make_folders, sync, sync_folder
 from hknob_cli.results.folder import of_another
 from hknob_cli.results.parted import (
     Parted,
@@ -40,8 +40,7 @@ def hold(out: Path, paths: Iterable[Path]) -> Iterator[None]:
     from filelock import FileLock, Timeout
 
     try:
-        made = [folder for folder in (out, *out.parents) if not folder.exists()]
-        out.mkdir(parents=True, exist_ok=True)
+        made = make_folders(out)
         lock = FileLock(out / LOCK, timeout=0)
         lock.acquire()
     except Timeout:

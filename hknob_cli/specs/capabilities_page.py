@@ -35,14 +35,14 @@ _HEAD = """\
 This page is made from the program itself (`make schemas`). The table that it shows, `hknob_cli/specs/capabilities.py`,
 also decides what a spec may say, what its faults tell, and which engine a cell takes.
 
-- **exact and proven** (in the tables: **proven**): the motion is exact, and each limit cycle found is proven. Of all
-  phases of one start, ranges and `anywhere` also the list of cycles is proven to be complete.
+- **exact and proven** (in the tables: **proven**): the motion is exact, and each limit cycle found is proven. From all
+  phases of one start, ranges and `anywhere` the list of cycles is also proven to be complete.
 - **exact**: the motion is exact, what is found is not proven.
 - **estimated**: by a formula, by published numbers, from a record, or from some of the starts in question.
-- **refused**: a spec that asks for it is at fault.
+- **refused**: such a spec is at fault.
 
 A verdict is that of a scene with this one part, which is otherwise a plain sampled wall with a hand. Several parts
-together get the lowest verdict of the first engine that takes them all (the last table): so a controller beside
+together get the lowest verdict of the first engine that takes them all (the last table). So a controller beside
 friction, a finger, a delay, lag, virtual damping or a torque step is followed from some of the starts only.
 A cell can still fail to be proven, for example when a sample lies on a count edge; its row then says why.
 """
@@ -72,7 +72,7 @@ def _lines() -> Iterator[str]:
     titles = ["growth", *(COLUMNS[one].title for one in growth[1:])]
     yield from _table(titles, lambda part: [VERDICTS[part, one] for one in growth])
     yield "\n## Which engine takes which part\n"
-    yield "Of the engines for the starts in question the first that takes all parts of a cell is chosen:\n"
+    yield "A cell is computed by the first engine in the list of its starts that takes all parts of the cell:\n"
     for starts, engines in STARTS.items():
         yield f"- {TITLES[starts]}: {', '.join(COLUMNS[one].title for one in engines)}."
     yield ""
@@ -85,8 +85,12 @@ def _lines() -> Iterator[str]:
     for column, row in COLUMNS.items():
         if any(VERDICTS[part, column] == REFUSED for part in PARTS):
             usual = row.why.format(what="it")
-            own = [f"{PARTS[part].title}: {reason(part, column)}" for part in PARTS if (part, column) in WHY]
-            yield f"- {row.title}: {'; '.join([usual, *own])}."
+            yield f"- {row.title}: {usual}." if usual else f"- {row.title}:"
+            own: dict[str, list[str]] = {}
+            for part in PARTS:
+                if (part, column) in WHY:
+                    own.setdefault(reason(part, column), []).append(PARTS[part].title)
+            yield from (f"    - {', '.join(parts)}: {why}." for why, parts in own.items())
     yield "\n## What a sweep cannot be asked for at once\n"
     for one, others, _, why in APART:
         yield f"- `{one}` with {' or '.join(TITLES.get(other, f'`{other}`') for other in others)}: {why}."

@@ -225,7 +225,8 @@ def _missing_axes(source: Source, scene: SceneSpec | None) -> list[Fault]:
 def _refused(source: Source, scene: SceneSpec | None, axes: Axes) -> list[Fault]:
     """Faults of scene values that this kind of spec cannot have."""
     column = {"dfa": "describing", "predict": "formulas"}.get(source.value["kind"])
-    if column == "describing" and "sampled" in (source.value.get("methods") or ["sampled"]):
+    methods = source.value.get("methods") or ["sampled"]
+    if column == "describing" and isinstance(methods, list) and "sampled" in methods:  # another value is a fault itself
         column = "relay"
     found = refusals(scene, axes, [column]) if scene and column else []
     return [source.fault(place, text, at_key=place[0] == "grid") for place, text in found]

@@ -63,7 +63,7 @@ def _of_preset(block: str, own: str, preset: str, read: Read) -> str:
     lines = [f"from: {preset}", *_comment(read.preset.title)]
     lines += [line for path, value in _leaves(read.scene) for line in _comment(f"{path} = {value}")]
     lines += [line for text in read.preset.left_out for line in _comment(f"left out: {text}")]
-    lines += _comment("What is listed below overrides the preset, as wall: {stiffness: 0.3}. Sources: hknob check")
+    lines += _comment("Keys listed below override the preset, as wall: {stiffness: 0.3}. Sources: hknob check")
     return "".join(f"{indent}{line}\n" for line in lines)
 
 

@@ -170,25 +170,30 @@ def gather(
             if not (pending or gone):
                 time.sleep(_SOON)  # nobody is there yet
             tick()
-            dead = []
+            dead: list[Range] = []
+            spoilt: list[Range] = []
             for future in done:
                 one = pending.pop(future)
                 try:
-                    seconds, found = future.result()
+                    answer = future.result()
                 except workers.lost:
                     gone.append(one)
                 except workers.deadly:
                     dead.append(one)
                 else:
-                    pace.learn(one.items, seconds)
-                    deliver(one.start, one.stop, found)
+                    if not answer.is_of(one.start, one.stop):  # spoilt on the way, or the answer to something else
+                        spoilt.append(one)
+                        continue
+                    pace.learn(one.items, answer.seconds)
+                    deliver(one.start, one.stop, answer.results)
             if gone or ((left or pending) and not workers.reachable()):
                 gone += pending.values()
                 pending.clear()
                 workers.renew()
             left.put_back(gone)
-            _bury(dead, name, left.unit)
-            left.give_back(dead)
+            _bury(dead, name, left.unit, "the process that computed this died {} times (out of memory?)")
+            _bury(spoilt, name, left.unit, "this was computed {} times in vain, and the last answer was spoilt")
+            left.give_back([*dead, *spoilt])
     except BaseException:
         workers.close(now=True)
         raise
@@ -200,11 +205,11 @@ def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
     return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
 
 
-def _bury(dead: list[Range], name: Callable[[Range], str], unit: int) -> None:
+def _bury(dead: list[Range], name: Callable[[Range], str], unit: int, why: str) -> None:
     """Raise `ComputationError` for what cost too many workers and cannot be halved any more."""
     for one in dead:
         if one.deaths + 1 >= DEATHS and one.items <= unit:
             raise ComputationError(
-                f"{name(one)}: the process that computed this died {one.deaths + 1} times (out of memory?); all else "
-                "that is finished is kept, run the same command again"
+                f"{name(one)}: {why.format(one.deaths + 1)}; all else that is finished is kept, run the same command "
+                "again"
             )

@@ -5,6 +5,7 @@ Memory of a long run: what one piece of work gives back is kept for the next, wh
 
 import contextlib
 import ctypes
+import hashlib
 import os
 import pickle
 import signal
@@ -31,7 +32,6 @@ _M_MMAP_THRESHOLD, _M_TRIM_THRESHOLD, _M_TOP_PAD = -3, -1, -2
 _SETTINGS = {_M_MMAP_THRESHOLD: 32 << 20, _M_TRIM_THRESHOLD: 256 << 20, _M_TOP_PAD: 16 << 20}
 
 Work = Callable[[int, int], bytes]  # items start to stop, to their results
-Done = tuple[float, bytes]  # seconds, results
 _BOTH = {signal.SIGINT, signal.SIGTERM}
 _END = b""  # in place of a piece of work: there is no more
 
@@ -84,11 +84,32 @@ def _context() -> ForkContext | SpawnContext:
     return get_context("fork") if sys.platform == "linux" else get_context("spawn")
 
 
+class Done(NamedTuple):
+    """The answer to a piece of work: how long it took, its results, what it was asked for, and a digest of both."""
+
+    seconds: float
+    results: bytes
+    start: int
+    stop: int
+    digest: bytes
+
+    def is_of(self, start: int, stop: int) -> bool:
+        """Whether this is the answer to that question, whole."""
+        return (self.start, self.stop, self.digest) == (start, stop, digest_of(start, stop, self.results))
+
+
+def digest_of(start: int, stop: int, results: bytes) -> bytes:
+    """SHA-256 of results together with which items they are of."""
+    whole = hashlib.sha256(f"{start} {stop} ".encode())
+    whole.update(results)
+    return whole.digest()
+
+
 def timed(work: Work, start: int, stop: int) -> Done:
     """Do a piece of work, and say how long it took."""
     begin = time.monotonic()
     found = work(start, stop)
-    return time.monotonic() - begin, found
+    return Done(time.monotonic() - begin, found, start, stop, digest_of(start, stop, found))
 
 
 def end_children() -> None:
@@ -171,10 +192,14 @@ class Processes:
             except (EOFError, OSError):
                 self._dead.append(worker)
                 raise DiedError from None
-            self._idle.put(worker)
             if isinstance(answer, BaseException):
+                self._idle.put(worker)
                 raise answer
             done: Done = answer
+            if done.is_of(start, stop):
+                self._idle.put(worker)
+            else:
+                self._dead.append(worker)  # its next answer would be wrong, too
             return done
         self._idle.put(None)  # nobody is left, for whoever asks next either
         raise DiedError

@@ -20,6 +20,7 @@ from typing import Any
 import numba
 import numpy as np
 from hand_on_knob import Array
+from record import put
 
 from hknob_cli.engine import attractors
 from hknob_cli.engine.budget import TrialBudget, prospect
@@ -143,6 +144,7 @@ def main() -> None:
         print(f"{label:>6} {samples:8.0f} {ours:8.2f} {chunk:8.2f} {beside:8.2f} {single:11.1f}", end="")
         print(f"  {np.median(share):.3f} [{share.min():.3f}-{share.max():.3f}]")
     whole = rounds.mean(1)
+    put("kernel / sweep", float(np.median(whole[:, 0] / whole[:, 1])))
     rates = whole[:, 3] / whole[:, 0] / 1e6, whole[:, 3] / whole[:, 1] / 1e6
     print(f"1e6 trial-samples/s: kernel {np.median(rates[0]):.1f}, chunk {np.median(rates[1]):.1f}")
 

@@ -14,6 +14,8 @@ import argparse
 import time
 from pathlib import Path
 
+from record import put
+
 from hknob_cli.engine.jit import compiled
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import load
@@ -53,6 +55,8 @@ def main() -> None:
                 best[level] = min(best.get(level, found), found)
         print(f"{phases} phases")
         free = best[0.0]
+        if phases == 64:
+            put("friction", best[LEVELS[-1]][0] / free[0])
         for level, (seconds, samples) in best.items():
             rate = samples / seconds
             print(

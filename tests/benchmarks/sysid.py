@@ -14,6 +14,7 @@ import time
 from pathlib import Path
 
 import pyarrow.parquet as pq
+from record import put
 
 from hknob_cli.apparatus.experiment import record_experiments
 from hknob_cli.apparatus.rig import Rig
@@ -74,6 +75,7 @@ def main() -> None:
         wall, cpu = (statistics.median(pair[i] for pair in pairs) for i in (0, 1))
         print(f"five experiments x 9 persons x 54 trials, four estimators: {wall:.1f} s, CPU {cpu:.1f} s", end="")
         print(f"; ceiling {CEILING_S:.0f} s")
+        put("sysid", cpu / CEILING_S)
         for estimator in ESTIMATORS:
             stage = SysidStage(load(SPEC, ["virtual.subjects=9", f"estimators=[{estimator}]"]))
             begin = time.process_time()

@@ -32,6 +32,7 @@ from typing import Any
 import numba
 import numpy as np
 from hand_on_knob import BIASES, COUNTS, RATES_HZ, START_RAD, first_samples, knob_at
+from record import put
 from scalar_loop import FLAGS, Array, ScalarLoop
 
 from hknob_cli.engine.attractors import Engine, Search
@@ -135,6 +136,8 @@ def kernel_table(title: str, rivals: dict[str, ScalarLoop], rounds: int, *, extr
             assert strict.tobytes() == engine.tobytes(), "C strict and the engine differ"
         rates = " ".join(f"{lanes * steps / np.median(seconds[name]) / 1e6:9.1f}" for name in jobs)
         print(f"{lanes:5d} {rates}{ratios(seconds)}")
+        if lanes == 64 and not extrema:
+            put("C / kernel", float(np.median(np.divide(seconds["strict"], seconds["engine"]))))
     print(f"      final states{' and extrema' if extrema else ''}: C strict and engine equal to the last bit\n")
 
 
@@ -192,6 +195,8 @@ def sweep_table(phases: int, rivals: dict[str, ScalarLoop], rounds: int) -> None
     total = {name: [sum(parts) for parts in zip(*(row[0][name] for row in rows), strict=True)] for name in rows[0][0]}
     c, ours = (sum(row[1][side] for row in rows) for side in (0, 1))
     line("all", total, (c, ours), len(COUNTS) * len(RATES_HZ))
+    if phases == 64:
+        put("C / search", float(np.median(np.divide(total["strict"], total["engine"]))))
     of_c, of_search, of_job = (
         n / float(np.median(total[name])) / 1e6 for n, name in ((c, "strict"), (ours, "search"), (c, "engine"))
     )

@@ -28,7 +28,7 @@ def test_of_a_population_other_people_are_asked_for(hknob, spec_file) -> None:
     text = DESIGN.replace(listed, "people: {table: 1, grip_n: 0.71, people: 4, seed: 1}\n")
     done = hknob("design", spec_file(text), "-o", "out")
     assert done.returncode == 0, done.stderr
-    assert "  4 other people, by 1000 redraws: the same answer in " in done.stdout
+    assert "  With 4 other people, by 1000 redraws: the same answer in " in done.stdout
 
 
 def test_a_lag_outside_its_domain_is_warned_of(hknob, spec_file) -> None:

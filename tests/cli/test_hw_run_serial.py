@@ -160,7 +160,7 @@ def test_interrupted_the_torque_is_off_at_once(tmp_path: Path, kind: signal.Sign
         wait_for(lambda: Kind.START in pretended.target.heard)
         time.sleep(0.1)
         process.send_signal(kind)
-        _, errors = process.communicate(timeout=30)
+        _, errors = process.communicate(timeout=120)
         assert process.returncode == 130
         assert Kind.RELEASE in pretended.target.heard[pretended.target.heard.index(Kind.START) :]
         assert "torque released" in errors
@@ -168,7 +168,7 @@ def test_interrupted_the_torque_is_off_at_once(tmp_path: Path, kind: signal.Sign
 
 
 def wait_for(so) -> None:
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + 120
     while not so() and time.monotonic() < deadline:
         time.sleep(0.01)
     assert so()
@@ -193,7 +193,7 @@ class Terminal:
 
     def wait_for(self, text: str) -> None:
         """Read what is shown until a text is in it; what was shown before is forgotten."""
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 120
         while text not in self.shown and time.monotonic() < deadline:
             if select.select([self.end], [], [], 0.1)[0]:
                 try:
@@ -214,7 +214,7 @@ class Terminal:
                     break
             except OSError:
                 break
-        printed = self.process.communicate(timeout=30)[0]
+        printed = self.process.communicate(timeout=120)[0]
         os.close(self.end)
         return self.process.returncode, printed
 
@@ -285,7 +285,7 @@ def test_the_terminal_is_as_it_was(tmp_path: Path) -> None:
         )
         wait_for(lambda: not termios.tcgetattr(theirs)[3] & termios.ICANON)
         process.send_signal(signal.SIGINT)
-        assert process.wait(30) == 130
+        assert process.wait(120) == 130
         assert termios.tcgetattr(theirs) == before
         os.close(end)
         os.close(theirs)

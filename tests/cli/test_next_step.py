@@ -2,15 +2,24 @@
 
 import json
 import shlex
+import subprocess
 from pathlib import Path
 
+TWO = ("--set", "grid={sample_rate_hz: 1000, counts_per_rev: [512, 1024]}", "--set", "starts.phases=4")
 ONE = ("--set", "grid={sample_rate_hz: 1000, counts_per_rev: 1024}", "--set", "starts.phases=4")
+
+
+def step(done: subprocess.CompletedProcess[str]) -> str:
+    """The command of the last line; empty where there is none."""
+    assert done.returncode == 0, done.stderr
+    last = done.stdout.splitlines()[-1]
+    return last.removeprefix("next: ") if last.startswith("next: ") else ""
 
 
 def test_the_picture_then_the_next_question(hknob, spec_file, tmp_path: Path) -> None:
     spec = spec_file()
     for out in ([], ["-o", "with a space"]):
-        first = hknob("sweep", spec, *out, *ONE).stdout.splitlines()[-1]
+        first = hknob("sweep", spec, *out, *TWO).stdout.splitlines()[-1]
         assert first.startswith("next: hknob sweep ")
         words = shlex.split(first.removeprefix("next: "))
         then = hknob(*words[1:])
@@ -35,3 +44,52 @@ def test_neither_quiet_nor_machines_are_told(hknob, spec_file) -> None:
     done = hknob("sweep", spec, *ONE, "--json")
     assert json.loads(done.stdout)["status"] == "up to date"
     assert "next:" not in done.stderr
+
+
+def test_one_knob_is_played_with_first(hknob, spec_file, tmp_path: Path) -> None:
+    """The page begins with what was swept, overrides included; once it is there, the picture comes next."""
+    spec = spec_file()
+    first = step(hknob("sweep", spec, *ONE))
+    assert first.startswith("hknob explore ")
+    explored = hknob(*shlex.split(first)[1:], "--no-open", "--json")
+    assert json.loads(explored.stdout)["cells"] == 1
+    assert "--plot" in step(hknob("sweep", spec, *ONE))
+
+
+def test_a_knob_that_the_page_does_not_follow_is_drawn(hknob, spec_file) -> None:
+    lag = ("--set", "scene.actuator={time_constant: 1.0e-4}", "--set", "limits.max_samples=400")
+    assert "--plot" in step(hknob("sweep", spec_file(), *ONE, *lag))
+
+
+PIPELINE = """\
+kind: pipeline
+name: two
+stages:
+  first: {{spec: {spec}}}
+  page: {{spec: {page}, set: {{results: {{from: all}}}}}}
+"""
+PAGE = "kind: report\nname: page\ntitle: One knob\nresults: []\n"
+
+
+def test_a_pipeline_ends_with_its_page(hknob, spec_file, tmp_path: Path) -> None:
+    """Computed, up to date, and stopped on the way: then with the whole of it."""
+    page = tmp_path / "page.yaml"
+    page.write_text(PAGE)
+    pipeline = tmp_path / "two.yaml"
+    pipeline.write_text(PIPELINE.format(spec=spec_file(), page=page))
+    out = ("-o", "some where", "--set", "stages.first.set.starts.phases=2")
+    rest = step(hknob("run", str(pipeline), *out, "--until", "first"))
+    assert shlex.split(rest) == ["hknob", "run", str(pipeline), "--out", *out[1:]]
+    for _ in range(2):
+        shown = step(hknob(*shlex.split(rest)[1:]))
+        assert shlex.split(shown)[:3] == ["python3", "-m", "webbrowser"]
+        assert Path(tmp_path, shlex.split(shown)[3]).name == "report.html"
+    assert "next:" not in hknob(*shlex.split(rest)[1:], "-q").stdout
+    assert "next:" not in hknob(*shlex.split(rest)[1:], "--json").stdout
+
+
+def test_a_pipeline_without_a_page_gets_one(hknob, spec_file, tmp_path: Path) -> None:
+    new = step(hknob("run", spec_file(), *ONE))
+    assert new.startswith("hknob new report --out ")
+    assert hknob(*shlex.split(new)[1:]).returncode == 0
+    assert step(hknob("run", spec_file(), *ONE)) == ""  # that file is there now

@@ -2,7 +2,7 @@
 
 Nothing is imported from the package: both sides are built from the same plain dictionaries, the ``scene`` of a spec.
 The plant's hold is one matrix exponential of the augmented matrix (Franklin, Powell & Workman, sec. 4.3), in floats or
-in 40 digits.
+in 60 digits.
 """
 
 from collections.abc import Callable, Iterator
@@ -10,11 +10,9 @@ from dataclasses import dataclass, field
 from math import floor
 from typing import Any
 
-import mpmath
 import numpy as np
 
-mp = mpmath.MPContext()
-mp.dps = 40
+from tests import digits as mp
 
 Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
 

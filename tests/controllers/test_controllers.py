@@ -10,9 +10,10 @@ from hknob_cli.controllers.batch_stepper import BatchStepper
 from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.specs.plan import Starts
 from hknob_cli.specs.scene import SceneSpec
+from tests import digits as mp
 from tests.controllers.batches import make_batch
 from tests.controllers.laws import CONTROLLERS
-from tests.controllers.reference import Rig, law_of, mp
+from tests.controllers.reference import Rig, law_of
 
 BASE: dict[str, Any] = {
     "knob": {"inertia": 1.9e-6},

@@ -7,6 +7,8 @@ from contextlib import suppress
 
 from tests.faults.dask_cluster import free_port
 
+PATIENCE_S = 10.0
+
 
 class Proxy:
     """Carries connections to ``target`` on, until told otherwise."""
@@ -17,6 +19,7 @@ class Proxy:
         self.frozen = threading.Event()
         self.closed = threading.Event()
         self._others: dict[socket.socket, socket.socket] = {}
+        self._lock = threading.Lock()
         self._thread = threading.Thread(target=self._carry, daemon=True)
 
     def __enter__(self) -> "Proxy":
@@ -34,12 +37,12 @@ class Proxy:
         self._selector.close()
 
     def cut(self) -> None:
-        """Close all connections."""
-        for one in list(self._others):
-            with suppress(KeyError, ValueError, OSError):
+        """Close all connections, once the carrier has passed on what it holds."""
+        with self._lock:
+            for one in self._others:
                 self._selector.unregister(one)
-            one.close()
-        self._others.clear()
+                one.close()
+            self._others.clear()
 
     def _carry(self) -> None:
         while not self.closed.is_set():
@@ -49,20 +52,29 @@ class Proxy:
                     break
                 one = key.fileobj
                 assert isinstance(one, socket.socket)
-                with suppress(OSError):
-                    self._join() if one is self._server else self._pass_on(one)
+                with self._lock:
+                    if one is self._server:
+                        self._join()
+                    elif one in self._others:  # it may have been cut since it was selected
+                        self._pass_on(one)
 
     def _join(self) -> None:
         near, _ = self._server.accept()
-        far = socket.create_connection(("127.0.0.1", self.target))
+        try:
+            far = socket.create_connection(("127.0.0.1", self.target))
+        except OSError:
+            near.close()
+            return
         self._others |= {near: far, far: near}
         for one in (near, far):
+            one.settimeout(PATIENCE_S)  # an end that reads nothing is as good as gone: no test waits for it for ever
             self._selector.register(one, selectors.EVENT_READ)
 
     def _pass_on(self, one: socket.socket) -> None:
-        if data := one.recv(1 << 16):
-            self._others[one].sendall(data)
-            return
+        with suppress(OSError):
+            if data := one.recv(1 << 16):
+                self._others[one].sendall(data)
+                return
         for end in (one, self._others.pop(one)):
             self._others.pop(end, None)
             self._selector.unregister(end)

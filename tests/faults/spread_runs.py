@@ -78,7 +78,7 @@ def pieces(out: Path) -> int:
     return sum(1 for pattern in ("*.piece", "part-*") for _ in out.rglob(pattern))
 
 
-def wait_until(condition: Callable[[], bool], what: str, seconds: float = 60) -> None:
+def wait_until(condition: Callable[[], bool], what: str, seconds: float = 120) -> None:
     """Wait for what must come."""
     end = time.monotonic() + seconds
     while not condition():

@@ -287,6 +287,6 @@ def test_interruption(cluster, undisturbed, tmp_path: Path, kind: signal.Signals
     os.killpg(process.pid, kind)
     code, errors = finish(process)
     assert (code, errors) == (130, "interrupted; finished files are kept, run the same command again\n")
-    wait_until(lambda: not cluster.busy(), "no worker is at it any more", 5)
+    wait_until(lambda: not cluster.busy(), "no worker is at it any more")
     assert run(spec, out, *on(cluster), "-q") == (0, "")
     assert left(out) == wanted

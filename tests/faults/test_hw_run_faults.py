@@ -35,7 +35,7 @@ def start(folder: Path, spec: str = SPEC, *args: str) -> subprocess.Popen[str]:
 def wait_for_samples(folder: Path) -> Path:
     """The journal of the first trial, when it has some."""
     part = folder / "out" / "recording" / f"{trials_of(planned())[0].label}.part"
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (part.exists() and part.stat().st_size > 50_000) and time.monotonic() < deadline:
         time.sleep(0.01)
     return part
@@ -46,7 +46,7 @@ def test_interrupted(tmp_path: Path, kind: signal.Signals) -> None:
     process = start(tmp_path, ENDLESS)
     wait_for_samples(tmp_path)
     process.send_signal(kind)
-    said, errors = process.communicate(timeout=60)
+    said, errors = process.communicate(timeout=120)
     assert (process.returncode, said) == (130, "")
     first, last = errors.splitlines()
     assert first.startswith("trial 1 of 4 (")
@@ -86,7 +86,7 @@ def test_killed_at_random_instants(tmp_path: Path) -> None:
 
 def test_a_device_that_trips(tmp_path: Path) -> None:
     process = start(tmp_path, SPEC + "limits: {speed: 0.5}\n")
-    said, errors = process.communicate(timeout=60)
+    said, errors = process.communicate(timeout=120)
     assert (process.returncode, said) == (4, "")
     assert errors.startswith("trial 1 of 4 (")
     assert "the knob is faster than the limit of 0.5 rad/s, at sample " in errors

@@ -25,12 +25,12 @@ def start(spec: Path, out: Path, *args: str) -> subprocess.Popen[str]:
 def test_interruption_exits_130_and_leaves_nothing(kind: signal.Signals, spec_file, tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = start(spec_file(BUSY), out)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (out / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     time.sleep(0.2)
     process.send_signal(kind)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == 130
     assert errors.splitlines()[-1].startswith("interrupted")
     assert not out.exists()
@@ -59,7 +59,7 @@ def test_kill_at_random_instants(spec_file, tmp_path: Path) -> None:
 def test_two_runs_on_one_folder(hknob, spec_file, tmp_path: Path) -> None:
     out = tmp_path / "out"
     process = start(spec_file(BUSY), out)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (out / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     second = hknob("sweep", spec_file(SPEC, "other.yaml"), "-o", out)
@@ -169,12 +169,12 @@ def test_signals_at_any_instant_of_the_start(spec_file, tmp_path: Path) -> None:
             text=True,
             start_new_session=True,
         )
-        deadline = time.monotonic() + 60
+        deadline = time.monotonic() + 120
         while not heeds(process, signal.SIGTERM) and time.monotonic() < deadline:
             time.sleep(0.001)
         time.sleep(chance.uniform(0.0, 0.2))
         os.killpg(process.pid, signal.SIGTERM)
-        _, errors = process.communicate(timeout=60)
+        _, errors = process.communicate(timeout=120)
         assert process.returncode == 130
         assert errors.count("interrupted") == 1
         assert "Traceback" not in errors
@@ -192,13 +192,13 @@ def test_signals_at_any_instant_of_the_start(spec_file, tmp_path: Path) -> None:
 def test_a_signal_to_the_one_that_parses(kind: signal.Signals, code: int, said: str, spec_file, tmp_path: Path) -> None:
     process = start(spec_file(BUSY), tmp_path / "out")
     children = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (found := children.read_text().split()) and time.monotonic() < deadline:
         time.sleep(0.001)
     os.kill(int(found[0]), signal.SIGSTOP)  # so that it is not through before
     os.kill(int(found[0]), kind)
     os.kill(int(found[0]), signal.SIGCONT)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == code
     assert errors.startswith(said), errors
     assert errors.count("\n") == 1

@@ -94,12 +94,12 @@ def test_interruption_exits_130_and_keeps_what_is_finished(kind: signal.Signals,
     pipeline.write_text("kind: pipeline\nname: p\nstages:\n  quick: {spec: quick.yaml}\n  slow: {spec: busy.yaml}\n")
     out = tmp_path / "out"
     process = start(pipeline, out)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (out / "slow" / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     time.sleep(0.2)
     process.send_signal(kind)
-    _, errors = process.communicate(timeout=60)
+    _, errors = process.communicate(timeout=120)
     assert process.returncode == 130, errors
     assert errors.splitlines()[-1].startswith("interrupted")
     assert not (out / "slow" / "cells.parquet").exists()
@@ -110,7 +110,7 @@ def test_a_second_run_on_one_folder_is_refused(hknob, tmp_path: Path) -> None:
     (tmp_path / "busy.yaml").write_text(BUSY)
     out = tmp_path / "out"
     process = start(tmp_path / "busy.yaml", out)
-    deadline = time.monotonic() + 60
+    deadline = time.monotonic() + 120
     while not (out / "sweep" / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
     second = hknob("run", tmp_path / "busy.yaml", "-o", out)

@@ -84,7 +84,7 @@ def test_no_process_outlives_a_killed_parent_and_the_next_run_need_not_wait(undi
     process.wait()
     code, errors = run(spec, out)  # not refused: what is left of the first run holds nothing
     assert (code, errors) == (0, "")
-    wait_until(lambda: not members(process.pid), "all processes are gone", 10)
+    wait_until(lambda: not members(process.pid), "all processes are gone")
     finish(process)
     assert left(out) == wanted
 
@@ -101,7 +101,7 @@ def test_signals_to_all_at_random_instants(undisturbed, tmp_path: Path, kind: si
         time.sleep(chance.uniform(0.3, 1.5))
         os.killpg(process.pid, kind)
         code, errors = finish(process)
-        wait_until(lambda group=process.pid: not members(group), "all processes are gone", 10)
+        wait_until(lambda group=process.pid: not members(group), "all processes are gone")
         if kind is signal.SIGKILL:
             assert code == -kind
         elif code:
@@ -130,7 +130,7 @@ def test_a_signal_while_workers_begin(undisturbed, tmp_path: Path, kind: signal.
     wait_until(lambda: len(workers(process)) == 2 and list(out.glob(".hknob.partial-*/orbits")) != [], "workers begin")
     os.killpg(process.pid, kind)
     assert finish(process) == (130, INTERRUPTED)
-    wait_until(lambda: not members(process.pid), "all processes are gone", 10)
+    wait_until(lambda: not members(process.pid), "all processes are gone")
 
 
 def test_two_runs_on_one_folder(undisturbed, tmp_path: Path) -> None:

@@ -62,13 +62,13 @@ def host(url: str) -> subprocess.Popen[str]:
 
 def wait_for(what: Callable[[], bool]) -> None:
     """Waits until something is so; a test that would wait for ever fails."""
-    end = time.monotonic() + 20
+    end = time.monotonic() + 120
     while not what():
         assert time.monotonic() < end
         time.sleep(0.002)
 
 
-def read_to_the_fault(device: SerialDevice, *, within_s: float = 2.0) -> tuple[list[Block], str]:
+def read_to_the_fault(device: SerialDevice, *, within_s: float = 60.0) -> tuple[list[Block], str]:
     """Blocks up to a fault, and the fault; a read that waits so long in vain is a failure."""
     got: list[Block] = []
     try:
@@ -258,7 +258,7 @@ def test_a_reader_that_stalls_for_200_ms_loses_nothing() -> None:
         assert served.target.state is State.RUNNING
         device.stop()
         blocks = []
-        while (block := device.read(2.0)) is not None:
+        while (block := device.read(60.0)) is not None:
             blocks.append(block)
         assert assert_whole(blocks) == sum(len(each.samples.time_us) for each in served.target.blocks)
 
@@ -271,7 +271,7 @@ def test_a_host_stopped_by_the_system_finds_the_torque_off_and_says_why() -> Non
         wait_for(lambda: served.target.state is State.TRIPPED)
         made = len(served.target.blocks)
         process.send_signal(signal.SIGCONT)
-        out, errors = process.communicate(timeout=20)
+        out, errors = process.communicate(timeout=120)
         assert process.returncode == 4
         *counts, said = out.splitlines()
         assert "it did not hear from this computer for the watchdog's time" in said
@@ -287,7 +287,7 @@ def test_a_host_that_is_ended_takes_the_torque_off(kind: signal.Signals, trips: 
         process = host(served.url)
         wait_for(lambda: served.target.state is State.RUNNING and len(served.target.blocks) > 20)
         process.send_signal(kind)
-        process.communicate(timeout=20)
+        process.communicate(timeout=120)
         wait_for(lambda: served.target.torque_off_at is not None and served.target.state is not State.RUNNING)
         assert (served.target.state is State.TRIPPED) == trips
         assert (served.target.heard[-1] is Kind.RELEASE) == (not trips)

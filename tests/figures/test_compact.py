@@ -61,7 +61,7 @@ def lines(data: str) -> list[list[Point]]:
         points = list(zip(values[::2], values[1::2], strict=True))
         if command.islower():
             points = [(here[0] + x, here[1] + y) for x, y in points]
-        if command == "M":
+        if command in "Mm":
             found.append([])
         found[-1] += points
         here = points[-1]

@@ -38,7 +38,7 @@ def foreign_target(*options: str) -> Iterator[str]:
         finally:
             process.stdin.close()
             try:
-                process.wait(timeout=20)
+                process.wait(timeout=60)
             except subprocess.TimeoutExpired:
                 process.kill()
 

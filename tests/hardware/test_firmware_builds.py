@@ -54,10 +54,10 @@ def trial(device: Device, settings: Settings, running: int) -> list[Block]:
     """A trial of at least so many samples with the wall on; all blocks."""
     device.configure(settings, PERSON)
     device.arm()
-    blocks = [device.read(2.0)]
+    blocks = [device.read(60.0)]
     device.start()
     while sum(int(block.running.sum()) for block in blocks if block is not None) < running:
-        blocks.append(device.read(2.0))
+        blocks.append(device.read(60.0))
     device.stop()
     while blocks[-1] is not None:
         blocks.append(device.read(0.2))
@@ -216,7 +216,7 @@ def test_it_ends_with_a_killed_parent(target: Target, built: Path) -> None:
     host.kill()
     host.wait()
     host.stdout.close()
-    for _ in range(500):
+    for _ in range(6000):
         if not Path(f"/proc/{process}/cmdline").exists() or not Path(f"/proc/{process}/cmdline").read_bytes():
             return
         time.sleep(0.01)

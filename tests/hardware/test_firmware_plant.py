@@ -9,17 +9,15 @@ import ctypes as c
 import math
 from typing import Any
 
-import mpmath
 import numpy as np
 import pytest
 
 from hknob_cli.hardware.port import Simulated, Sine
+from tests import digits as mp
 from tests.hardware.firmware import CSimulated, library
 
 TOLERANCE = 1e-12
 NET = 48  # points of the net over half a turn
-mp = mpmath.MPContext()
-mp.dps = 40
 
 
 def followed(simulated: Simulated, interval_s: float, torques: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

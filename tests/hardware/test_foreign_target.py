@@ -31,7 +31,7 @@ def ask(link: socket.socket, decoder: Decoder, command: Message) -> Ack:
 
 def linked(url: str) -> socket.socket:
     host, port = url.removeprefix("socket://").split(":")
-    link = socket.create_connection((host, int(port)), timeout=20)
+    link = socket.create_connection((host, int(port)), timeout=120)
     link.sendall(b"\0")
     return link
 

@@ -1,6 +1,7 @@
 """The serial driver on a pseudo-terminal and on a socket: a trial from end to end, and what it refuses to begin."""
 
 import threading
+import time
 from collections.abc import Callable
 
 import numpy as np
@@ -20,13 +21,13 @@ def trial(device: Device, told: Settings = SETTINGS, *, blocks: int = 20) -> lis
     device.arm()
     got: list[Block] = []
     while len(got) < blocks:
-        block = device.read(2.0)
+        block = device.read(60.0)
         assert block is not None
         got.append(block)
         if len(got) == blocks // 2:
             device.start()
     device.stop()
-    while (block := device.read(2.0)) is not None:
+    while (block := device.read(60.0)) is not None:
         got.append(block)
     return got
 
@@ -88,8 +89,8 @@ def test_reading_without_waiting_finds_nothing_and_is_no_fault() -> None:
         assert device.read(0.0) is None
         device.configure(SETTINGS)
         device.arm()
-        assert device.read(0.0) is None
-        assert device.read(2.0) is not None
+        while device.read(0.0) is None:  # a block may be there at once, or not for a while
+            time.sleep(0.001)
 
 
 def test_any_thread_may_release_while_another_reads() -> None:

@@ -49,9 +49,9 @@ def take(device: Device, told: Settings, simulated: Simulated, *, blocks: int, b
     """Blocks of one trial, ``before`` of them while nobody holds the knob."""
     device.configure(told, simulated)
     device.arm()
-    found = [device.read(1.0) for _ in range(before)]
+    found = [device.read(60.0) for _ in range(before)]
     device.start()
-    found += [device.read(1.0) for _ in range(blocks)]
+    found += [device.read(60.0) for _ in range(blocks)]
     device.stop()
     assert device.read(0.0) is None
     return [block for block in found if block is not None]

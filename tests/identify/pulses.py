@@ -30,9 +30,11 @@ def propagate(matrix: np.ndarray, entry: np.ndarray, torque: np.ndarray, dt: flo
     whole = np.zeros((m + 1, m + 1))
     whole[:m, :m], whole[:m, m] = matrix, entry
     step = expm(whole * dt)
+    phi, drives = step[:m, :m], np.outer(torque, step[:m, m])
     states = np.zeros((len(torque), m))
     for i in range(len(torque) - 1):
-        states[i + 1] = step[:m, :m] @ states[i] + step[:m, m] * torque[i]
+        np.dot(phi, states[i], out=states[i + 1])
+        states[i + 1] += drives[i]
     return states
 
 

@@ -138,7 +138,7 @@ def main() -> int:
         subprocess.run(
             [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", top / "dist", ROOT], check=True
         )
-        for name in ("experiments", "data"):
+        for name in ("experiments", "data", "docs"):  # what the experiments name
             shutil.copytree(ROOT / name, top / "shipped" / name)
         (wheel,) = (top / "dist").glob("*.whl")
         for version, kind in cells:

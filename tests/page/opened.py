@@ -10,6 +10,7 @@ class Opened:
 
     def __init__(self, browser: Any, address: str, *, at: str = "", **options: Any) -> None:
         self.context = browser.new_context(offline=True, **{"viewport": WIDE, **options})
+        self.context.set_default_timeout(120_000)  # computers are busy
         self.tab = self.context.new_page()
         self.asked: list[str] = []
         self.said: list[str] = []

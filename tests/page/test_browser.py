@@ -80,7 +80,7 @@ def test_the_counts_of_verdicts_lead_to_the_claims(opened: Opened) -> None:
     opened.tab.locator(".tiles a", has_text="differs").click()
     assert opened.tab.inner_text("#claims-count") == "15 of 100"
     assert opened.tab.get_by_label("differs").is_checked()
-    assert opened.tab.locator("#claims-title").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 200
+    opened.tab.wait_for_function("Math.abs(document.getElementById('claims-title').getBoundingClientRect().top) < 200")
 
 
 def test_claims_are_sorted_by_a_button(opened: Opened) -> None:
@@ -179,8 +179,7 @@ def test_a_wide_table_is_scrolled_within_its_box_by_keys_too(browser: Any, addre
         assert tall > height
         box.focus()
         opened.tab.keyboard.press("ArrowRight")
-        opened.tab.wait_for_timeout(300)
-        assert box.evaluate("one => one.scrollLeft") > 0
+        opened.tab.wait_for_function("one => one.scrollLeft > 0", arg=box.element_handle())
         caption = opened.tab.locator("#table-cells caption").evaluate("one => one.getBoundingClientRect().left")
         assert caption >= 0  # it stays while the rows move
         one = opened.tab.locator("#table-one .box")
@@ -206,11 +205,9 @@ def test_an_address_opens_its_claim(browser: Any, address: str) -> None:
         tab.get_by_label("contradicted").check()
         hidden = tab.locator("#claims tbody[hidden]").first.get_attribute("id")
         tab.evaluate("id => location.hash = id", hidden)
-        tab.wait_for_timeout(100)
-        assert tab.locator(f"[id='{hidden}']").is_visible()
+        tab.locator(f"[id='{hidden}']").wait_for()
         tab.evaluate("location.hash = 'grid'")
-        tab.wait_for_timeout(100)
-        assert tab.locator("#grid").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 100
+        tab.wait_for_function("Math.abs(document.getElementById('grid').getBoundingClientRect().top) < 100")
 
 
 def test_paper_shows_every_claim_whatever_is_filtered(opened: Opened) -> None:
@@ -258,16 +255,14 @@ def test_what_is_found_by_words_is_opened(browser: Any, address: str) -> None:
         assert tab.inner_text("#find-count") == "1 found"
         assert not tab.locator("#contents-list").is_visible()
         tab.locator("#find-list a").click()
-        tab.wait_for_timeout(100)
-        assert tab.locator("#bias").evaluate("one => Math.abs(one.getBoundingClientRect().top)") < 200
+        tab.wait_for_function("Math.abs(document.getElementById('bias').getBoundingClientRect().top) < 200")
         box.fill("FRICTION pitch")
         texts = tab.locator("#find-list a").all_inner_texts()
         assert 0 < len(texts) < 20
         assert all(text.startswith("Claim") for text in texts)
         tab.locator("#find-list a").first.click()
-        tab.wait_for_timeout(100)
         name = tab.locator("#find-list a").first.get_attribute("href").removeprefix("#")
-        assert tab.locator(f"[id='{name}']").is_visible()
+        tab.locator(f"[id='{name}']").wait_for()
         box.fill("no such thing")
         assert tab.inner_text("#find-count") == "0 found"
         box.fill("")
@@ -281,7 +276,7 @@ def test_the_contents_say_where_the_reader_is(opened: Opened) -> None:
         tab.evaluate("id => document.getElementById(id).scrollIntoView()", name)
         tab.mouse.wheel(0, 200)
         tab.wait_for_function(
-            "id => document.querySelector('#contents-list [aria-current]')?.hash === '#' + id", arg=name, timeout=5000
+            "id => document.querySelector('#contents-list [aria-current]')?.hash === '#' + id", arg=name
         )
 
 
@@ -289,8 +284,8 @@ def test_a_wide_figure_says_on_a_phone_that_it_scrolls(browser: Any, address: st
     for viewport, said in ((PHONE, True), (WIDE, False)):
         with Opened(browser, address, viewport=viewport) as opened:
             opened.unfold().tab.wait_for_timeout(200)
-            first = opened.tab.locator("#sizes")
-            assert (first.locator(".hint:visible").count() == 1) == said
+            hint = opened.tab.locator("#sizes .hint")
+            hint.wait_for(state="visible" if said else "hidden")
 
 
 def test_paper_shows_chapters_that_are_folded(browser: Any, address: str) -> None:

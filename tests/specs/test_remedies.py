@@ -159,6 +159,11 @@ def test_analyses_refuse_a_controller(kind: str) -> None:
     assert f"scene.controller: must be absent: a controller is not in {kind}" in faults_of(text)
 
 
+def test_methods_that_are_no_list_are_a_fault() -> None:
+    text = SPEC.replace("kind: sweep", "kind: dfa") + "methods: 3\n"
+    assert "methods: must be a list, got 3" in faults_of(text)
+
+
 def test_every_kind_has_its_numbers_in_the_plan() -> None:
     named = {key for kind in KINDS.values() for key in kind.keys}
     assert named == set(Controller._fields) - {"kind"}

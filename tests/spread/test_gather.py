@@ -20,8 +20,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hknob_cli.errors import ComputationError
+from hknob_cli.spread import processes
 from hknob_cli.spread.gather import GROWTH, MOST, SECONDS, SHORTEST, Pace, Range, Ranges, gather
-from hknob_cli.spread.processes import Processes, Work
+from hknob_cli.spread.processes import Done, Processes, Work, timed
 
 
 @given(st.integers(0, 200), st.integers(1, 50), st.integers(1, 5), st.data())
@@ -115,6 +116,43 @@ def test_a_worker_that_is_killed_costs_no_item(tmp_path: Path) -> None:
 
     assert run(work, 100) == list(range(100))
     assert len(list(tmp_path.iterdir())) > 3
+
+
+def confuse(monkeypatch: pytest.MonkeyPatch, answer: Callable[[Work, int, int], Done]) -> None:
+    """Let processes answer otherwise; they are forked later."""
+    monkeypatch.setattr(processes, "timed", answer)
+
+
+@pytest.mark.parametrize("how", ["of other items", "of a piece before", "spoilt", "cut short"])
+def test_a_wrong_answer_is_not_taken(how: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def answer(work: Work, start: int, stop: int) -> Done:
+        mark, right = tmp_path / str(start), timed(work, start, stop)
+        if start % 3 or mark.exists():
+            return right
+        mark.touch()
+        match how:
+            case "of other items":
+                return timed(work, start + 1, stop + 1)
+            case "of a piece before":
+                return right._replace(results=work(0, stop - start) if start else b"\1")
+            case "spoilt":
+                return right._replace(results=bytes([right.results[0] ^ 8]) + right.results[1:])
+        return right._replace(results=right.results[:-1])
+
+    confuse(monkeypatch, answer)
+    assert run(plain, 100) == list(range(100))
+    assert len(list(tmp_path.iterdir())) > 3
+    assert not active_children()
+
+
+def test_items_that_are_answered_wrongly_over_and_over_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    def answer(work: Work, start: int, stop: int) -> Done:
+        return timed(work, start, stop)._replace(results=b"") if start <= 17 < stop else timed(work, start, stop)
+
+    confuse(monkeypatch, answer)
+    with pytest.raises(ComputationError, match=r"items 17 to 17: .* computed 8 times in vain, .* kept"):
+        run(plain, 30)
+    assert not active_children()
 
 
 def in_mid_answer(then: Callable[[], None]) -> None:

@@ -19,10 +19,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import sqrt
+from operator import mul
 from typing import Any
 
+from tests import digits as mp
+
 from .over_angle_reference import over_angle
-from .reference import mp
 
 Vector = tuple[Any, ...]
 
@@ -34,7 +36,18 @@ CLOCK = 1e-3  # time unit of that sum [s]: with it all of a state is of the orde
 
 def _dot(row: list[tuple[int, Any]], z: Vector) -> Any:
     """Product of a sparse row and a vector."""
-    return mp.fdot([(value, z[j]) for j, value in row])
+    total = mp.zero
+    for j, value in row:
+        total += value * z[j]
+    return total
+
+
+def powers(x: int, count: int) -> list[int]:
+    """1, x, x^2, ... in fixed point."""
+    found = [mp.whole(mp.ldexp(mp.one, BITS))]
+    while len(found) < count:
+        found.append(found[-1] * x >> BITS)
+    return found
 
 
 def _horner(coefficients: list[int], x: int) -> int:
@@ -146,7 +159,8 @@ class Bodies:
         if parts > 40:
             return tuple(_dot(row, z) for row in self._exponential(mode, duration))
         for _ in range(parts):
-            z = self._sum(z, self.series(mode, z, duration / parts), 1 << BITS)
+            terms = self.series(mode, z, duration / parts)
+            z = self.at(z, list(zip(*terms, strict=True)), powers(1 << BITS, len(terms)))
         return z
 
     def _exponential(self, mode: int, duration: Any) -> list[list[tuple[int, Any]]]:
@@ -171,29 +185,32 @@ class Bodies:
         with mp.workdps(BITS // 3):
             return {
                 mode: [
-                    [(j, int(v * self.units[i] / self.units[j] * CLOCK * 2**BITS)) for j, v in row]
+                    [(j, mp.whole(mp.ldexp(v * self.units[i] / self.units[j] * CLOCK, BITS))) for j, v in row]
                     for i, row in enumerate(table)
                 ]
                 for mode, table in self.rows.items()
             }
 
-    def series(self, mode: int, z: Vector, step: Any) -> list[list[int]]:
-        """Terms A^k z step^k / k!, as angles in fixed point, until they vanish."""
-        rows, factor = self._whole_rows[mode], int(step / mp.mpf(CLOCK) * 2**BITS)
-        term = [int(x * unit * 2**BITS) for x, unit in zip(z, self.units, strict=True)]
+    def series(self, mode: int, z: Vector, step: Any, least: int = 1 << 20) -> list[list[int]]:
+        """Terms A^k z step^k / k!, as angles in fixed point, until three are at most ``least``."""
+        rows, factor = self._whole_rows[mode], mp.whole(mp.ldexp(step / mp.mpf(CLOCK), BITS))
+        term = [mp.whole(mp.ldexp(x * unit, BITS)) for x, unit in zip(z, self.units, strict=True)]
         terms, quiet = [term], 0
         for k in range(1, 1000):
-            term = [((sum(v * term[j] for j, v in row) >> BITS) * factor >> BITS) // k for row in rows]
+            term = [((sum([v * term[j] for j, v in row]) >> BITS) * factor >> BITS) // k for row in rows]
             terms.append(term)
-            quiet = quiet + 1 if max(map(abs, term)) <= 1 << 20 else 0
+            quiet = quiet + 1 if max(map(abs, term)) <= least else 0
             if quiet == 3:
                 return terms
         raise AssertionError("Taylor series too long")
 
-    def _sum(self, z: Vector, terms: list[list[int]], x: int) -> Vector:
-        """State at the part ``x`` of a series' step, with the constants of ``z``."""
+    def at(self, z: Vector, columns: list[tuple[int, ...]], x: list[int]) -> Vector:
+        """State at a part of a series' step, given by its powers ``x``, with the constants of ``z``.
+
+        ``columns``: the terms of each number of the state.
+        """
         moving = (*range(5), CURRENT)
-        sums = [mp.ldexp(mp.mpf(_horner([term[i] for term in terms], x)), -BITS) / self.units[i] for i in moving]
+        sums = [mp.ldexp(mp.mpf(sum(map(mul, columns[i], x))), -2 * BITS) / self.units[i] for i in moving]
         return (*sums[:5], *z[5:CURRENT], sums[5])
 
     def energy_root(self, mode: int, w: Vector) -> float:
@@ -312,7 +329,7 @@ class Friction:
         bodies, mode = self.bodies, self.mode
         if mode == STUCK and not (bodies.finger or bodies.lag or bodies.torque_constant):
             return None
-        grid = self.period / 2 ** int(mp.ceil(mp.log(self.period / left, 2))) if not whole else left
+        grid = self.period / 2 ** int(mp.ceil(mp.log2(self.period / left))) if not whole else left
         pieces = [(self.z, left, True)] if whole else [(self.z, min(grid, left), grid <= left)]
         done = mp.zero
         while True:
@@ -380,9 +397,9 @@ class Friction:
             start = bodies.friction
         else:
             row, start = [(SPEED, mp.mpf(mode))], mp.zero
-        whole = [(j, int(v * 2**BITS)) for j, v in row]
+        whole = [(j, mp.whole(mp.ldexp(v, BITS))) for j, v in row]
         f = [sum(v * term[j] for j, v in whole) >> BITS for term in terms]
-        f[0] += int(start * 2**BITS)
+        f[0] += mp.whole(mp.ldexp(start, BITS))
         slope = [k * c for k, c in enumerate(f)][1:]
         low, high = 0, 1 << BITS
         x = high // 2
@@ -398,7 +415,7 @@ class Friction:
                 break
         else:
             raise AssertionError("no zero found in the bracket")
-        state = list(bodies._sum(z, terms, x))
+        state = list(bodies.at(z, list(zip(*terms, strict=True)), powers(x, len(terms))))
         if mode != STUCK:
             state[SPEED] = mp.zero
         return offset + mp.ldexp(mp.mpf(x), -BITS) * length, tuple(state)

@@ -1,6 +1,6 @@
 """The 60-digit model of the whole scene (`general_reference`) under the controllers of `tests.controllers.laws`.
 
-The controllers have each law as its source has it, in 40 digits, sample by sample; the bodies, their friction and the
+The controllers have each law as its source has it, sample by sample; the bodies, their friction and the
 actuator are those of the model without controllers. A torque commanded at t acts at t + delay: what is commanded over
 time is kept as one waveform, of which each hold is a piece.
 """
@@ -8,11 +8,10 @@ time is kept as one waveform, of which each hold is a piece.
 from collections.abc import Iterator
 from typing import Any
 
+from tests import digits as mp
 from tests.controllers.reference import Law, Rig, law_of
-from tests.controllers.reference import mp as shorter
 
 from .general_reference import KNOB, SPEED, Control, Friction, build
-from .reference import mp
 
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
@@ -29,7 +28,7 @@ class Firmware:
         """Nothing has happened yet."""
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
-        self.rig = Rig(plain, rate_hz, counts, shorter.mpf)
+        self.rig = Rig(plain, rate_hz, counts, mp.mpf)
         self.law: Law = law_of(self.rig, scene["controller"])
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
@@ -39,13 +38,13 @@ class Firmware:
         control, before = self.control, shown if self.before is None else self.before
         self.before = shown
         brake = control.damping * (shown - before) / control.period if shown < 0 else mp.zero
-        pieces = self.law.command(shorter.mpf(shown), shorter.mpf(omega), [shorter.mpf(one) for one in looks])
+        pieces = self.law.command(shown, omega, looks)
         found = []
         for torque, _ in pieces:
-            wanted = mp.mpf(torque) - brake
+            wanted = torque - brake
             self.step = min(self.step, control.step_distance(wanted))
             found.append(control.command(wanted))
-        lengths = [mp.mpf(duration) for _, duration in pieces[:-1]]  # to 40 digits: the last has the rest
+        lengths = [duration for _, duration in pieces[:-1]]
         return list(zip(found, [*lengths, control.period - sum(lengths)], strict=True))
 
 

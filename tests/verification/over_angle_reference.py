@@ -8,7 +8,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from .reference import mp
+from tests import digits as mp
 
 NAMES = ("profile", "detents", "end_stops", "dead_zone")
 

@@ -11,12 +11,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
-import mpmath
-
-DIGITS = 60
-
-mp = mpmath.MPContext()  # a context of its own: the precision of other users of mpmath stays as it is
-mp.dps = DIGITS
+from tests import digits as mp
 
 State = tuple[Any, Any]  # theta [rad], omega [rad/s]
 Hold = tuple[Any, Any]  # torque of the wall [N m], duration [s]
@@ -323,7 +318,7 @@ def solve_orbit(cell: Cell, state: State, queue: list[Any], n: int) -> Orbit:
         for hold in row:
             state = cell.plant.move(state, hold)
     closure = max(abs(state[0] - fixed[0]), abs(state[1] - fixed[1]) * cell.period)
-    assert closure < cell.quantum * mp.mpf(10) ** -(DIGITS - 15), f"reference orbit does not close: {closure}"
+    assert closure < cell.quantum * mp.mpf(10) ** -(mp.DIGITS - 15), f"reference orbit does not close: {closure}"
     return Orbit(
         cell=cell,
         states=tuple(states),

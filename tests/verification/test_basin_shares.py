@@ -11,8 +11,9 @@ import pytest
 
 from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.trace import trace
+from tests import digits as mp
 
-from .reference import build_cell, mp
+from .reference import build_cell
 from .scenes import PHASES, RATES_HZ, START_RAD, Settled, hand_on_knob, settle
 
 CELLS = [

@@ -18,9 +18,10 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.engine.sets.room import make_arc_room, make_known
 from hknob_cli.engine.sets.search import Box, SetEngine
 from hknob_cli.engine.trace import trace
+from tests import digits as mp
 from tests.engine.sets.loops import follow_all
 
-from .reference import build_cell, mp
+from .reference import build_cell
 from .scenes import COUNTS, RATES_HZ, START_RAD, hand_on_knob, sample
 
 ANGLE, VELOCITY = 0.05, 5.0  # of the box: 50 mrad, 5 rad/s

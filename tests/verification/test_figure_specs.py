@@ -8,10 +8,11 @@ import pytest
 from hknob_cli.specs.load import load
 from hknob_cli.specs.source import read
 from hknob_cli.stages.sweep.record import record_sweep
+from tests import digits as mp
 from tests.conftest import EXPERIMENTS, swept
 
 from .general_reference import simulate
-from .unsampled_reference import Ball, mp
+from .unsampled_reference import Ball
 
 J, G = 2.2e-6, 0.001
 COUNT = 2.0 * np.pi / 4096

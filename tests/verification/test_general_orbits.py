@@ -23,9 +23,9 @@ from hknob_cli.measure.general_orbit import GeneralMeasurer
 from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.specs.scene import SceneSpec
+from tests import digits as mp
 
 from .general_orbits import leak, measure, solve
-from .general_reference import mp
 from .general_scenes import EVERYTHING, HALF, LIGHT, RUBBING, STIFF, TWO_PARTS, scene
 from .scenes import RATES_HZ
 

@@ -8,9 +8,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from tests import digits as mp
 from tests.crosscheck.general_ivp import integrate
 
-from .general_reference import Bodies, Friction, mp, simulate
+from .general_reference import Bodies, Friction, simulate
 from .general_scenes import CASES, Case
 from .reference import build_cell
 from .scenes import hand_on_knob

@@ -18,13 +18,13 @@ from hknob_cli.engine.general.search import as_arrays
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.general_orbit import LawMeasurer
+from tests import digits as mp
 from tests.controllers.laws import CONTROLLERS, LOOP_ONLY
 
 from .general_orbits import NEAR, to_si, unknowns
 from .general_reference import Friction, build
 from .law_reference import Firmware, periodic_wave, run_closed, run_period, simulate_law
 from .law_scenes import Drawn, draw, reduce, search
-from .reference import mp
 
 LONGEST = 40  # samples of a period, for the time that 60 digits take
 SAMPLES = 60

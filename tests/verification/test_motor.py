@@ -17,10 +17,10 @@ from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.scene import SceneSpec
+from tests import digits as mp
 
 from . import general_reference as reference
 from .general_orbits import measure, solve
-from .general_reference import mp
 from .general_scenes import RINGING, TWO_PARTS, Case, scene
 from .test_general_trajectory import AWAY, bounds
 

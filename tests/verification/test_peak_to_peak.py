@@ -15,8 +15,9 @@ import pytest
 
 from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.outcome import Outcome
+from tests import digits as mp
 
-from .reference import Cell, Orbit, build_cell, mp, solve_orbit
+from .reference import Cell, Orbit, build_cell, solve_orbit
 from .scenes import BIASES, COUNTS, RATES_HZ, Settled, hand_on_knob, settle, settle_grid
 
 RELATIVE = 1e-10  # the accuracy promised

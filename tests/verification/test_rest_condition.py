@@ -16,8 +16,9 @@ from hypothesis import Phase, assume, event, given, settings
 from hknob_cli.engine.attractors import Engine
 from hknob_cli.engine.follow import REST_PROVEN, follow
 from hknob_cli.engine.outcome import Outcome
+from tests import digits as mp
 
-from .reference import Cell, build_cell, mp
+from .reference import Cell, build_cell
 from .scenes import BIASES, COUNTS, RATES_HZ, STIFFNESSES, hand_on_knob, sample, settle, settle_grid
 
 EPSILON = 2.0**-52

@@ -16,8 +16,9 @@ import pytest
 from hknob_cli.engine.ensemble import advance
 from hknob_cli.engine.loop import Loop, drive_of, interval, level_of, push
 from hknob_cli.engine.propagator import hold_coefficients
+from tests import digits as mp
 
-from .reference import Cell, build_cell, mp
+from .reference import Cell, build_cell
 from .scenes import PHASES, RATES_HZ, START_RAD, hand_on_knob, sample
 
 WITHIN_RAD = 1e-12  # the accuracy promised

@@ -13,8 +13,9 @@ import pytest
 from hknob_cli.measure.unsampled import events
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.specs.scene import SceneSpec
+from tests import digits as mp
 
-from .unsampled_reference import Ball, mp
+from .unsampled_reference import Ball
 
 WITHIN = 1e-12
 

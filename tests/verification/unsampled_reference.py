@@ -7,10 +7,7 @@ count the motion is a sum of exponentials, or a polynomial; events are bisected.
 from dataclasses import dataclass
 from typing import Any
 
-from mpmath import MPContext
-
-mp = MPContext()
-mp.dps = 50
+from tests import digits as mp
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -44,9 +44,11 @@ def move_corners(given, base, count, samples, out, at, loop):
 def clip(given, count, limit, sign, out, at):
     """The part of a convex polygon on one side of ``x = limit``, to ``out[at:]``; its number of corners.
 
-    ``sign`` +1 keeps what lies above the limit, -1 what lies below; what lies on it is kept.
+    ``sign`` +1 keeps what lies above the limit, -1 what lies below; what lies on it is kept. A line crosses the outline
+    of a convex polygon at most twice. Where rounding makes it cross more often, as along an edge of a flat one, the
+    part is the whole polygon, which holds it.
     """
-    kept = 0
+    kept, crossings = 0, 0
     for k in range(count):
         ax, av = given[2 * k], given[2 * k + 1]
         j = (k + 1) % count
@@ -56,6 +58,11 @@ def clip(given, count, limit, sign, out, at):
             out[at + 2 * kept], out[at + 2 * kept + 1] = ax, av
             kept += 1
         if inside != following:
+            crossings += 1
+            if crossings > 2:
+                for i in range(2 * count):
+                    out[at + i] = given[i]
+                return count
             part = (limit - ax) / (bx - ax)
             out[at + 2 * kept], out[at + 2 * kept + 1] = limit, av + part * (bv - av)
             kept += 1

@@ -3,6 +3,7 @@
 import itertools
 from collections.abc import Iterator
 from math import inf
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from hknob_cli.errors import UsageError
@@ -49,14 +50,26 @@ def knobs_of(plan: SweepPlan, spec: str) -> Knobs:
         plan: what the spec says.
         spec: how the spec is called in messages.
     """
-    cells = cells_of(plan)
-    some = list(itertools.islice(iter(cells), MOST_CELLS))
-    faults = list(dict.fromkeys(fault for cell in some for fault in _faults(placed(plan.scene, cell))))
-    if faults:
+    if faults := faults_of(plan):
         instead = f"{spec}: hknob sweep computes this scene"
         raise UsageError("\n".join([*(f"{spec}: scene.{fault}" for fault in faults), instead]))
+    some = _listed_cells(plan)
     made = [{"label": _label(cell, plan), "scene": _scene(scene_at(plan.scene, cell), cell, plan)} for cell in some]
-    return Knobs(plan.name, made, list(_notes(plan, len(cells))), _touch(plan.perceive))
+    return Knobs(plan.name, made, list(_notes(plan, len(cells_of(plan)))), _touch(plan.perceive))
+
+
+def page_of(name: str) -> Path:
+    """Where the page of a sweep of this name is written if nothing else is said."""
+    return Path("results") / f"{name}-explore.html"
+
+
+def faults_of(plan: SweepPlan) -> list[str]:
+    """The key of each part of a sweep's cells that the page does not follow, and why; empty if it follows all."""
+    return list(dict.fromkeys(fault for cell in _listed_cells(plan) for fault in _faults(placed(plan.scene, cell))))
+
+
+def _listed_cells(plan: SweepPlan) -> list[Cell]:
+    return list(itertools.islice(iter(cells_of(plan)), MOST_CELLS))
 
 
 def _faults(scene: Scene) -> Iterator[str]:

@@ -33,7 +33,7 @@ BUZZ = (
         _REAL,
         "1",
         "reference's p2p_max_rad over that of the remedy, same cell and hand; 0 where only it buzzes or diverges,"
-        " null where the remedy rests, or the reference diverges or has no such cell",
+        " null where the remedy rests or no end of it is decided, or the reference diverges or has no such cell",
     ),
     Column("p2p_mean_ratio", _REAL, "1", "p2p_rad of the reference over the remedy's; null where either rests"),
 )

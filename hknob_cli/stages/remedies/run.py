@@ -164,9 +164,9 @@ def _ratios(reference: Row | None, row: Row) -> Row:
     """How many times smaller a remedy makes the largest cycle, and the mean of what cycles."""
     if reference is None or reference["p2p_max_rad"] is None or reference["diverged_fraction"] > 0.0:
         worst = nan
-    elif row["p2p_max_rad"] is None or row["diverged_fraction"] > 0.0:
+    elif row["diverged_fraction"] > 0.0:
         worst = 0.0
-    else:
+    else:  # without an end that is decided there is nothing to compare
         worst = _over(reference["p2p_max_rad"], row["p2p_max_rad"])
     return {
         "p2p_ratio": worst,

@@ -1,51 +1,21 @@
-"""A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost.
-
-Remedies over the whole grid, on the terminal: what a trial without cases has to say.
-"""
+"""A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.report.remedies_over import over_axis, over_text, over_the_grid, tuned_values
+from hknob_cli.report.remedies_over import over_axis, over_the_grid
+from hknob_cli.report.remedies_words import grid_text, over_text, times, tuned_values
 from hknob_cli.report.table import short, table
 from hknob_cli.report.verdicts import best_remedy
 from hknob_cli.results.means import from_where, together
 
 Row = dict[str, Any]
-_HEADS = ("smaller", "least", "at rest %", "proven %")
-
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
 _HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
 _RANGED = ("from", "one start")
 _FELT = ("touch dB", "louder", "by ear")
-
-
-def grid_text(grid: dict[str, Row]) -> list[str]:
-    """A line for each remedy, that which makes the buzz smallest first, and what the columns say."""
-    wide = max(len(name) for name in grid)
-    diverges = any(row["diverged_fraction"] for row in grid.values())
-    heads = (*_HEADS, *(["diverge %"] if diverges else []))
-    lines = ["over the grid, all cells and hands", f"{'':{wide}}  " + "".join(f"{head:>10}" for head in heads)]
-    for name, row in sorted(grid.items(), key=lambda item: -(item[1]["ratio_median"] or 0.0)):
-        cells = [
-            _times(row["ratio_median"]),
-            _times(row["ratio_least"]),
-            *(f"{100.0 * row[part]:.3g}" for part in ("at_rest_fraction", "certified_fraction")),
-            *([f"{100.0 * row['diverged_fraction']:.3g}"] if diverges else []),
-        ]
-        lines.append(f"{name:{wide}}  " + "".join(f"{cell:>10}" for cell in cells))
-    return [
-        *lines,
-        "",
-        "smaller: times, by the largest cycles, median of the cells and hands where the remedy does not rest;",
-        "least: of the cell and hand that gain least. at rest: of all trials.",
-    ]
-
-
-def _times(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3g}"
 
 
 def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ()) -> dict[str, Any]:
@@ -167,18 +137,18 @@ def trial_text(summary: dict[str, Any]) -> str:
 def _line(row: Row, grid: Row, count: int) -> list[str]:
     ranged = _starts(row) if "complete" in row else []
     if row["p2p_max_rad"] is None:
-        blank = [*ranged, *[""] * 5, _times(grid["ratio_median"])]
+        blank = [*ranged, *[""] * 5, times(grid["ratio_median"])]
         return ["diverges" if row["diverged_fraction"] > 0.0 else "undecided", *blank, *[""] * (count - 1 - len(blank))]
     rests = row["p2p_max_rad"] == 0.0
     return [
         "rest" if rests else short(1e3 * row["p2p_max_rad"]),
         *ranged,
         "" if rests else short(row["frequency_at_max_hz"]),
-        "rest" if rests else "starts" if row["ratio_least"] == 0.0 else _times(row["ratio_least"]),
+        "rest" if rests else "starts" if row["ratio_least"] == 0.0 else times(row["ratio_least"]),
         "" if rests else short(1e3 * row["p2p_rad"]),
-        _times(row["stiffness_kept"]),
-        _times(row["knock_ratio"]),
-        _times(grid["ratio_median"]),
+        times(row["stiffness_kept"]),
+        times(row["knock_ratio"]),
+        times(grid["ratio_median"]),
         f"{100 * row['certified_fraction']:.0f}",
         *(decibel(row[name], signed=name != "touch_db") for name in LEVELS if name in row),
     ]

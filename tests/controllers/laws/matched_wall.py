@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from tests import digits as mp
 from tests.controllers.page_blocks import STIFF, B, J, K, Page, exponential
-from tests.controllers.reference import Law, Rig, mp
+from tests.controllers.reference import Law, Rig
 
 # Variants by name, with numbers that make them act; and those of which the page's block is run.
 CONTROLLERS: dict[str, dict[str, Any]] = {

@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.controllers.batch_stepper import BatchStepper
 from hknob_cli.controllers.controller import Action
 from hknob_cli.controllers.sets.front import step_error
-from tests.controllers.reference import mp
+from tests import digits as mp
 from tests.controllers.sets.cells import make_cell
 
 # Controller, and scene; the last one's wall all but cancels a push a million times as large as what is left.

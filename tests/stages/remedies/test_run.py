@@ -101,6 +101,8 @@ def test_a_remedy_that_diverges_is_the_worst_and_one_that_buzzes_alone_too() -> 
     assert isnan(_ratios(moves, rest)["p2p_ratio"])
     assert isnan(_ratios(partly, moves)["p2p_ratio"])
     assert isnan(_ratios(None, moves)["p2p_ratio"])
+    undecided = {"p2p_max_rad": None, "p2p_rad": None, "diverged_fraction": 0.0}
+    assert isnan(_ratios(moves, undecided)["p2p_ratio"])
     assert _ratios(moves, moves) == {"p2p_ratio": 1.0, "p2p_mean_ratio": 1.0}
 
 

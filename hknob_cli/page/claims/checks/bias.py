@@ -52,7 +52,7 @@ def regularised_inertia(
     """Inertia, % of the true one, that least squares find where the acceleration alone has an error of its own.
 
     The error is white, ``noise_percent`` of the acceleration's own root mean square; velocity and displacement are
-    exact, and the pulse is of 10,000 samples a second. Of many samples the error adds its power to that of the
+    exact, and the pulse is of 10,000 samples a second. Over many samples the error adds its power to that of the
     acceleration and nothing else. ``where``: J, B, K. Source: section 4.4, the equation with epsilon.
     """
     names = bound(where)

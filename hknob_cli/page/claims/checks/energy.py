@@ -93,7 +93,7 @@ def contact_gain_ratio(evidence: ResultSet, result: str, to: str, same_motion: b
 def extra_on_exit(evidence: ResultSet, result: str, after: float = 0.0, where: Where | None = None) -> float | None:
     """Share of the work that counts add to a recorded motion, %, which they add outside the wall: on exit.
 
-    What they add is the work of the recorded torque less that of -K angle, held from sample to sample, along the same
+    They add the work of the recorded torque less that of -K angle, held from sample to sample, along the same
     motion; of the first trial, from ``after``, s, on.
     """
     stiffness = evidence[result].scene.wall.stiffness

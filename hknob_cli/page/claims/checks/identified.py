@@ -52,9 +52,9 @@ def tables_within(
 ) -> float | None:
     """Share of the printed means of Tables 1-5, %, from which the identified ones differ by so many standard errors.
 
-    Or less. A standard error is the printed deviation over the root of the number of persons identified. What could
-    not be identified counts as outside. ``quantities`` are columns; by default J, B, K and the damping ratio. Inertia
-    is of hand and apparatus.
+    Or less. A standard error is the printed deviation over the root of the number of persons identified. A value that
+    could not be identified counts as outside. ``quantities`` are columns; by default J, B, K and the damping ratio.
+    Inertia is of hand and apparatus.
     """
     persons: dict[tuple[str, float], int] = {}
     for row in _conditions(evidence, result, estimator, "subject", where):
@@ -186,7 +186,7 @@ def apparatus_share(
 ) -> float | None:
     """A statistic of the damping or stiffness identified of the apparatus alone, in % of the lightest grasp's.
 
-    That is the least value of the column in Tables 1-5. What is not told from zero is left out.
+    That is the least value of the column in Tables 1-5. Values not told from zero are left out.
     """
     lightest = min(cell(number, float(row["grip_n"] or 0.0), column) for number in range(1, 6) for row in table(number))
     asked = {"estimator": estimator, **(where or {})}

@@ -29,7 +29,7 @@ def slope_difference(
 ) -> float | None:
     """Size of the difference of a column's exponents along an axis in two results of one grid.
 
-    Of a statistic of the differences over the other axes; only cells in which both have a value above 0, so buzz.
+    The exponents are those of a statistic over the other axes. Only cells count in which both have a value above 0.
     """
     axes = evidence[result].axes
 

@@ -1,0 +1,74 @@
+"""The command that a user would want next: the last line of a stage and of a pipeline, ``next: ...``."""
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from hknob_cli.stage_table import STAGES
+
+if TYPE_CHECKING:
+    from hknob_cli.stages.job import Job
+    from hknob_cli.stages.work import Work
+
+_LONGEST = 200  # of a file's name; a spec's name may be longer
+
+
+def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
+    """The command line; empty where there is none, as of a job that no command named.
+
+    The page of the results, else a page to play with the one knob of a sweep, else the picture, else the next spec.
+    Nothing is named that is there already. A knob that does not buzz needs no remedies.
+    """
+    if job.spec in ("", "-"):
+        return ""
+    if pages := [name for name in work.texts(job) if name.endswith(".html")]:
+        return _show(job.out / pages[0])
+    if _can_be_played_with(job):
+        return shlex.join(["hknob", "explore", job.spec, *_sets(job.overrides)])
+    if work.pictures(job) and not job.plot:
+        out = _out(job.out, job.plan.name)
+        return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
+    then = STAGES[job.kind].then
+    return _new(then, job.plan.name) if then and summary.get("orbits", {"cycle": 1})["cycle"] else ""
+
+
+def after_pipeline(
+    spec: Path, root: Path, overrides: Sequence[str], name: str, until: str | None, files: Sequence[str]
+) -> str:
+    """The command line after all stages that were asked for are done; ``files`` are their results.
+
+    What is left of the pipeline, else its page, else a spec of a page.
+    """
+    if until and str(spec) != "-":
+        return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
+    pages = [file for file in files if file.endswith(".html")]
+    return _show(Path(pages[-1])) if pages else _new("report", name)
+
+
+def _can_be_played_with(job: "Job") -> bool:
+    """Whether a sweep has one knob, which the page of ``hknob explore`` follows, and there is no such page yet."""
+    from hknob_cli.specs.cells import cells_of
+
+    if job.kind != "sweep" or job.plot or len(cells_of(job.plan)) != 1:
+        return False
+    from hknob_cli.page.explore.knob import faults_of, page_of
+
+    return not page_of(job.plan.name).exists() and not faults_of(job.plan)
+
+
+def _show(page: Path) -> str:
+    return shlex.join(["python3", "-m", "webbrowser", str(page)])
+
+
+def _new(kind: str, name: str) -> str:
+    file = f"{name}-{kind}.yaml"
+    return "" if len(file) > _LONGEST or Path(file).exists() else shlex.join(["hknob", "new", kind, "--out", file])
+
+
+def _out(folder: Path, name: str) -> list[str]:
+    return [] if folder == Path("results") / name else ["--out", str(folder)]
+
+
+def _sets(overrides: Sequence[str]) -> list[str]:
+    return [word for one in overrides for word in ("--set", one)]

@@ -1,0 +1,79 @@
+"""Gathering from workers of a seed: each item once, right, in its place, whatever they do; or a word why not."""
+
+import hashlib
+from collections import Counter
+from itertools import pairwise
+from random import Random
+
+import pytest
+
+from hknob_cli.errors import ComputationError
+from hknob_cli.spread.gather import DEATHS, Pace, Ranges, gather
+from tests.spread.crew import WEIGHTS, Crew, at_work
+
+SEEDS = range(400)
+MANY = range(1000, 20_000)
+
+
+def work(start: int, stop: int) -> bytes:
+    """Three bytes of each item, which tell it from the others."""
+    return b"".join(hashlib.sha256(str(item).encode()).digest()[:3] for item in range(start, stop))
+
+
+def play(seed: int) -> Crew:
+    """A gathering of this seed, interrupted now and then and gone on with. Raises `AssertionError`."""
+    dice = Random(f"gathering {seed}")
+    unit = dice.choice((1, 1, 1, 3))
+    part = unit * dice.randint(1, 12)
+    total = dice.randint(0, 70)
+    cuts = sorted(unit * cut for cut in dice.sample(range(total // unit + 1), min(4, total // unit)))
+    done = [(a, b) for a, b in list(pairwise(cuts))[::2] if a // part == (b - 1) // part]
+    at_first = list(done)
+    while True:
+        crew = Crew(work, f"{seed} {len(done)}")
+        stop_after = dice.randint(1, 60)
+
+        def tick() -> None:
+            nonlocal stop_after
+            stop_after -= 1
+            if not stop_after:
+                raise KeyboardInterrupt
+
+        def take(start: int, stop: int, data: bytes) -> None:
+            assert data == work(start, stop), "wrong results are taken"
+            assert start // part == (stop - 1) // part, "a piece crosses the end of a part"
+            assert start % unit == 0, "a unit is cut"
+            assert stop % unit == 0 or stop == total, "a unit is cut"
+            done.append((start, stop))
+
+        left = Ranges(total, done=done, part=part, unit=unit)
+        try:
+            with at_work(crew):
+                gather(crew, left, take, tick=tick, pace=Pace(first=dice.randint(1, 9), most=20))
+        except KeyboardInterrupt:
+            assert crew.closed
+            continue
+        except ComputationError:  # which items are given up is said only of those that failed over and over
+            assert max(crew.faults.values()) >= DEATHS
+            continue
+        break
+    assert crew.closed
+    assert done[: len(at_first)] == at_first
+    items = [item for start, stop in sorted(done) for item in range(start, stop)]
+    assert items == list(range(total)), "an item is missing, or there twice"
+    return crew
+
+
+def test_each_item_once_right_and_in_its_place() -> None:
+    happened = sum((play(seed).happened for seed in SEEDS), start=Counter())
+    assert {*WEIGHTS, "late"} <= set(happened)
+
+
+@pytest.mark.long
+def test_each_item_once_over_many_seeds() -> None:
+    for seed in MANY:
+        play(seed)
+
+
+def test_the_same_seed_does_the_same_again() -> None:
+    assert [play(seed).happened for seed in range(20)] == [play(seed).happened for seed in range(20)]
