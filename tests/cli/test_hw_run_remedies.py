@@ -207,6 +207,22 @@ def test_replayed_trials_are_told_apart_by_their_torque(done, hknob, tmp_path: P
         assert other[place]["p2p_rad"] == row["p2p_rad"]
 
 
+def test_both_in_a_pipeline(hknob, tmp_path: Path) -> None:
+    (tmp_path / "computed.yaml").write_text(COMPUTED.replace("phases: 3", "phases: 1"))
+    (tmp_path / "tried.yaml").write_text(TRIED)
+    (tmp_path / "line.yaml").write_text(
+        "kind: pipeline\nname: line\nstages:\n  computed: {spec: computed.yaml}\n"
+        "  tried: {spec: tried.yaml, set: {against: {from: computed}}}\n"
+    )
+    assert hknob("check", "line.yaml").returncode == 0, "before there is anything to compare with"
+    done = hknob("run", "line.yaml", "--json")
+    assert done.returncode == 0, done.stderr
+    assert [stage["status"] for stage in json.loads(done.stdout)["stages"]] == ["computed", "computed"]
+    rows = rows_of(tmp_path / "results" / "line" / "tried" / "remedies.parquet")
+    assert sum(row["computed_p2p_rad"] is not None for row in rows) == 12
+    assert "2 up to date" in hknob("run", "line.yaml").stdout
+
+
 def test_a_page_of_it(done, hknob) -> None:
     folder, _ = done
     (folder / "page.yaml").write_text(
