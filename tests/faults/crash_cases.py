@@ -62,7 +62,7 @@ class Case(NamedTuple):
     run: Callable[[Path, int, Told], int]
     listen: Callable[[Told], None]
     apart: re.Pattern[str] = re.compile(r"(^|/)\.hknob\.lock$")
-    prepare: Callable[[Path], None] | None = None
+    prepare: Callable[[Path, Told], None] | None = None
     ends: Callable[[int], bool] = lambda code: code == 0
 
 
@@ -219,12 +219,17 @@ def record(out: Path, seed: int, told: Told) -> int:
     return ended(act)
 
 
-def prepare_recordings(out: Path) -> None:
+def prepare_recordings(out: Path, _told: Told) -> None:
     """A campaign on a device that is done."""
     from hknob_cli.results.store import hold
 
     with hold(out, []), ExitStack():
         campaign(out, Faulty(), is_source=True).run()
+
+
+def prepare_others(out: Path, told: Told) -> None:
+    """Results of another spec, in parts."""
+    assert commanded("sweep", "other.yaml")(out, 1, told) == 0
 
 
 def begin_anew(out: Path, _seed: int, told: Told) -> int:
@@ -253,6 +258,13 @@ CASES = {
     case.name: case
     for case in (
         Case("sweep", {"spec.yaml": SIX}, commanded("sweep", "spec.yaml"), hear_cells),
+        Case(
+            "replaced",
+            {"spec.yaml": SIX, "other.yaml": SIX.replace("phases: 2", "phases: 3")},
+            commanded("sweep", "spec.yaml"),
+            hear_cells,
+            prepare=prepare_others,
+        ),
         Case("hw-run", {"spec.yaml": TRIALS}, commanded("hw-run", "spec.yaml"), hear_trials),
         Case(
             "run",

@@ -87,7 +87,8 @@ class Trial:
         assert self.wanted or case.prepare
         if case.prepare:
             lay_anew({}, self.root)
-            case.prepare(self.out)
+            with contextlib.redirect_stdout(io.StringIO()):
+                case.prepare(self.out, self.told)
             self.first = tree_of(self.root)
 
     def run(self, tree: Tree, *, seed: int, record: bool = False, fail_at: int = 0) -> Ran:
