@@ -77,8 +77,9 @@ class Trial:
         case.listen(self.told)
         self.first: Tree = {}
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            lay({}, self.root)
-            case.run(self.out, 0, self.told)  # in this process, so that all it needs is loaded in the copies
+            for seed in range(3):
+                lay_anew({}, self.root)
+                case.run(self.out, seed, self.told)  # in this process, so that all it needs is loaded in the copies
         gc.collect()
         gc.freeze()
         whole = self.run({}, seed=1)
