@@ -37,6 +37,7 @@ from tests.faults.recorder import Recorder, lay, tree_of
 OUT = "results/out"  # in the folder whose disk it is
 AGAIN = 0.25  # share of runs that lose their power, too
 MEMORY = "/dev/shm"
+TELL_EVERY = 500  # disks
 DULL = 40  # disks drawn in a row that were tried before, after which another first run is made
 
 
@@ -256,6 +257,8 @@ def _try_case(case: Case, folder: Path, states: int, seed: int, skip: int) -> in
     failures = 0
     for number, (state, wrong, ran) in enumerate(tried(trial, states, seed, skip), skip):
         counts["disks"] += 1
+        if counts["disks"] % TELL_EVERY == 0:
+            print(f"{case.name}: {counts['disks']} disks", file=sys.stderr, flush=True)
         counts["after two crashes or more"] += state.where.count(" of ") > 1
         counts["with nothing done yet"] += not state.done
         counts["with nothing left to do"] += not ran.begun

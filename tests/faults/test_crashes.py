@@ -37,4 +37,4 @@ def test_a_few_losses_of_power() -> None:
 
 @pytest.mark.long
 def test_hundreds_of_losses_of_power() -> None:
-    lose_power(list(CASES), 480, 7)
+    lose_power(list(CASES), 70 * len(CASES), 7)
