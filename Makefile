@@ -104,6 +104,8 @@ compare: $(VENV)/.dev ## error against run time in 35 scenes, stiff and extreme 
 
 fuzz: $(VENV)/.run ## odd specs, tables and sessions, COUNT of each, other ones by SEED; saves what breaks a rule
 	@$(BIN)/python tests/fuzz/campaign.py --count $(COUNT) --seed $(SEED) --workers $$(nproc) --save $(OUT)/fuzz
+	@if $(BIN)/python -c 'import atheris' 2>/dev/null; then $(BIN)/python tests/fuzz/guided.py --save $(OUT)/fuzz; \
+	    else echo "not led by coverage: needs atheris ($(BIN)/python -m pip install atheris)"; fi
 
 bench: $(VENV)/.dev ## throughput, many cells, start-up, rivals, identification; a line of ratios beside the last
 	@$(BIN)/python tests/benchmarks/record.py

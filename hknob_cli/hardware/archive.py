@@ -193,8 +193,8 @@ class Archive:
 
 def _broken_off(found: Journalled, trial: Trial) -> Recorded | None:
     """What a journal has of a trial; None where it does not say what it is of, as the program writes it."""
-    samples = joined(found.blocks)
     try:
+        samples = joined(found.blocks)
         key, native, device = Key(*found.about["key"]), found.about["native_counts"], found.about["device"]
         recorded = Recorded(
             trial=trial,

@@ -113,7 +113,7 @@ def read_journal(path: Path) -> Journalled | None:
         return None
     try:
         return Journalled(json.loads(records[0]), [unpacked(record) for record in records[1:]], whole)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import UsageError, printable
 from hknob_cli.recordings.columns import LARGEST, LIMITS, LONGEST_STEP_S, LONGEST_TRIAL_S
 from hknob_cli.recordings.trial import Array, Trial
 
@@ -25,7 +25,7 @@ class RowFault(NamedTuple):
 
     def __str__(self) -> str:
         row = f"row {self.row}" if self.row else ""
-        return ": ".join(part for part in (self.file, row, self.column, self.message) if part)
+        return printable(": ".join(part for part in (self.file, row, self.column, self.message) if part))
 
 
 class RecordingError(UsageError):

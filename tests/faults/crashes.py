@@ -37,6 +37,7 @@ from tests.faults.recorder import Recorder, lay, tree_of
 OUT = "results/out"  # in the folder whose disk it is
 AGAIN = 0.25  # share of runs that lose their power, too
 MEMORY = "/dev/shm"
+TELL_EVERY = 500  # disks
 DULL = 40  # disks drawn in a row that were tried before, after which another first run is made
 
 
@@ -77,8 +78,9 @@ class Trial:
         case.listen(self.told)
         self.first: Tree = {}
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            lay({}, self.root)
-            case.run(self.out, 0, self.told)  # in this process, so that all it needs is loaded in the copies
+            for seed in range(3):
+                lay_anew({}, self.root)
+                case.run(self.out, seed, self.told)  # in this process, so that all it needs is loaded in the copies
         gc.collect()
         gc.freeze()
         whole = self.run({}, seed=1)
@@ -87,7 +89,8 @@ class Trial:
         assert self.wanted or case.prepare
         if case.prepare:
             lay_anew({}, self.root)
-            case.prepare(self.out)
+            with contextlib.redirect_stdout(io.StringIO()):
+                case.prepare(self.out, self.told)
             self.first = tree_of(self.root)
 
     def run(self, tree: Tree, *, seed: int, record: bool = False, fail_at: int = 0) -> Ran:
@@ -254,6 +257,8 @@ def _try_case(case: Case, folder: Path, states: int, seed: int, skip: int) -> in
     failures = 0
     for number, (state, wrong, ran) in enumerate(tried(trial, states, seed, skip), skip):
         counts["disks"] += 1
+        if counts["disks"] % TELL_EVERY == 0:
+            print(f"{case.name}: {counts['disks']} disks", file=sys.stderr, flush=True)
         counts["after two crashes or more"] += state.where.count(" of ") > 1
         counts["with nothing done yet"] += not state.done
         counts["with nothing left to do"] += not ran.begun

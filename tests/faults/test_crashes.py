@@ -11,7 +11,7 @@ from tests.faults.crash_cases import CASES
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds what a number of a file leads to in /proc")
 CRASHES = Path(__file__).with_name("crashes.py")
-QUICK = ["sweep", "hw-run", "device", "earlier"]
+QUICK = ["sweep", "replaced", "hw-run", "device", "earlier"]
 FEW = "earlier"  # it makes so few changes that there are not many disks
 
 
@@ -32,9 +32,9 @@ def lose_power(cases: list[str], states: int, seed: int) -> None:
 
 
 def test_a_few_losses_of_power() -> None:
-    lose_power(QUICK, 40, 20261123)
+    lose_power(QUICK, 50, 20261123)
 
 
 @pytest.mark.long
 def test_hundreds_of_losses_of_power() -> None:
-    lose_power(list(CASES), 480, 7)
+    lose_power(list(CASES), 70 * len(CASES), 7)

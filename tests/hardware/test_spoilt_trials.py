@@ -1,6 +1,8 @@
 """Files of a campaign under way that are not as it left them: the trial is done again, and nothing recorded is lost."""
 
 import json
+import struct
+import zlib
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ import pyarrow.parquet as pq
 import pytest
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.hardware.journal import Journal
+from hknob_cli.hardware.journal import MAGIC, Journal, read_journal
 from hknob_cli.hardware.order import trials_of
 from hknob_cli.hardware.port import Block
 from hknob_cli.hardware.trial_file import ABOUT, read_trial
@@ -128,3 +130,23 @@ def test_a_journal_that_does_not_say_what_it_is_of_is_kept(tmp_path: Path, about
     content = part.read_bytes()
     assert len(campaign(tmp_path, Faulty()).run()) == 4
     assert (folder / "aborted" / f"{label}_1.part").read_bytes() == content
+
+
+@pytest.mark.parametrize("first", [2**63 - 1, 2**63, 2**64 - 3])
+def test_a_journal_of_samples_with_numbers_that_cannot_be_is_kept(tmp_path: Path, first: int) -> None:
+    campaign(tmp_path, Faulty()).run()
+    folder, label = tmp_path / "recording", trials_of(planned())[0].label
+    (folder / f"{label}.parquet").unlink()
+    part = folder / f"{label}.part"
+    journal = Journal(part, {"key": ["s", "e", 1.0, 1, 1], "native_counts": 256, "device": "a"})
+    journal.keep(Block(first, np.arange(3), np.arange(3), np.zeros(3), np.zeros(3), np.ones(3, dtype=bool), 0))
+    journal.close()
+    content = part.read_bytes()
+    assert len(campaign(tmp_path, Faulty()).run()) == 4
+    assert (folder / "aborted" / f"{label}_1.part").read_bytes() == content
+
+
+def test_a_journal_that_is_nested_too_deeply_says_nothing(tmp_path: Path) -> None:
+    deep = b"[" * 200_000
+    (tmp_path / "x.part").write_bytes(MAGIC + struct.pack("<II", len(deep), zlib.crc32(deep)) + deep)
+    assert read_journal(tmp_path / "x.part") is None
