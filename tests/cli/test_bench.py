@@ -114,8 +114,12 @@ def test_experiments_are_good(hknob) -> None:
     assert "bench 'bench', 35 scenes: good" in done.stdout
 
 
-def test_the_quick_experiment(hknob) -> None:
-    summary = json.loads(hknob("bench", EXPERIMENTS / "bench_quick.yaml", "-o", "out", "--json").stdout)
+@pytest.mark.parametrize(
+    "change", [("--set", "methods=[exact, dop853]"), pytest.param((), marks=pytest.mark.long, id="all methods")]
+)
+def test_the_quick_experiment(hknob, change: tuple[str, ...]) -> None:
+    """The errors of the two methods that must be near; as `long`, all six run to their end."""
+    summary = json.loads(hknob("bench", EXPERIMENTS / "bench_quick.yaml", *change, "-o", "out", "--json").stdout)
     best = {
         (scene, method): min(
             (run["relative_error"] for run in summary["runs"]

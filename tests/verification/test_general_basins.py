@@ -5,6 +5,7 @@ for ever and returns to it. Trials of 20,000 samples from the phases of the sear
 end, are on one of its orbits at their end, in its proportions.
 """
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -44,8 +45,10 @@ SCENES: dict[str, tuple[dict[str, Any], float, int | None]] = {
 }
 
 
-def search(parts: dict[str, Any], rate_hz: float, counts: int | None) -> tuple[GeneralKnob, tuple[Attractor, ...]]:
-    """The loop and its attractors."""
+@cache
+def search(name: str) -> tuple[GeneralKnob, tuple[Attractor, ...]]:
+    """The loop of one of `SCENES`, and its attractors."""
+    parts, rate_hz, counts = SCENES[name]
     plain = SceneSpec.model_validate(parts).plain()
     knob = sample_general(plain, sample_rate_hz=rate_hz, counts_per_rev=counts)
     found = GeneralEngine(compiled("general")).search(
@@ -72,7 +75,7 @@ def run(knob: GeneralKnob, state: Any, before: float, line: Any, samples: int) -
 
 @pytest.mark.parametrize("name", [name for name in SCENES if SCENES[name][2] and name != "rest"])
 def test_nearer_than_the_margin_returns(name: str) -> None:
-    knob, attractors = search(*SCENES[name])
+    knob, attractors = search(name)
     numbers, n = np.random.default_rng(5), knob.body.order
     for one in attractors:
         assert one.certified, one
@@ -90,7 +93,7 @@ def test_nearer_than_the_margin_returns(name: str) -> None:
 
 @pytest.mark.parametrize("name", SCENES)
 def test_long_trials_end_on_the_orbits_found(name: str) -> None:
-    knob, attractors = search(*SCENES[name])
+    knob, attractors = search(name)
     assert all(one.certified for one in attractors)
     begin: Any = compiled("general")["general.begin"]
     n, seen = knob.body.order, [0] * len(attractors)
