@@ -108,7 +108,7 @@ def _detent_stiffness(scene: Scene, _cell: Cell) -> float | None:
     part = scene.detents
     if part is None or part.shape != "sine":
         return None
-    return part.torque * (part.per_revolution or 2.0 * pi / part.spacing)
+    return part.torque * (2.0 * pi / part.spacing if part.spacing else part.per_revolution or 1)
 
 
 def _in_a_detent(scene: Scene, cell: Cell) -> float | None:
