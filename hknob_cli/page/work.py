@@ -74,7 +74,10 @@ class ReportWork(Work):
             if Path(folder).resolve() == job.out.resolve():
                 raise UsageError(f"results: {folder} is where the report itself goes; choose another --out")
             if not tables:
-                raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first")
+                beside = Path(job.spec).parent / folder
+                meant = beside != Path(folder) and any(beside.glob("*.parquet"))
+                why = f"; its path begins at the working folder, and {beside} has tables" if meant else ""
+                raise UsageError(f"results: {folder} has no tables; run the stage '{name}' first{why}")
             if damaged := store.changed_files(tables):
                 what = f"results: {damaged[0]} is not as it was written: damaged, or changed"
                 raise UsageError(f"{what}; run the stage '{name}' again")

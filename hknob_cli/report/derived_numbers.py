@@ -7,13 +7,14 @@ delay). Knob and hand move as one body here; a finger counts as held to the knob
 
 from collections.abc import Callable, Iterator
 from itertools import product
-from math import inf, isfinite, pi, prod, sqrt
+from math import expm1, inf, isfinite, pi, prod, sqrt
 from typing import NamedTuple
 
 from hknob_cli.report.motor_numbers import cells_of_motor, told
 from hknob_cli.report.table import short
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Actuator, Axes, Bias, Cell, Hand, Scene, scene_at
+from hknob_cli.theory.bounded_lag import best_keep, slowness
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
 
@@ -99,7 +100,46 @@ def _settling(scene: Scene, _cell: Cell) -> float | None:
 def _damping_ratio(scene: Scene, _cell: Cell) -> float | None:
     inertia, damping, stiffness = body(scene)
     there = scene.wall.stiffness + stiffness
-    return damping / (2.0 * sqrt(there * inertia)) if there > 0.0 and inertia > 0.0 else None
+    return damping / (2.0 * sqrt(there * inertia)) if scene.wall.stiffness > 0.0 and inertia > 0.0 else None
+
+
+def _detent_stiffness(scene: Scene, _cell: Cell) -> float | None:
+    """Of a sine of ``torque``, where the knob rests: its slope."""
+    part = scene.detents
+    if part is None or part.shape != "sine":
+        return None
+    return part.torque * (2.0 * pi / part.spacing if part.spacing else part.per_revolution or 1)
+
+
+def _in_a_detent(scene: Scene, cell: Cell) -> float | None:
+    there = _detent_stiffness(scene, cell)
+    return _pitch(there + body(scene)[2], body(scene)[0]) if there else None
+
+
+def _late_in_a_detent(scene: Scene, cell: Cell) -> float | None:
+    there = _detent_stiffness(scene, cell)
+    return there * _delay(scene, cell) if there else None
+
+
+def _lag(scene: Scene) -> float | None:
+    """The time constant of a bounded lag, s."""
+    control = scene.controller
+    return control.time_constant if control and control.kind == "bounded_lag" else None
+
+
+def _least_keep(scene: Scene, _cell: Cell) -> float | None:
+    tau, (inertia, damping, _) = _lag(scene), body(scene)
+    return slowness(inertia_kg_m2=inertia, damping_nm_s_per_rad=damping, time_constant_s=tau) if tau else None
+
+
+def _best_keep(scene: Scene, cell: Cell) -> float | None:
+    least = _least_keep(scene, cell)
+    return None if least is None else best_keep(least)
+
+
+def _gain(scene: Scene, cell: Cell) -> float | None:
+    tau = _lag(scene)
+    return -expm1(-1.0 / (cell[RATE] * tau)) if tau else None
 
 
 def _needed(scene: Scene, cell: Cell) -> float | None:
@@ -145,6 +185,15 @@ _RULES = (
           1e3, "ms"),
     _Rule("damping for passivity", "N*m*s/rad", (RATE, "wall.", "actuator.delay_samples"), _needed, "K T / 2, "
           "more with virtual damping or a delay (Colgate & Schenkel)"),
+    _Rule("stiffness of a detent", "N*m/rad", ("detents.",), _detent_stiffness, "where the knob rests in it"),
+    _Rule("pitch in a detent", "Hz", ("detents.", *_BODY), _in_a_detent, "natural frequency on the springs of detent "
+          "and hand, without sampling"),
+    _Rule("a late detent drives", "N*m*s/rad", (RATE, "detents.", "actuator.", "motor."), _late_in_a_detent,
+          "its stiffness times the delay; above b the knob swings in it"),
+    _Rule("least keep", "1", (*_BODY, "controller."), _least_keep, "r = J/(b time_constant); with less the bounded lag "
+          "may make the buzz larger"),
+    _Rule("best keep", "1", (*_BODY, "controller."), _best_keep, "2 r / (1 + r) (docs/reference/controllers.md)"),
+    _Rule("gain of the lag", "1", (RATE, "controller."), _gain, "1 - exp(-T/time_constant), computed once in firmware"),
 )  # fmt: skip
 
 

@@ -76,12 +76,10 @@ def _of_cells(some: int, count: int) -> str:
 
 
 def scope_of(columns: Collection[str], *, complete: bool) -> str:
-    """From which starts, by the columns of the cells: of a campaign, of starts tried, or of ranges of them."""
+    """From which starts, by the columns of the cells: of a campaign, of starts tried, or of all that a spec has."""
     if "sustained" in columns:
         return RECORDED
-    if "complete" not in columns:
-        return ", from the starts tried"
-    return ", from the starts of the ranges" if complete else ", from the starts that were followed"
+    return ", from every start of the spec" if complete and "complete" in columns else ", from the starts tried"
 
 
 def expected(name: str, rows: Sequence[Row]) -> str:

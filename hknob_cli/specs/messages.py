@@ -57,8 +57,25 @@ def nearest(key: str, allowed: list[str]) -> str:
     return f"unknown key; {hint}allowed: {', '.join(allowed)}"
 
 
+# What people call a key, and the keys that may be meant.
+_ALSO_CALLED = {
+    "friction": ("coulomb_torque",),
+    "mass": ("inertia",),
+    "spring": ("stiffness",),
+    "damper": ("damping",),
+    "delay": ("delay_samples",),
+    "lag": ("time_constant",),
+    "push": ("bias",),
+    "rate": ("sample_rate_hz",),
+    "cpr": ("counts_per_rev",),
+    "resolution": ("counts_per_rev",),
+}
+
+
 def closest(name: str, names: list[str]) -> str | None:
-    """The one of ``names`` that is spelled most like ``name``; None if none is."""
+    """The one of ``names`` that is another word for ``name``, or else is spelled most like it; None if none is."""
+    if meant := [one for one in _ALSO_CALLED.get(name, ()) if one in names]:
+        return meant[0]
     close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
     return close[0] if close else None
 

@@ -27,8 +27,17 @@ def open_named(path: Path) -> Iterator[BufferedReader]:
             raise UsageError(f"{path}: is not a file")
         with path.open("rb") as stream:
             yield stream
+    except FileNotFoundError as error:
+        raise UsageError(f"{path}: {error.strerror}{_from_here(path)}") from None
     except OSError as error:  # a name that is too long is one, too
         raise UsageError(f"{path}: {error.strerror or error}") from None
+
+
+def _from_here(path: Path) -> str:
+    """Where a path that begins at the spec's folder was meant from the working folder: what is there; else nothing."""
+    ends = (Path(*path.parts[first:]) for first in range(1, len(path.parts)))
+    there = next((end for end in ends if not end.is_absolute() and end.exists()), None)
+    return f"; a path in a spec begins at the folder of the spec, and {there} is in the working folder" if there else ""
 
 
 def read_named(path: Path) -> bytes:

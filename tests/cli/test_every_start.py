@@ -28,6 +28,9 @@ def test_every_clock_phase_is_the_default(hknob: Run, write: Callable[[str], Pat
     done = hknob("sweep", write(PHASES), "--out", "out")
     assert done.returncode == 0, done.stderr
     assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
+    assert "This is one start. Another may end in a larger cycle." in done.stdout
+    advice = done.stdout.split("To look for one, add\n  --set ")[1].splitlines()[0].strip("'")
+    assert hknob("check", write(PHASES), "--set", advice).returncode == 0
     folder = write(PHASES).parent / "out"
     cell = pq.read_table(folder / "cells.parquet").to_pylist()[0]
     orbits = pq.read_table(folder / "orbits.parquet").to_pylist()
@@ -292,3 +295,13 @@ def test_ranges_have_no_column_of_a_region(hknob: Run, write: Callable[[str], Pa
     assert hknob("sweep", path, "--out", "out").returncode == 0
     names = set(pq.read_schema(path.parent / "out" / "cells.parquet").names)
     assert not {"region_rad", "region_rad_s", "grows_rad", "grows_rad_s"} & names
+
+
+def test_of_a_knob_at_rest_no_largest_cycle_is_spoken_of(hknob: Run, write: Callable[[str], Path]) -> None:
+    rests = ("--set", "scene.wall.stiffness=0.01", "--set", "scene.knob.damping=0.01")
+    for starts in ("starts={angle: 0.02}", "starts={angle: [-0.01, 0.01], velocity: [-1, 1]}"):
+        done = hknob("sweep", write(PHASES), "--out", "out", *rests, "--set", starts)
+        assert "It does not buzz" in done.stdout
+        assert "Complete" in done.stdout
+        assert "larger cycle" not in done.stdout
+        assert "largest cycle" not in done.stdout

@@ -1,7 +1,7 @@
 """``hknob explain``: every shipped spec is explained; derived numbers are those of formulas written out here."""
 
 import json
-from math import pi, sqrt
+from math import exp, pi, sqrt
 from pathlib import Path
 
 import pytest
@@ -85,6 +85,29 @@ def test_numbers_by_hand(tmp_path: Path) -> None:
     assert found.keys() == expected.keys()
     for name, ends in expected.items():
         assert found[name] == pytest.approx(ends, rel=1e-12), name
+
+
+def test_numbers_of_a_bounded_lag(tmp_path: Path) -> None:
+    """Of r = J/(b tau): the least part of a step that it may keep, the best by the rule, and the gain of its mean."""
+    lag = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
+    found = numbers(SPEC, tmp_path, lag, "grid={sample_rate_hz: 1000, counts_per_rev: 512}")
+    r = 2.3e-6 / (4.0e-4 * 0.2)
+    for name, value in (("least keep", r), ("best keep", 2.0 * r / (1.0 + r)), ("gain of the lag", 1.0 - exp(-0.005))):
+        assert found[name] == pytest.approx((value, value), rel=1e-12), name
+    other = numbers(SPEC, tmp_path, "scene.controller={kind: half_sample}")
+    assert not {"least keep", "best keep", "gain of the lag"} & other.keys()
+
+
+def test_numbers_of_a_detent(tmp_path: Path) -> None:
+    """Its slope at rest, and no damping ratio on a wall that is not there."""
+    spec = SPEC.replace("grid:", "  detents: {torque: 0.005, per_revolution: 24}\ngrid:")
+    grid = "grid={sample_rate_hz: 1000, counts_per_rev: 512}"
+    found = numbers(spec, tmp_path, "scene.wall.stiffness=0", "scene.wall.damping=0", grid)
+    slope = 24.0 * 0.005
+    assert found["stiffness of a detent"] == pytest.approx((slope, slope))
+    assert found["pitch in a detent"] == pytest.approx((sqrt((slope + 0.04) / 2.3e-6) / (2.0 * pi),) * 2)
+    assert found["a late detent drives"] == pytest.approx((slope * found["delay"][0],) * 2)
+    assert "damping ratio on the wall" not in found
 
 
 def test_a_half_quantum_is_half_a_step(tmp_path: Path) -> None:

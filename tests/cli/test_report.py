@@ -123,6 +123,20 @@ def test_a_page_that_is_no_text_any_more_is_made_anew(hknob, spec_file, swept: P
     assert page.read_bytes() == whole
 
 
+def test_results_beside_the_spec_are_noticed(hknob, tmp_path: Path) -> None:
+    """Folders of results begin where the command runs; a reader may expect them to begin at the spec."""
+    for folder in ("mine", "results"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "results" / "cells.parquet").write_bytes(b"")
+    (tmp_path / "mine" / "page.yaml").write_text("kind: report\nname: page\ntitle: One\nresults: [../results]\n")
+    done = hknob("report", "mine/page.yaml")
+    assert done.returncode == 2
+    said = (
+        "results: ../results has no tables; run the stage 'results' first; its path begins at the working folder, and "
+    )
+    assert done.stderr == f"{said}mine/../results has tables\n"
+
+
 BAD = {
     "no results": ("results: {mine: results/small}", "results: {}", "results: must have at least 1 item"),
     "no such folder": (

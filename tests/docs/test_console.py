@@ -83,7 +83,7 @@ def test_commands_exist(page: Path) -> None:
                 continue
             assert spec.exists(), said.command
             kind = "sweep" if words[1] == "explore" else words[1]
-            assert kind in (kind_of(spec), "run", "check"), said.command
+            assert kind in (kind_of(spec), "run", "check", "explain"), said.command
             if kind_of(spec) != PIPELINE:
                 load(spec, overrides(words))
 

@@ -30,6 +30,13 @@ def test_set_without_the_first_keys_is_told_the_whole_path(hknob, spec_file, giv
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize(("given", "meant"), [("knob.friction", "coulomb_torque"), ("actuator.delay", "delay_samples")])
+def test_another_word_for_a_key_is_understood(hknob, spec_file, given: str, meant: str) -> None:
+    done = hknob("check", spec_file(), "--set", f"scene.{given}=1")
+    assert done.returncode == 2
+    assert f"scene.{given}: unknown key; did you mean '{meant}'?" in done.stderr
+
+
 def test_set_of_what_nothing_is_like_lists_the_keys(hknob, spec_file) -> None:
     done = hknob("sweep", spec_file(), "--set", "foo=1")
     assert done.stderr.startswith("--set foo=1: foo: unknown key; allowed: kind, name, scene, grid")

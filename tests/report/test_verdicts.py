@@ -26,6 +26,14 @@ def condition(estimator: str, stiffness: float | None, *, std: float | None = 1e
     }
 
 
+def test_every_start_is_said_of_complete_lists_only() -> None:
+    """The columns are the same for one start and for ranges of them."""
+    complete, other = (cell(1e-3, complete=whole) for whole in (True, False))
+    assert grid_verdict([complete, complete], []).startswith("It buzzes in all 2 cells, from every start of the spec. ")
+    for cells in ([complete, other], [cell(1e-3), cell(2e-3)]):
+        assert grid_verdict(cells, []).startswith("It buzzes in all 2 cells, from the starts tried. ")
+
+
 def test_of_recorded_trials_it_says_so() -> None:
     recorded = {"sustained": 1, "x": 1.0}
     assert grid_verdict([], ["x"]) == "No trial could be measured."

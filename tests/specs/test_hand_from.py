@@ -236,3 +236,16 @@ def test_what_another_stage_is_yet_to_make_is_not_read(spec_file) -> None:
     assert load(spec_file(text), waiting=frozenset(["/nowhere/hands"])).scene.hand == Hand()
     with pytest.raises(SpecError, match="No such file"):
         load(spec_file(text))
+
+
+def test_a_path_from_the_working_folder_is_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paths begin at the spec's folder; a reader may expect them to begin where the command runs."""
+    write_conditions(tmp_path / "results" / "conditions.parquet")
+    (tmp_path / "mine").mkdir()
+    path = tmp_path / "mine" / "wall.yaml"
+    path.write_text(spec())
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(SpecError) as caught:
+        load(path.relative_to(tmp_path))
+    said = "a path in a spec begins at the folder of the spec, and results/conditions.parquet is in the working folder"
+    assert said in str(caught.value)

@@ -5,6 +5,8 @@ from typing import Any
 from hknob_cli.report.table import labels
 from hknob_cli.specs.plan import Starts
 
+RANGES = "starts={angle: [-0.05, 0.05], velocity: [-5, 5]}"  # rad and rad/s, of a knob that a hand lets go
+
 
 def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:
     """Of how many cells the list is proven to be complete, and why not of the others, as plain data.
@@ -29,16 +31,18 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, contro
     }
 
 
-def completeness_text(found: dict[str, Any]) -> list[str]:
-    """What `describe_completeness` says, for the terminal."""
+def completeness_text(found: dict[str, Any], *, buzzes: bool) -> list[str]:
+    """What `describe_completeness` says, for the terminal; ``buzzes``: whether there is a limit cycle."""
     total, complete = found["cells"], found["complete"]
     where = "" if total == 1 else " in every cell" if complete == total else f" in {complete} of {total} cells"
     lines = [f"Complete{where}: {found['starts']} is proven to end in one of these."]
     if complete == 0:
         lines = ["The list is not proven to be complete."]
-    if complete == total and found["ranged"]:
+    if complete == total and found["ranged"] and buzzes:
         there = "" if "regions" in found else " there"
         lines[0] += f" However the knob is let go{there}, its buzz is no larger than the largest cycle above."
+    if total == 1 and not found["ranged"] and buzzes:
+        lines += ["This is one start. Another may end in a larger cycle. To look for one, add", f"  --set '{RANGES}'"]
     growing = found.get("growing") or {"cells": 0}
     if left := total - complete - found["sampled"] - growing["cells"]:
         most = found["undecided_max"]

@@ -229,7 +229,7 @@ def _list(rows: list[dict[str, Any]], axes: list[str], levels: list[Level]) -> l
             *([short(100.0 * row["at_rest_fraction"])] if "at rest %" in heads else []),
             str(row["orbit_count"]),
             *(short(row[level.column]) for level in levels),
-            _mark(row),
+            _mark(row) if len(rows) > 1 else "",  # the sentence about one cell says it
         ]
         for row in rows[:MAX_ROWS]
     ]

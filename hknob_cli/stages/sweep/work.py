@@ -126,7 +126,8 @@ class SweepWork(PerceivingWork):
         else:
             text = table_text(summary, list(job.plan.axes))
         if "completeness" in summary:
-            text = "\n".join([text, "", *completeness_text(summary["completeness"])])
+            buzzes = summary["orbits"]["cycle"] > 0
+            text = "\n".join([text, "", *completeness_text(summary["completeness"], buzzes=buzzes)])
         return "\n".join([text, *summary.get("notes", [])])
 
 

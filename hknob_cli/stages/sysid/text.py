@@ -90,7 +90,10 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
     """Summary as plain data: conditions over all persons, and what is doubtful."""
     rows, fits = conditions.to_pylist(), trials.to_pylist()
     said = ((row["estimator"], flag) for row in fits for flag in row["flags"].split("; ") if flag)
-    flags = Counter(f"{estimator}: {_NUMBER.sub('…', flag)}" for estimator, flag in said)
+    alike: dict[tuple[str, str], Counter[str]] = {}  # by estimator, and by flag without its numbers
+    for estimator, flag in said:
+        alike.setdefault((estimator, _NUMBER.sub("…", flag)), Counter())[flag] += 1
+    flags = Counter({flag_text(estimator, found): found.total() for (estimator, _), found in alike.items()})
     return {
         "fits": trials.num_rows,
         "subjects": len({row["subject"] for row in rows if row["level"] == "subject"}),
@@ -100,6 +103,11 @@ def describe_sysid(trials: pa.Table, conditions: pa.Table) -> dict[str, Any]:
         "averages": _averages(fits),
         "remarks": list(dict.fromkeys(_remark(row) for row in rows if DISAGREE in row["flags"])),
     }
+
+
+def flag_text(estimator: str, found: Counter[str]) -> str:
+    """A flag with its numbers; of flags that differ in their numbers the first."""
+    return f"{estimator}: {next(iter(found))}{', and alike' if len(found) > 1 else ''}"
 
 
 def _remark(row: dict[str, Any]) -> str:
