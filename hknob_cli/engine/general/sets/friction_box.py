@@ -21,7 +21,7 @@ from hknob_cli.engine.general.sets.piece import (
     largest_norm,
     piece_size,
 )
-from hknob_cli.engine.general.sets.readings import acting
+from hknob_cli.engine.general.sets.readings import acting, steps_deeper
 
 OFTEN = 8  # samples from one chance of wide pieces to be merged to the next
 
@@ -81,7 +81,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 blame(NO_ROOM, weight, known)
                 return waiting, UNPROVEN, -1, taken
             return parted, PARTED, -1, taken
-        deeper = level < last and level < 0.0
+        deeper = steps_deeper(level, last, wall)
         row = UNKNOWN
         if deeper:
             row = captor(z, before, ring, 0 * delay, radius + error, known, body, wall)

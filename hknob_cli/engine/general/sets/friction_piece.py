@@ -8,7 +8,7 @@ from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, keep_side, widen
 from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
 from hknob_cli.engine.general.sets.piece import largest_norm, piece_size, put, within
-from hknob_cli.engine.general.sets.readings import highest, lowest, remembered
+from hknob_cli.engine.general.sets.readings import highest, lowest, next_level, remembered
 
 PART, CUTS, X, V, COUNT, CORNERS = range(6)  # numbers of a set within an interval
 MOST = MOST_CORNERS + 2 + MOST_CUTS + 2  # corners of one
@@ -162,5 +162,5 @@ def part_piece(
                 2,
             )
             waiting += 1
-        level += 1.0
+        level = next_level(level, wall)
     return waiting

@@ -10,7 +10,7 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import as_arrays, make_space
+from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
@@ -73,6 +73,7 @@ class FrictionSetEngine(GeneralSetEngine):
             self._rooms = {(2, delay_line): make_piece_room(self._zeros, 2, delay_line)}
         room = self._rooms[2, delay_line]
         work = make_friction_room(self._zeros, self._filled, delay_line, body, wall)
+        wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         stack = self._zeros(2 * (FIRST + HALVINGS + 2))
         for k in range(FIRST):

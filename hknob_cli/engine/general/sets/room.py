@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.sets.arc import arc_size
 from hknob_cli.engine.general.sets.lattice import CELL
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
+from hknob_cli.engine.general.torque_table import HEAD
 
 ENDS = 512  # distinct ends that a cell keeps
 FATES = 16  # of ends
@@ -168,3 +170,11 @@ def make_arc_room(zeros: Zeros, order: int, delay: int) -> ArcRoom:
         pad=zeros(2 * order),
         ended=zeros(3 * ARCS),
     )
+
+
+def hash_scale(wall: Controller) -> float:
+    """By which commands are multiplied where they are told apart by whole numbers, roughly."""
+    if wall.table is not None:
+        most = max(abs(float(value)) for value in wall.table[HEAD : HEAD + (len(wall.table) - HEAD) // 3])
+        return 2.0**15 / most if most > 0.0 else 1.0
+    return 8.0 / wall.kappa if wall.kappa > 0.0 else 1.0
