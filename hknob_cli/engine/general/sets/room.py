@@ -27,7 +27,8 @@ class Known(NamedTuple):
     ``table``, ``states``, ``lines``: as in `general.ensemble.run_trials`, with the measure of the starts that reach a
     row, not the number of trials. ``points``: row, last reading, state, and commands under way of samples of proven
     orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
-    a proven end, by the fate that is none. The others are work space of a trial.
+    a proven end, by the fate that is none. ``law``: of a controller, None without one; commands under way are all that
+    it remembers, then. The others are work space of a trial.
     """
 
     table: Any
@@ -43,6 +44,7 @@ class Known(NamedTuple):
     keep: Any
     keep_ring: Any
     space: Space
+    law: Any = None
 
 
 class PieceRoom(NamedTuple):
@@ -101,8 +103,8 @@ class ArcRoom(NamedTuple):
     ended: Any
 
 
-def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
-    """Room for the ends of a cell of this order and number of commands under way."""
+def make_known(zeros: Zeros, order: int, delay: int, space: Space, law: Any = None) -> Known:
+    """Room for the ends of a cell of this order and number of commands under way, or numbers that a law remembers."""
     return Known(
         table=zeros(FIELDS * ENDS),
         states=zeros(order * ENDS),
@@ -117,6 +119,7 @@ def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
         keep=zeros(order),
         keep_ring=zeros(delay),
         space=space,
+        law=law,
     )
 
 

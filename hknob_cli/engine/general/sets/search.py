@@ -111,6 +111,10 @@ class GeneralSetEngine:
         """What follows the pieces that wait, `box.follow_generation`."""
         return self._function(box, "follow_generation")
 
+    def sampler(self) -> Callable[..., Any]:
+        """What counts the ends of single states, `box.sample_box`."""
+        return self._function(box, "sample_box")
+
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
         drift = make_drift(body, wall)
@@ -226,7 +230,7 @@ class GeneralSetEngine:
             taken, unproven, followed = self._sample(states, scope, room, cell, alarm)
             pieces, undecided, why = 0, 0.0, Reason.NONE
             follow, release = self.follower(body, wall, delay_line), self._function(lattice, "release")
-            waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+            waiting = self._fill(states, room, delay_line, *cell)
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
@@ -258,6 +262,12 @@ class GeneralSetEngine:
         undecided = min(1.0, undecided + left)
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
 
+    def _fill(
+        self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, wall: Controller
+    ) -> int:
+        """Let a box be all that waits; how many pieces, -1 where there is no room."""
+        return int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+
     def _sample(
         self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
     ) -> tuple[int, int, int]:
@@ -267,7 +277,7 @@ class GeneralSetEngine:
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
-        sample = self._function(box, "sample_box")
+        sample = self.sampler()
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(scope.skip, 1))
         while followed < SAMPLED and not alarm.over:
             if self.stopped():
