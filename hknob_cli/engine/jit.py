@@ -69,8 +69,9 @@ ARC_CELLS = (
     "sets.cells",
 )
 GENERAL_SETS = (
-    *GENERAL,
-    *(f"general.sets.{name}" for name in ("readings", "known", "ball", "piece", "lattice", "box", "curve", "arc")),
+    *LAWS,
+    *(f"general.sets.{name}" for name in ("readings", "memory", "known", "ball", "piece", "lattice", "box")),
+    *(f"general.sets.{name}" for name in ("curve", "arc")),
 )
 FRICTION_SETS = (
     *GENERAL_SETS,

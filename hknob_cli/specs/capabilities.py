@@ -149,22 +149,22 @@ _TABLE = {
     "lag":             "--P-P ---P-- -EE~ ~--E~",
     "torque_limit":    "--P-P ---PPP -EE~ ---E-",
     "torque_step":     "--P-P ---PP- -EE~ ---E-",
-    "dead_band":       "--P-P ------ -EE~ -----",
+    "dead_band":       "--P-P ---PP- -EE~ -----",
     "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
     "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
     "bare":            "--PP- ------ -EE~ ---E-",
     "unsampled":       "---P- ------ -E-- ---E-",
-    "controller":      "----P -----P -E-~ ----~",
+    "controller":      "----P ----PP -E-~ ----~",
     "speed_sensor":    "----P ------ -E-~ -----",
     "estimated_speed": "----P ------ -E-~ ----~",
     "kalman":          "----P ------ -E-~ ----~",
     "several_readings": "----P -----P -E-~ -----",
-    "pulses":          "----P -----P -E-~ -----",
-    "knob_model":      "----P -----P -E-~ -----",
-    "profile":         "--P-- ------ -EE~ -----",
-    "detents":         "--P-- ------ -EE~ -----",
-    "end_stops":       "--P-- ------ -EE~ -----",
-    "dead_zone":       "--P-- ------ -EE~ -----",
+    "pulses":          "----P ----PP -E-~ -----",
+    "knob_model":      "----P ----PP -E-~ -----",
+    "profile":         "--P-- ---PP- -EE~ -----",
+    "detents":         "--P-- ---PP- -EE~ -----",
+    "end_stops":       "--P-- ---PP- -EE~ -----",
+    "dead_zone":       "--P-- ---PP- -EE~ -----",
     "motor":           "P-PPP PPPPPP PEE~ ~P~E-",
     "coil":            "--P-P ---P-- -EE~ -----",
     "current_loop":    "--P-P ---P-- -EE~ ---E-",
@@ -237,6 +237,9 @@ WHY = {
     ("people", "bench"): "its spec has no population",
     ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
     ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
+    ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
+    ("kalman", "friction_sets"): "a Kalman filter is not piecewise affine",
+    ("several_readings", "friction_sets"): "sets are cut at samples alone",
     ("speed_sensor", "device"): "a target reads an encoder, not the velocity",
     ("several_readings", "device"): "a target reads its encoder once a sample",
     ("pulses", "device"): "a target holds one torque from sample to sample",
@@ -270,8 +273,8 @@ SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where start
 
 # Engines that may take a scene, by its starts; the first that takes all of its parts does.
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
-PHASES = ("bounces", "phases", "general_sets", "friction_sets", "controller_sets", *TRIALS[1:])
-RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "controller_sets", "general", "laws")
+PHASES = ("bounces", "phases", "general_sets", "controller_sets", "friction_sets", *TRIALS[1:])
+RANGES = ("bounces", "ranges", "general_sets", "controller_sets", "friction_sets", "general", "laws")
 ANYWHERE = ("bounces", "anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 

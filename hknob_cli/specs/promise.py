@@ -40,7 +40,8 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:
     """The parts for which no sets of starts are followed: those that the engine refuses which refuses the fewest."""
-    engines = [one for one in STARTS[kind] if one in SETS and ("controller" in parts) == (one == "controller_sets")]
+    others = ("controller_sets",) if "controller" not in parts else ("phases", "ranges", "anywhere", "general_sets")
+    engines = [one for one in STARTS[kind] if one in SETS and one not in others]
     refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
     fewest = min(refused, key=len)
     beside = "a controller beside " if "controller" in parts and not set(fewest) & OF_CONTROLLERS else ""

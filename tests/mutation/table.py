@@ -44,6 +44,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/rest.py": (f"{PROOF}test_law_rest_margins.py", f"{PROOF}test_law_settling_margins.py"),
     "general/laws/follow.py": LAWS,
     "general/sets/known.py": GENERAL_CAPTURE,
+    "general/sets/memory.py": (*GENERAL_CAPTURE, f"{GENERAL_SETS}test_memory.py"),
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,
     "general/sets/drift.py": (f"{GENERAL_SETS}test_drift.py",),

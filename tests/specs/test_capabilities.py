@@ -158,11 +158,12 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
     _sweeps_as_the_table_says(part, "phases")
 
 
-BESIDE = ("friction", "finger", "virtual_damping", "delay", "lag", "torque_step")
+BESIDE = ("friction", "virtual_damping", "delay", "torque_step")  # what sets are followed with
+FEW_STARTS = [(part, "phases") for part in BESIDE]
+FEW_STARTS += [(part, starts) for part in ("finger", "lag") for starts in ("phases", "one", "ranges")]
 
 
-@pytest.mark.parametrize("starts", ["phases", "one", "ranges"])
-@pytest.mark.parametrize("part", BESIDE)
+@pytest.mark.parametrize(("part", "starts"), FEW_STARTS)
 def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> None:
     """In the general loop, from sampled starts: what is found is proven, that the list is complete is not."""
     both = merged(CHANGES[part], CHANGES["controller"])
@@ -179,6 +180,24 @@ def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> N
     cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
     assert cell["certified_fraction"] == 1.0
     assert not cell.get("complete", False)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("starts", ["one", "ranges"])
+@pytest.mark.parametrize("part", BESIDE)
+def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None:
+    """All of them are proven to end in what is listed."""
+    source = Source("spec.yaml")
+    source.value = {
+        **merged(deepcopy(BASE), merged(CHANGES[part], CHANGES["controller"])),
+        "starts": KINDS[starts],
+    }
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    scene = scene_at(plan.scene, next(iter(cells_of(plan))))
+    assert engine_of(scene, STARTS[starts]) == "friction_sets"
+    cell = SweepStage(plan, jobs=1).run().cells.to_pylist()[0]
+    assert (cell["certified_fraction"], cell["complete"]) == (1.0, True)
 
 
 @pytest.mark.long
@@ -279,6 +298,16 @@ def test_what_will_not_be_proven_is_told(part: str, starts: str, said: list[str]
     plan = planned(part, starts=KINDS[starts])
     assert isinstance(plan, SweepPlan)
     assert not_proven(plan) == said
+
+
+@pytest.mark.parametrize(("part", "what"), [("lag", "actuator lag"), ("finger", "a finger apart from the knob")])
+def test_what_hinders_sets_with_a_controller_is_told(part: str, what: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {**merged(deepcopy(BASE), merged(CHANGES[part], CHANGES["controller"])), "starts": KINDS["one"]}
+    plan = validate(source)
+    assert isinstance(plan, SweepPlan)
+    start = "some phases of the start will be followed, not all"
+    assert not_proven(plan) == [f"{start}: sets of states are not followed with a controller beside {what}"]
 
 
 def test_friction_with_lag_is_told_as_what_hinders() -> None:

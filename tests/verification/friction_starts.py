@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from .over_angle_reference import torques
+
 HALVINGS = 50
 Array = NDArray[np.float64]
 
@@ -28,6 +30,7 @@ class FrictionStarts:
         self.push = 0.5 * self.wall * self.quantum if bias.get("half_quantum") else bias["torque"]
         actuator = scene.get("actuator", {})
         self.limit, self.step = actuator.get("torque_limit") or np.inf, actuator.get("torque_step", 0.0)
+        self.band, self.over = actuator.get("dead_band", 0.0), torques(scene, counts)
         self.delay = int(actuator.get("delay_samples", 0.0))
         a = np.zeros((3, 3))
         a[0, 1] = 1.0
@@ -39,10 +42,11 @@ class FrictionStarts:
         shown = np.floor(theta / self.quantum)
         torque = -self.wall * shown * self.quantum
         torque -= self.virtual / self.period * (shown - before) * self.quantum
+        torque = np.where(shown < 0.0, torque, 0.0) + (self.over(shown) if self.over else 0.0)
+        torque = np.where(np.abs(torque) < self.band, 0.0, torque)
         if self.step:
             torque = self.step * np.floor(torque / self.step + 0.5)
-        torque = np.clip(torque, -self.limit, self.limit)
-        return np.where(shown < 0.0, torque, 0.0), shown
+        return np.clip(torque, -self.limit, self.limit), shown
 
     def slide(self, k: int, theta: Array, omega: Array, torque: Array) -> tuple[Array, Array]:
         """T / 2^k on, without friction's changes."""

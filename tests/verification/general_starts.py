@@ -1,7 +1,7 @@
 """Starts of scenes without friction, simulated side by side by SciPy's matrix exponentials, in SI.
 
 Nothing of the package is used. A scene is a spec's plain dictionary, with a torque or half a count's torque as bias,
-without an offset of the encoder.
+without an offset of the encoder. Torques over the angle are rounded from 60 digits (`over_angle_reference`).
 """
 
 from math import inf, pi
@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import expm
+
+from .over_angle_reference import torques
 
 
 def matrix(parts: dict[str, Any], push: float) -> NDArray[np.float64]:
@@ -39,7 +41,10 @@ def matrix(parts: dict[str, Any], push: float) -> NDArray[np.float64]:
 def readings(
     parts: dict[str, Any], rate_hz: float, counts: int, starts: NDArray[np.float64], samples: int, kept: int
 ) -> NDArray[np.float64]:
-    """Readings inside the wall, 0 outside, of the last samples of each start; shape (kept, starts)."""
+    """Readings inside the wall, 0 outside, of the last samples of each start; shape (kept, starts).
+
+    With a torque over the angle all readings, outside of the wall, too.
+    """
     period, quantum = 1.0 / rate_hz, 2.0 * pi / counts
     actuator, wall = parts.get("actuator", {}), parts["wall"]
     delay = actuator.get("delay_samples", 0.0)
@@ -63,18 +68,21 @@ def readings(
             return np.floor(x + 0.5)
         return np.ceil(x) if rounding == "ceil" else np.trunc(x)
 
+    over = torques(parts, counts)
     under_way = [np.zeros(len(starts)) for _ in range(late + 1)]
     last, seen = count(z[0]), []
     for sample in range(samples + kept):
         level = count(z[0])
         torque = -wall["stiffness"] * quantum * level - wall.get("damping", 0.0) * quantum / period * (level - last)
+        torque = np.where(level < 0, torque, 0.0) + (over(level) if over else 0.0)
+        torque = np.where(np.abs(torque) < actuator.get("dead_band", 0.0), 0.0, torque)
         if step := actuator.get("torque_step", 0.0):
             torque = step * np.floor(torque / step + 0.5)
         limit = actuator.get("torque_limit", inf)
-        under_way = [*under_way, np.where(level < 0, np.clip(torque, -limit, limit), 0.0)][-(late + 2) :]
+        under_way = [*under_way, np.clip(torque, -limit, limit)][-(late + 2) :]
         last = level
         if sample >= samples:
-            seen.append(np.minimum(level, 0.0))
+            seen.append(level if over else np.minimum(level, 0.0))
         if split > 0.0:
             z[command_at] = under_way[-2 - late]
             z = first @ z

@@ -8,6 +8,9 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from tests import digits as mp
 
 NAMES = ("profile", "detents", "end_stops", "dead_zone")
@@ -29,6 +32,17 @@ def over_angle(scene: dict[str, Any], counts: int) -> Callable[[int], Any] | Non
         return known[count]
 
     return torque
+
+
+def torques(scene: dict[str, Any], counts: int) -> Callable[[NDArray[np.float64]], NDArray[np.float64]] | None:
+    """The same of many counts at once, rounded to doubles."""
+    exact = over_angle(scene, counts)
+
+    def at(levels: NDArray[np.float64]) -> NDArray[np.float64]:
+        found, where = np.unique(levels, return_inverse=True)
+        return np.array([float(exact(int(level))) for level in found])[where]  # type: ignore[misc]
+
+    return at if exact else None
 
 
 def _real(turn: Fraction) -> Any:

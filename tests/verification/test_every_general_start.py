@@ -1,4 +1,4 @@
-"""Every start of scenes with delay, limits, virtual damping, lag or a finger, against starts simulated one by one.
+"""Every start of scenes with more than the plain loop has, without friction, against starts simulated one by one.
 
 The simulation (`general_starts`) shares nothing with the engine.
 Starts are random states of the box; what their readings repeat in the end must be an orbit of the list.
@@ -25,6 +25,7 @@ from .general_starts import readings, turned
 
 COUNT = 2.0 * pi / 1024
 STARTS = 2000
+FREE = {"wall": {"stiffness": 0.0}}
 CASES: list[tuple[str, float, int, dict[str, Any]]] = [
     ("whole delay", 1000.0, 1024, {"actuator": {"delay_samples": 1.0}}),
     ("fractional delay", 2000.0, 512, {"actuator": {"delay_samples": 1.6}, "encoder": {"rounding": "ceil"}}),
@@ -33,6 +34,40 @@ CASES: list[tuple[str, float, int, dict[str, Any]]] = [
     ("nearly all", 700.0, 1024, {"wall": {"damping": 2e-5}, "actuator": {"delay_samples": 0.4, "torque_limit": COUNT}}),
     ("lag", 464.0, 1024, {"actuator": {"time_constant": 2e-4}}),
     ("finger", 464.0, 1024, {"hand": TWO_PARTS}),
+    ("dead band", 1000.0, 1024, {"actuator": {"dead_band": 0.7 * COUNT}}),
+    ("detents", 1000.0, 1024, {**FREE, "detents": {"per_revolution": 60, "torque": 4e-3}}),
+    (
+        "detents that jump, late",
+        1000.0,
+        512,
+        {
+            **FREE,
+            "detents": {"per_revolution": 40, "torque": 4e-3, "shape": "spring"},
+            "actuator": {"delay_samples": 1.0},
+        },
+    ),
+    (
+        "end stops and a limit",
+        700.0,
+        1024,
+        {**FREE, "end_stops": {"low": -0.02, "high": 0.03, "stiffness": 0.3}, "actuator": {"torque_limit": 3e-3}},
+    ),
+    (
+        "dead zone and lag",
+        1000.0,
+        512,
+        {**FREE, "dead_zone": {"width": 0.06, "stiffness": 0.2}, "actuator": {"time_constant": 1e-4}},
+    ),
+    (
+        "profile",
+        464.0,
+        1024,
+        {
+            **FREE,
+            "profile": {"points": [[-0.05, 4e-3], [0.0, 1e-3], [0.04, -2e-3]], "interpolation": "stepped"},
+            "encoder": {"rounding": "nearest"},
+        },
+    ),
 ]
 
 
@@ -41,7 +76,8 @@ def orbit_levels(knob: GeneralKnob, one: Attractor) -> tuple[int, ...]:
     z, ring, before, head = [one.x, one.v, *one.state], list(one.line), one.before, 0
     seen = []
     for _ in range(one.period):
-        seen.append(min(0, int(read(z[0], knob.wall))))
+        shown = int(read(z[0], knob.wall))
+        seen.append(min(0, shown) if knob.wall.table is None else shown)
         before, head = advance(z, before, ring, head, knob.body, knob.wall, [0.0] * (2 * knob.body.order))
     return turned(seen)
 

@@ -19,6 +19,7 @@ from .friction_starts import FrictionStarts
 from .general_scenes import scene
 
 ANGLE, VELOCITY = 0.03, 3.0
+FREE = {"stiffness": 0.0}
 
 
 def states_of(knob: GeneralKnob, one: Attractor) -> NDArray[np.float64]:
@@ -53,6 +54,27 @@ SCENES = {
     "delay": (scene(knob={"coulomb_torque": 2.0e-4}, actuator={"delay_samples": 1.0}), 464.0, 256),
     "limit and step": (
         scene(knob={"coulomb_torque": 2.0e-4}, actuator={"torque_limit": 0.02, "torque_step": 1e-4}),
+        464.0,
+        256,
+    ),
+    "dead band": (scene(knob={"coulomb_torque": 1.0e-4}, actuator={"dead_band": 3.0e-3}), 464.0, 256),
+    "detents": (
+        scene(knob={"coulomb_torque": 1.0e-4}, wall=FREE, detents={"per_revolution": 64, "torque": 4e-3}),
+        464.0,
+        1024,
+    ),
+    "end stops, late": (
+        scene(
+            knob={"coulomb_torque": 1.0e-4},
+            wall=FREE,
+            end_stops={"low": -0.01, "high": 0.012, "stiffness": 0.15},
+            actuator={"delay_samples": 1.0},
+        ),
+        1000.0,
+        512,
+    ),
+    "dead zone": (
+        scene(knob={"coulomb_torque": 5.0e-5}, dead_zone={"width": 0.03, "stiffness": 0.3}),
         464.0,
         256,
     ),

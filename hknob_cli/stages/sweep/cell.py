@@ -128,8 +128,8 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "laws":
-            return self._find_with_law(plan, cell)
+        if group == "laws" or (group == "friction sets" and scene.controller is not None):
+            return self._find_with_law(plan, cell, group)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
         knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
@@ -178,19 +178,21 @@ class CellFinder:
         measurer = GeneralMeasurer(knob, self._general)
         return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
 
-    def _find_with_law(self, plan: SweepPlan, cell: Cell) -> CellResult:
+    def _find_with_law(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.controllers.scalar_law import make_law
         from hknob_cli.engine.general.laws.search import LawEngine
         from hknob_cli.measure.general_orbit import LawMeasurer
 
         made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
-        engine = LawEngine(made.law, self.functions.get("laws"), self.stopped, self.patience("laws"))
+        engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
-            search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
+            search = self._starts.search_law(plan, made, engine) if group == "friction sets" else None
+            if search is None:
+                search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
         except NeedsCompilerError:
-            raise NeedsCompilerError("laws") from None
+            raise NeedsCompilerError(group) from None
         measurer = LawMeasurer(made.knob, engine)
-        return _perceived(plan, measurer, _result(cell, made.knob.quantum_rad, search, measurer.measure, "laws"))
+        return _perceived(plan, measurer, _result(cell, made.knob.quantum_rad, search, measurer.measure, group))
 
     def _find_growth(self, plan: SweepPlan, cell: Cell) -> CellResult:
         from hknob_cli.measure.growth import bounce_peaks, energy_growth

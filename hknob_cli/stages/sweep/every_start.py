@@ -12,6 +12,8 @@ from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.plan import Starts, SweepPlan
 
 if TYPE_CHECKING:
+    from hknob_cli.controllers.scalar_law import LawKnob
+    from hknob_cli.engine.general.laws.search import LawEngine
     from hknob_cli.scene.general_knob import GeneralKnob
 
 INCOMPLETE = [
@@ -76,21 +78,35 @@ class StartsFinder:
         if type(self._general) is not kind:
             self._general = kind(functions, self.stopped)
         self._general.patience = self.patience(group)
-        starts = plan.starts
-        given: dict[str, Any] = {
-            "rate": knob.rate,
-            "delay_line": knob.delay_line,
-            "max_samples": plan.max_samples,
-            "seconds": plan.seconds_per_cell,
-        }
-        if starts.span is None:
-            start = knob.start(starts.angle, starts.velocity)
-            found: Search | None = self._general.search_phases(knob.body, knob.wall, start, **given)
-            return found
-        if functions is None:
-            raise NeedsCompilerError(group)
-        boxed: Search | None = self._general.search_box(knob.body, knob.wall, _box(plan, knob), **given)
-        return boxed
+        return _search_sets(self._general, plan, knob, group, rate=knob.rate, memory=knob.delay_line)
+
+    def search_law(self, plan: SweepPlan, made: "LawKnob", engine: "LawEngine") -> Search | None:
+        """The same of a cell under a controller, whose trials ``engine`` follows."""
+        from hknob_cli.engine.general.sets.law_search import LawSetEngine
+
+        group = "friction sets"
+        sets = LawSetEngine(engine.law, self.functions.get(group), self.stopped, self.patience(group))
+        return _search_sets(sets, plan, made.knob, group, rate=made.rate, memory=engine.past_length)
+
+
+def _search_sets(
+    engine: Any, plan: SweepPlan, knob: "GeneralKnob", group: str, *, rate: float, memory: int
+) -> Search | None:
+    starts = plan.starts
+    given: dict[str, Any] = {
+        "rate": rate,
+        "delay_line": memory,
+        "max_samples": plan.max_samples,
+        "seconds": plan.seconds_per_cell,
+    }
+    found: Search | None
+    if starts.span is None:
+        found = engine.search_phases(knob.body, knob.wall, knob.start(starts.angle, starts.velocity), **given)
+    elif not engine.compiled:
+        raise NeedsCompilerError(group)
+    else:
+        found = engine.search_box(knob.body, knob.wall, _box(plan, knob), **given)
+    return found
 
 
 def _box(plan: SweepPlan, knob: Any) -> Any:

@@ -2,8 +2,9 @@
 
     python tests/crosscheck/every_start/random_scenes.py plain --count 300 --seconds 2
 
-FAMILY is `plain` (starts anywhere), `affine` (delay, torque limit, torque step, virtual damping), `friction`, `finger`
-or `lag` (starts in a range). Each scene is searched by the engine, for --seconds of the clock at most. Where the list
+FAMILY is `plain` (starts anywhere), `affine` (delay, torque limit, torque step, virtual damping), `friction`,
+`finger`, `lag`, or `angle` (detents, end stops, dead zones, profiles, half of them with friction); starts in a range.
+Each scene is searched by the engine, for --seconds of the clock at most. Where the list
 is complete, --starts random starts are simulated by matrix exponentials (`tests/verification/general_starts.py`,
 `friction_starts.py`), which use nothing of the package. What their readings repeat in the end must be on the list.
 Scenes with an offset of the encoder, and those that take more than --samples samples, are searched only. The exit code
@@ -36,8 +37,9 @@ from tests.verification.friction_starts import FrictionStarts
 from tests.verification.general_starts import readings, turned
 from tests.verification.scenes import sample
 
-FAMILIES = ("plain", "affine", "friction", "finger", "lag")
+FAMILIES = ("plain", "affine", "friction", "finger", "lag", "angle")
 ANGLE, VELOCITY = 0.02, 2.0  # rad, rad/s: the range
+FAR, FAST = 0.3, 5.0  # the same of a torque over the angle, to hold more than one detent
 SETTLED = 40.0  # time constants until most starts have settled
 PATIENCE = 16  # times as many samples where some have not
 
@@ -142,6 +144,46 @@ class Draw:
         cell = self.hand_on_knob()
         return cell._replace(scene={**cell.scene, "actuator": {"time_constant": self.between(0.01, 0.5) / cell.rate}})
 
+    def angle(self) -> Cell:
+        """One or two torques over the angle, a wall in a third; friction, or delay, limit and step."""
+        cell = self.hand_on_knob()
+        if self.chance.random() < 2.0 / 3.0:
+            cell.scene["wall"]["stiffness"] = 0.0
+        makers = [self._profile, self._detents, self._end_stops, self._dead_zone]
+        parts: dict[str, Any] = {}
+        for maker in self.chance.choice(makers, size=self.chance.integers(1, 3), replace=False):
+            parts |= maker(2.0 * np.pi / cell.counts)
+        if self.chance.random() < 0.5:
+            cell.scene["knob"]["coulomb_torque"] = self.between(1e-5, 5e-4)
+        more: list[dict[str, float]] = [
+            {},
+            {"delay_samples": float(self.chance.integers(1, 4))},
+            {"torque_limit": 4e-3, "torque_step": 1e-4},
+            {"dead_band": 3e-4},
+        ]
+        actuator = more[int(self.chance.integers(4))]
+        return cell._replace(scene={**cell.scene, **parts, **({"actuator": actuator} if actuator else {})})
+
+    def _profile(self, _quantum: float) -> dict[str, Any]:
+        angles = np.sort(self.chance.uniform(-0.3, 0.3, self.chance.integers(2, 6)))
+        points = [[float(angle), float(self.chance.uniform(-4e-3, 4e-3))] for angle in angles]
+        return {"profile": {"points": points, "interpolation": str(self.chance.choice(["linear", "stepped"]))}}
+
+    def _detents(self, quantum: float) -> dict[str, Any]:
+        shape = str(self.chance.choice(["sine", "triangle", "spring"]))
+        most = int(2.0 * np.pi / (4.0 * quantum))
+        number = min(most, int(self.chance.choice([6, 12, 24, 48])))
+        zone = {"dead_zone": 0.2 * 2.0 * np.pi / number} if shape == "spring" and self.chance.random() < 0.5 else {}
+        return {"detents": {"per_revolution": number, "torque": self.between(1e-3, 1e-2), "shape": shape, **zone}}
+
+    def _end_stops(self, _quantum: float) -> dict[str, Any]:
+        low, high = -self.chance.uniform(0.0, 0.2), self.chance.uniform(0.01, 0.2)
+        return {"end_stops": {"low": float(low), "high": float(high), "stiffness": self.between(0.05, 0.5)}}
+
+    def _dead_zone(self, _quantum: float) -> dict[str, Any]:
+        zone = {"width": float(self.chance.uniform(0.0, 0.3)), "stiffness": self.between(0.05, 0.5)}
+        return {"dead_zone": {**zone, **({"torque": 4e-3} if self.chance.random() < 0.5 else {})}}
+
 
 class Searched(NamedTuple):
     """What the engine says, the knob in its units, the corners of the starts simulated, and the slowest rate."""
@@ -164,13 +206,14 @@ def search_cell(family: str, cell: Cell, seconds: float) -> Searched:
         far = 3.0 * max(map(abs, ranges[:2])), 3.0 * max(map(abs, ranges[2:]))  # from outside of the region, too
         unit = knob.quantum_rad, knob.quantum_rad * cell.rate
         return Searched(found, knob, (far[0] * unit[0], far[1] * unit[1]), general.rate)
-    x, v = general.position(ANGLE), general.speed(VELOCITY)
-    box = Box(general.position(-ANGLE), x, general.speed(-VELOCITY), v)
-    kind, group = (FrictionSetEngine, "friction sets") if family == "friction" else (GeneralSetEngine, "general sets")
+    far = (FAR, FAST) if family == "angle" else (ANGLE, VELOCITY)
+    box = Box(general.position(-far[0]), general.position(far[0]), general.speed(-far[1]), general.speed(far[1]))
+    rubs = general.body.friction > 0.0
+    kind, group = (FrictionSetEngine, "friction sets") if rubs else (GeneralSetEngine, "general sets")
     engine = kind(compiled(group))
     given = {"rate": general.rate, "delay_line": general.delay_line, "max_samples": None, "seconds": seconds}
     found = engine.search_box(general.body, general.wall, box, **given)
-    return Searched(found, general, (ANGLE, VELOCITY), general.rate)
+    return Searched(found, general, far, general.rate)
 
 
 def random_ends(cell: Cell, far: tuple[float, float], starts: int, samples: int, kept: int, seed: int) -> NDArray[Any]:
@@ -184,7 +227,7 @@ def random_ends(cell: Cell, far: tuple[float, float], starts: int, samples: int,
     rows = []
     for _ in range(kept):
         theta, omega, shown = trials.run(theta, omega, 1)
-        rows.append(np.minimum(shown, 0.0))
+        rows.append(shown if trials.over else np.minimum(shown, 0.0))
     return np.array(rows)
 
 
@@ -211,12 +254,10 @@ def unlisted(cell: Cell, found: Searched, starts: int, most: int, seed: int) -> 
 
 def levels_of(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> tuple[int, ...]:
     """Readings of one period, simulated apart from the engine."""
-    if one.outcome is Outcome.REST:
-        return (min(0, int(np.floor(one.x))),) if cell.scene.get("encoder") is None else _resting(cell, knob, one)
-    return turned(_replayed(cell, knob, one))
-
-
-def _resting(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> tuple[int, ...]:
+    if one.outcome is not Outcome.REST:
+        return turned(_replayed(cell, knob, one))
+    if cell.scene.get("encoder") is None and isinstance(knob, SampledKnob):
+        return (min(0, int(np.floor(one.x))),)
     return tuple(_replayed(cell, knob, one)[-1:])
 
 
@@ -228,7 +269,8 @@ def _replayed(cell: Cell, knob: GeneralKnob | SampledKnob, one: Attractor) -> li
 
         z, ring, before, head, seen = [one.x, one.v, *one.state], list(one.line), one.before, 0, []
         for _ in range(one.period):
-            seen.append(min(0, int(read(z[0], knob.wall))))
+            shown = int(read(z[0], knob.wall))
+            seen.append(shown if knob.wall.table is not None else min(0, shown))
             before, head = advance(z, before, ring, head, knob.body, knob.wall, [0.0] * (2 * knob.body.order))
         return seen
     state = np.array([[knob.angle_rad(one.x), one.v * knob.quantum_rad * cell.rate]])

@@ -58,22 +58,33 @@ def find_balance(u, body, orbit):
     return True
 
 
-def settles_with_law(z, shown, past, body, wall, law, orbit, away):
-    """Fate of a trial whose reading goes on, as `standstill.settles`; the rest point is left in ``orbit``."""
+def settled_torque(x, shown, past, wall, law):
+    """Whether the torque comes to an end where ``shown`` goes on for ever: ``(whether, torque, wrong, left)``.
+
+    ``wrong``: bound on its rounding; ``left``: on what it still differs by, summed over all samples to come. ``x``:
+    where the knob is. What is remembered in the end is left in ``law.periodic``.
+    """
     if law.senses or not law.provable:
-        return MOVING
+        return False, 0.0, 0.0, 0.0
     still, guard = settled_past(past, shown, wall, law)
     if not still:
-        return MOVING
+        return False, 0.0, 0.0, 0.0
     worn = 0.0  # by how much what fades may end elsewhere: its last steps are smaller than a rounding
     if law.fading >= 0:
-        worn = ROUNDINGS * EPSILON * (1.0 + abs(z[0]) + abs(law.periodic[law.fading])) / (1.0 - law.fade)
+        worn = ROUNDINGS * EPSILON * (1.0 + abs(x) + abs(law.periodic[law.fading])) / (1.0 - law.fade)
     if law.weight > 0.0 and not guard > faded(past, law.periodic, law) + worn:
+        return False, 0.0, 0.0, 0.0
+    u = law.periodic[law.line + (law.ages - 1) * law.parts]
+    wrong = law.weight * worn + ROUNDINGS * EPSILON * law.coarse * (abs(u) + wall.kappa * (1.0 + abs(x)))
+    return True, u, wrong, torques_apart(past, law.periodic, law)
+
+
+def settles_with_law(z, shown, past, body, wall, law, orbit, away):
+    """Fate of a trial whose reading goes on, as `standstill.settles`; the rest point is left in ``orbit``."""
+    still, u, wrong, left = settled_torque(z[0], shown, past, wall, law)
+    if not still:
         return MOVING
     n = body.order
-    u = law.periodic[law.line + (law.ages - 1) * law.parts]
-    wrong = law.weight * worn + ROUNDINGS * EPSILON * law.coarse * (abs(u) + wall.kappa * (1.0 + abs(z[0])))
-    left = torques_apart(past, law.periodic, law)
     push = pushed_apart(left, body)
     if body.friction == 0.0:
         if not find_balance(u, body, orbit):

@@ -37,6 +37,11 @@ class LawEngine(GeneralEngine):
         self._chart = self._chart_with_law
 
     @property
+    def law(self) -> Law:
+        """The law as the loop has it, with room to work in."""
+        return self._law
+
+    @property
     def past_length(self) -> int:
         """How many numbers are remembered."""
         return len(self._law.beside)

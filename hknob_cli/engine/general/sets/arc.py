@@ -13,7 +13,7 @@ from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.ball import CAPTURED, FIRST_REST_TEST, GREW, MEETS_EDGE, follow_ball, step_through
 from hknob_cli.engine.general.sets.curve import measure_arc, move_centre, place_on
 from hknob_cli.engine.general.sets.known import blame, fate_of, is_proven, seek
-from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
+from hknob_cli.engine.general.sets.readings import acting, count_levels, highest, lowest, next_level, remembered
 
 LOW, HIGH, ARC_ERROR, ARC_BEFORE, ARC_LEVEL, ARC_SAMPLE, ARC_STATE = range(7)
 SHORTEST = 1e-13  # phases: no shorter arc is told apart
@@ -60,7 +60,7 @@ def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reac
     """
     drift, body, wall = cell
     n, delay = body.order, len(ring)
-    if waiting + int(most - least) + 1 > len(room.stack) // arc_size(n, delay):
+    if waiting + count_levels(least, most, wall) > len(room.stack) // arc_size(n, delay):
         return -1
     middle, left, right = 0.5 * (low + high), z[0] + room.below[0], z[0] + room.above[0]
     level = least
@@ -84,7 +84,7 @@ def part_arc(room, waiting, low, high, z, before, ring, head, error, slack, reac
             waiting = wait_arc(
                 room, waiting, begin, end, room.z, remembers, room.ring, to, grown, level, sample + 1.0, n
             )
-        level += 1.0
+        level = next_level(level, wall)
     return waiting
 
 

@@ -7,7 +7,7 @@ and its radius, in `body.norm`, is an upper bound.
 from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.interval import hold
 from hknob_cli.engine.general.sets.known import captor, resting
-from hknob_cli.engine.general.sets.readings import acting, remembered
+from hknob_cli.engine.general.sets.readings import acting, remembered, steps_deeper
 
 MEETS_EDGE = 0  # the ball may lie on both sides of an edge that changes the command: look at what it bounds
 CAPTURED = 1
@@ -77,7 +77,7 @@ def follow_ball(
         if not -limit < x < limit:
             event, taken = GREW, i
             break
-        if level < last and level < 0.0:
+        if steps_deeper(level, last, wall):
             z[0], z[1] = x, v
             row = captor(z, before, ring, head, radius + error, known, body, wall)
             if row >= 0:

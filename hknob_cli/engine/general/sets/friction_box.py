@@ -10,6 +10,7 @@ from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
+from hknob_cli.engine.general.sets.memory import watched
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     COUNT,
@@ -21,7 +22,7 @@ from hknob_cli.engine.general.sets.piece import (
     largest_norm,
     piece_size,
 )
-from hknob_cli.engine.general.sets.readings import acting
+from hknob_cli.engine.general.sets.readings import acting, steps_deeper
 
 OFTEN = 8  # samples from one chance of wide pieces to be merged to the next
 
@@ -36,6 +37,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
     waiting -= 1
     start = int(room.stack[waiting * size + SAMPLE])
     since, wait, taken = start % patience, patience, 0
+    watch = watched(known.law, wall)
     while True:
         for k in range(size):
             own[k] = room.stack[waiting * size + k]
@@ -55,8 +57,8 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
             return waiting, UNPROVEN, -1, taken
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
         settled = own[SAMPLE] > at
-        level = last if settled else acting(z[0] + least - reach, drift.bottom, wall)
-        high = last if settled else acting(z[0] + most + reach, drift.bottom, wall)
+        level = last if settled else acting(z[0] + least - reach, drift.bottom, watch)
+        high = last if settled else acting(z[0] + most + reach, drift.bottom, watch)
         taken += 1
         if level < high:
             parted = part_piece(
@@ -75,13 +77,13 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 level,
                 high,
                 drift,
-                wall,
+                watch,
             )
             if parted < 0:
                 blame(NO_ROOM, weight, known)
                 return waiting, UNPROVEN, -1, taken
             return parted, PARTED, -1, taken
-        deeper = level < last and level < 0.0
+        deeper = steps_deeper(level, last, watch)
         row = UNKNOWN
         if deeper:
             row = captor(z, before, ring, 0 * delay, radius + error, known, body, wall)

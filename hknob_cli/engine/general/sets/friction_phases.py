@@ -12,6 +12,7 @@ from hknob_cli.engine.general.sets.box import ENDED, PARTED
 from hknob_cli.engine.general.sets.convex import widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame
+from hknob_cli.engine.general.sets.memory import begin_memory, watched
 from hknob_cli.engine.general.sets.piece import piece_size, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
@@ -51,25 +52,24 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
     work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
     count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
     error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
-    delay = len(work.ring)
-    for j in range(delay):
-        work.ring[j] = 0.0
+    delay, watch = len(work.ring), watched(work.law, wall)
     work.z[0], work.z[1] = x, v
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
         least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
     reach = body.reach * error
     level, last, waiting = 0.0, 0.0, 0
-    if wall.damping > 0.0:
-        level, last = acting(x + least - reach, drift.bottom, wall), acting(x + most + reach, drift.bottom, wall)
+    if watch.damping > 0.0:
+        level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
     while level <= last:
         kept = count
         for k in range(2 * count):
             room.halves[k] = work.corners[k]
-        if wall.damping > 0.0:
-            bottom, top = lowest(level, drift.bottom, wall) - reach - x, highest(level, wall) + reach - x
+        if watch.damping > 0.0:
+            bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
             kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
+            begin_memory(work.law, level, work.ring)
             put(
                 room.stack,
                 waiting * piece_size(2, delay),

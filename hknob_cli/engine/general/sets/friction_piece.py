@@ -4,17 +4,17 @@ A piece is as in `piece`. Where all its corners have the velocity 0, all its sta
 friction holds them.
 """
 
-from hknob_cli.engine.general.controller import command
 from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, keep_side, widen
 from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
+from hknob_cli.engine.general.sets.memory import command_all
 from hknob_cli.engine.general.sets.piece import largest_norm, piece_size, put, within
-from hknob_cli.engine.general.sets.readings import highest, lowest, remembered
+from hknob_cli.engine.general.sets.readings import highest, lowest, next_level, remembered
 
 PART, CUTS, X, V, COUNT, CORNERS = range(6)  # numbers of a set within an interval
 MOST = MOST_CORNERS + 2 + MOST_CUTS + 2  # corners of one
 SET = CORNERS + 2 * MOST
 SETS = 256  # of one piece within an interval, at most
-NEWER, SPAN, S, G, F = range(5)  # numbers of a part of an interval: whether under the newer command, and the plant
+TORQUE, SPAN, S, G, F = range(5)  # numbers of a part of an interval: which of the torques acts, and the plant
 LEG = 5
 TINY = 1e-290  # a velocity that is not 0
 
@@ -58,16 +58,10 @@ def move_piece(
 
     The piece is told from ``z``, which is left alone, as ``ring`` is.
     """
-    delay, u = len(ring), command(level, before, wall)
-    older, newer, to = u, u, 0 * delay
+    delay = len(ring)
     for j in range(delay):
         work.ring[j] = ring[(head + j) % delay]
-    if delay > 0:
-        older = work.ring[0]
-        work.ring[0] = u
-        to = 1 % delay
-        newer = work.ring[to]
-    largest = max(abs(older), abs(newer))
+    to, largest = command_all(work.law, level, before, work.ring, wall, work.torques)
     error += drift.once[0] + drift.once[1] * largest + drift.once[2] * abs(z[0]) + drift.once[3] * abs(z[1])
     error += drift.blur * largest_norm(corners, 0, count, body)
     legs, size = len(work.course) // LEG, piece_size(2, delay)
@@ -104,7 +98,7 @@ def move_piece(
             waiting += 1
             continue
         leg = part * LEG
-        acting = newer if work.course[leg + NEWER] > 0.0 else older
+        acting = work.torques[int(work.course[leg + TORQUE])]
         span, s, g, f = work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]
         least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= SETS else float("inf")
         fate, to_x, to_v, after = move_set(
@@ -162,5 +156,5 @@ def part_piece(
                 2,
             )
             waiting += 1
-        level += 1.0
+        level = next_level(level, wall)
     return waiting

@@ -8,12 +8,13 @@ rest in it. A piece whose states all stand needs no distance: friction holds eac
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.general.body import norm
-from hknob_cli.engine.general.controller import command, read
-from hknob_cli.engine.general.inner_region import hold_zone
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.sets.friction_piece import stands
 from hknob_cli.engine.general.sets.known import add_end
+from hknob_cli.engine.general.sets.memory import copy_settled, keeps_torque, settle_memory, watched
 from hknob_cli.engine.general.sets.readings import highest, lowest
-from hknob_cli.engine.general.standstill import steady
+from hknob_cli.engine.general.standstill import rest_rounding
 
 UNKNOWN = -1
 
@@ -31,19 +32,22 @@ def count_high(shown, wall):
 def enter_rest(x, shown, ring, known, body, wall):
     """Row of the rest at ``x``, which reads ``shown``."""
     known.z[0], known.z[1] = x, 0.0
-    for j in range(len(ring)):
-        known.ring[j] = ring[j]
+    copy_settled(known.law, ring, known.ring)
     return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
 
 
-def held_rest(low, high, zone_low, zone_high, level, reach, ring, known, drift, body, wall):
+def held_rest(low, high, zone_low, zone_high, shift, level, reach, ring, known, drift, body, wall):
     """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
 
     ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held, by a
-    little, never gets farther from the end of the zone than it is.
+    little, never gets farther from the end of the zone than it is. ``shift``: by which a torque that has not come to
+    its end may still move the zone; where it does, all must stand inside what is left of the zone at any time.
     """
-    bottom, top = lowest(level, drift.bottom, wall), highest(level, wall)
+    watch = watched(known.law, wall)
+    bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
     low, high = low - reach, high + reach
+    if shift > 0.0 and not (zone_low + shift <= low and high <= zone_high - shift):
+        return UNKNOWN
     under, over = max(0.0, zone_low - low), max(0.0, high - zone_high)
     if under > 0.0 and not (zone_low - under > bottom and zone_low + under < top):
         return UNKNOWN
@@ -66,12 +70,27 @@ def held_rest(low, high, zone_low, zone_high, level, reach, ring, known, drift, 
     return row
 
 
-def near_rest(z, u, reach, zone_low, zone_high, ring, known, body, wall):
+def balance_rest(z, u, wrong, reach, level, ring, known, drift, body, wall):
+    """Row of the rest without friction that all states within ``reach``, counts, of ``z`` come to, acting as ``level``.
+
+    ``wrong``: bound on the rounding of the torque ``u``.
+    """
+    watch, away = watched(known.law, wall), known.space.away
+    rest = (u + body.drive) / body.beta
+    away[0], away[1] = z[0] - rest, z[1]
+    gap = min(rest - lowest(level, drift.bottom, watch), highest(level, watch) - rest)
+    bound = rest_rounding(z, rest, abs(u) + wrong / (ROUNDINGS * EPSILON), body)
+    if not (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
+        return UNKNOWN
+    return enter_rest(rest, read(rest, wall), ring, known, body, wall)
+
+
+def near_rest(z, u, reach, zone_low, zone_high, level, ring, known, body, wall):
     """Row of the rest that all states within ``reach``, counts, of ``z`` come to within one reading."""
     shown, away = read(z[0], wall), known.space.away
     low, high = count_low(shown, wall), count_high(shown, wall)
     first, last = max(low, zone_low), min(high, zone_high)
-    if first > last or command(shown, shown, wall) != u:
+    if first > last or not keeps_torque(known.law, z[0], level, u, wall):
         return UNKNOWN
     for k in range(2):
         rest = min(max(z[0] if k == 0 else 0.5 * (low + high), first), last)
@@ -87,10 +106,16 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
 
     ``error`` and ``radius``: in `body.norm`.
     """
-    u = command(level, level, wall)
-    if not steady(ring, u) or (wall.damping > 0.0 and before != level):
+    still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
+    if not still:
         return UNKNOWN
-    _, zone_low, zone_high = hold_zone(u, level, body, wall)
+    # By what torques still differ the distance of two motions grows, at most.
+    away = body.reach * (radius + error + left)
+    if body.friction == 0.0:
+        return balance_rest(z, u, wrong, away, level, ring, known, drift, body, wall)
+    stiffness, zone_low, zone_high = hold_zone(u, level, body, wall)
+    if wrong > 0.0:
+        zone_low, zone_high = zone_low + wrong / stiffness, zone_high - wrong / stiffness
     if zone_low > zone_high:
         return UNKNOWN
     if stands(z[1], corners, count):
@@ -98,7 +123,8 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
-        row = held_rest(z[0] + least, z[0] + most, zone_low, zone_high, level, reach, ring, known, drift, body, wall)
+        low, high, shift = z[0] + least, z[0] + most, left / body.beta
+        row = held_rest(low, high, zone_low, zone_high, shift, level, reach, ring, known, drift, body, wall)
         if row != UNKNOWN:
             return row
-    return near_rest(z, u, body.reach * (radius + error), zone_low, zone_high, ring, known, body, wall)
+    return near_rest(z, u, away, zone_low, zone_high, level, ring, known, body, wall)

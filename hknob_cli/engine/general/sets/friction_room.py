@@ -7,8 +7,11 @@ from typing import Any, NamedTuple
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.laws.law import PIECE, Law
+from hknob_cli.engine.general.laws.law import SPAN as LAW_SPAN
+from hknob_cli.engine.general.laws.law import TORQUE as LAW_TORQUE
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.friction_piece import MOST, SET, SETS
+from hknob_cli.engine.general.sets.friction_piece import LEG, MOST, SET, SETS
 from hknob_cli.engine.general.sets.friction_step import parts_of_hold
 from hknob_cli.engine.general.sets.readings import deepest_level
 from hknob_cli.engine.general.slide_two import coefficients
@@ -21,7 +24,8 @@ class FrictionRoom(NamedTuple):
     """Work space of `friction_piece`.
 
     ``course``: parts of an interval, `friction_piece.LEG` numbers each; ``least[0]``: radius below which sets are not
-    cut within it; ``sets``: that wait within an interval; the others: of one set.
+    cut within it; ``torques``: of an interval; ``law``: of a controller, or None; ``sets``: that wait within an
+    interval; the others: of one set.
     """
 
     course: Any
@@ -34,32 +38,48 @@ class FrictionRoom(NamedTuple):
     line: Any
     z: Any
     ring: Any
+    torques: Any
+    law: Any = None
 
 
-def can_rub(body: Body, wall: Controller) -> bool:
-    """Whether sets of states with friction can be followed: knob and hand, held by a spring, and an encoder."""
-    plane = body.order == 2 and body.friction > 0.0 and body.reach < inf and wall.analog == 0.0
-    return plane and bool(_course(body, wall))
+def can_rub(body: Body, wall: Controller, law: Law | None = None) -> bool:
+    """Whether sets of states can be followed interval by interval: knob and hand, held by a spring, and an encoder.
+
+    There is friction, or a law that is proven, reads its encoder once a sample, and feels no speed.
+    """
+    plane = body.order == 2 and body.damped and body.reach < inf and wall.analog == 0.0
+    known = law is not None and law.provable and not law.senses and law.looks == 0
+    told = body.friction > 0.0 if law is None else known
+    return plane and told and bool(_course(body, wall, law))
 
 
-def _course(body: Body, wall: Controller) -> list[float]:
-    """Parts of an interval: whether under the newer command, span, and the plant's coefficients; empty: too many."""
+def _course(body: Body, wall: Controller, law: Law | None) -> list[float]:
+    """Parts of an interval: which torque acts, span, and the plant's coefficients; empty: too many."""
     course: list[float] = []
-    for newer, span in ((0.0, wall.split), (1.0, 1.0 - wall.split)):
+    holds = [(0.0, wall.split), (1.0, 1.0 - wall.split)]
+    if law is not None:
+        starts = range(0, law.pieces * PIECE, PIECE)
+        holds = [(law.sched[at + LAW_TORQUE], law.sched[at + LAW_SPAN]) for at in starts]
+    for torque, span in holds:
         if span > 0.0:
             n = parts_of_hold(span, body)
             if n == 0:
                 return []
-            course += n * [newer, span / n, *coefficients(span / n, body)]
+            course += n * [torque, span / n, *coefficients(span / n, body)]
     return course
 
 
 def make_friction_room(
-    zeros: Callable[[int], Any], filled: Callable[[list[float]], Any], delay: int, body: Body, wall: Controller
+    zeros: Callable[[int], Any],
+    filled: Callable[[list[float]], Any],
+    delay: int,
+    body: Body,
+    wall: Controller,
+    law: Law | None = None,
 ) -> FrictionRoom:
-    """Work space for a cell with ``delay`` commands under way."""
+    """Work space for a cell with ``delay`` commands under way, or numbers that the law remembers."""
     return FrictionRoom(
-        course=filled(_course(body, wall)),
+        course=filled(_course(body, wall, law)),
         least=filled([LEAST]),
         sets=zeros(SET * SETS),
         corners=zeros(2 * (4 * MOST + 2)),
@@ -69,16 +89,18 @@ def make_friction_room(
         line=zeros(3),
         z=zeros(2),
         ring=zeros(delay),
+        torques=zeros(max(2, delay)),
+        law=law,
     )
 
 
-def friction_drift(body: Body, wall: Controller) -> Drift:
+def friction_drift(body: Body, wall: Controller, law: Law | None = None) -> Drift:
     """Bounds on the roundings of one interval, in lists: of a centre, and of the corners relative to it.
 
     Each part of an interval rounds position, velocity and pull a few times, and the time of a stop; what that moves is
     of the same size.
     """
-    parts = len(_course(body, wall)) // 5
+    parts = len(_course(body, wall, law)) // LEG
     root = sqrt(body.beta)
     per = ROUNDED * EPSILON * parts
     push = per * (1.0 + root)
@@ -89,5 +111,5 @@ def friction_drift(body: Body, wall: Controller) -> Drift:
         units=[root, 1.0],
         blur=ROUNDED * EPSILON * parts,
         coast=0.0,  # of arcs, which are not used
-        bottom=deepest_level(wall),
+        bottom=deepest_level(wall) if law is None else -inf,
     )

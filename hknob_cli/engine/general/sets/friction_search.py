@@ -10,7 +10,7 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import Search, StoppedError, ranked, time_allowed, whole
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.search import as_arrays, make_space
+from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
@@ -25,11 +25,16 @@ SLICE_INTERPRETED = 2000  # samples between two chances to be interrupted
 
 
 class FrictionSetEngine(GeneralSetEngine):
-    """Follows sets of states of knob and hand with friction, plain or compiled. One per thread."""
+    """Follows sets of states of knob and hand with friction, plain or compiled. One per thread.
+
+    ``law``: of a controller, as `laws.law` has it, in the engine's own arrays or lists; None without one.
+    """
+
+    law: Any = None
 
     def able(self, body: Body, wall: Controller) -> bool:
         """Whether this engine follows sets of states of a cell."""
-        return can_rub(body, wall)
+        return can_rub(body, wall, self.law)
 
     def longest(self, _body: Body) -> int:
         """Samples that a cell may take when no time is set."""
@@ -37,14 +42,14 @@ class FrictionSetEngine(GeneralSetEngine):
 
     def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
         """What follows the pieces that wait, `friction_box.follow_friction`."""
-        work = make_friction_room(self._zeros, self._filled, _delay_line, _body, _wall)
+        work = make_friction_room(self._zeros, self._filled, _delay_line, _body, _wall, self.law)
         follow = self._function(friction_box, "follow_friction")
         return lambda room, *rest: follow(room, work, *rest)
 
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
-        drift = friction_drift(body, wall)
-        known = make_known(self._zeros, 2, delay_line, make_space(2, delay_line, self._zeros))
+        drift = friction_drift(body, wall, self.law)
+        known = make_known(self._zeros, 2, delay_line, make_space(2, delay_line, self._zeros), self.law)
         if self.compiled:
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
@@ -72,7 +77,8 @@ class FrictionSetEngine(GeneralSetEngine):
         if (2, delay_line) not in self._rooms:
             self._rooms = {(2, delay_line): make_piece_room(self._zeros, 2, delay_line)}
         room = self._rooms[2, delay_line]
-        work = make_friction_room(self._zeros, self._filled, delay_line, body, wall)
+        work = make_friction_room(self._zeros, self._filled, delay_line, body, wall, self.law)
+        wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         stack = self._zeros(2 * (FIRST + HALVINGS + 2))
         for k in range(FIRST):

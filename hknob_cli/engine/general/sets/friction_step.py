@@ -165,7 +165,7 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         held = held and pv == 0.0 and abs(pull) <= friction
     if held:
         return HELD, x, v, count
-    if up or down:
+    if up or down or friction == 0.0:
         y = free - (friction if up else -friction) - beta * x
         for k in range(count):
             dx, dv = corners[2 * k], corners[2 * k + 1]

@@ -7,9 +7,8 @@ last reading. Reaches are bounds on a distance from the centre in `body.norm`, i
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
-from hknob_cli.engine.general.ensemble import enter
-from hknob_cli.engine.general.follow import FIELDS, KNOWN, follow_trial
-from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.follow import FIELDS, KNOWN
+from hknob_cli.engine.general.sets.memory import advance_memory, enter_end, find_end, memory_apart, store_memory
 from hknob_cli.engine.general.standstill import rest_rounding, settles
 from hknob_cli.engine.rest import AT_REST
 
@@ -36,19 +35,18 @@ def add_points(row, known, body, wall):
             known.points[base], known.points[base + 1] = row, before
             for j in range(n):
                 known.points[base + 2 + j] = known.z[j]
-            for j in range(delay):
-                known.points[base + 2 + n + j] = known.ring[(head + j) % delay]
+            store_memory(known.law, known.ring, head, known.points, base + 2 + n)
             count += 1
             entered += 1
         last = shown
-        before, head = advance(known.z, before, known.ring, head, body, wall, known.space.pad)
+        before, head = advance_memory(known.law, known.z, before, known.ring, head, body, wall, known.space.pad)
     known.counts[1] = count
 
 
 def add_end(fate, period, before, head, known, body, wall):
     """Row of an end whose state is in ``known.z`` and ``known.ring``, entered where it is new; `FULL` without room."""
     rows = int(known.counts[0])
-    row = enter(fate, period, before, head, known, body, wall)
+    row = enter_end(known.law, fate, period, before, head, known, body, wall)
     if row < 0 or row >= len(known.table) // FIELDS:
         return FULL
     if row == rows and known.table[row * FIELDS] == CYCLE_PROVEN:
@@ -70,16 +68,10 @@ def captor(z, before, ring, head, reach, known, body, wall):
         margin = table[row * FIELDS + 2] - table[row * FIELDS + 5] - body.reach * reach
         if not abs(z[0] - points[base + 2]) < margin:
             continue
-        if wall.damping > 0.0 and before != points[base + 1]:
-            continue
-        same = True
-        for j in range(delay):
-            same = same and ring[(head + j) % delay] == points[base + 2 + n + j]
-        if not same:
-            continue
+        pushed = memory_apart(known.law, before, ring, head, points, base, table[row * FIELDS + 9], body, wall)
         for j in range(n):
             away[j] = z[j] - points[base + 2 + j]
-        if distance(away, body) < margin:
+        if distance(away, body) + pushed < margin:
             return row
     return -1
 
@@ -128,26 +120,7 @@ def seek(z, before, ring, head, budget, limit, known, body, wall):
         known.z[j] = z[j]
     for j in range(delay):
         known.ring[j] = ring[(head + j) % delay]
-    fate, period, before, head, used = follow_trial(
-        known.z,
-        before,
-        known.ring,
-        0 * delay,
-        budget,
-        True,
-        limit,
-        body,
-        wall,
-        known.space,
-        known.check,
-        known.check_ring,
-        known.keep,
-        known.keep_ring,
-        int(known.counts[0]),
-        known.table,
-        known.states,
-        known.lines,
-    )
+    fate, period, before, head, used = find_end(known.law, before, budget, limit, known, body, wall)
     if fate == KNOWN:
         return period, used
     if not (period > 0 or fate == GREW):

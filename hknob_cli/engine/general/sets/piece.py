@@ -11,7 +11,7 @@ and its corners (order each).
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm_at
 from hknob_cli.engine.general.sets.ball import step_through
-from hknob_cli.engine.general.sets.readings import highest, lowest
+from hknob_cli.engine.general.sets.readings import count_levels, highest, lowest, next_level
 
 CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
 ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, STATE = range(7)
@@ -196,7 +196,7 @@ def part(
     a state truly reads, a part that acts as this reading holds the state. Parts with too many corners are halved, too.
     """
     n = body.order
-    if waiting + 2 * (int(high - low) + 1) > len(room.stack) // piece_size(n, len(ring)):
+    if waiting + 2 * count_levels(low, high, wall) > len(room.stack) // piece_size(n, len(ring)):
         return -1
     level = low
     while level <= high:
@@ -239,5 +239,5 @@ def part(
                 body,
                 wall,
             )
-        level += 1.0
+        level = next_level(level, wall)
     return waiting

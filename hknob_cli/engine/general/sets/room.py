@@ -3,11 +3,13 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
+from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.sets.arc import arc_size
 from hknob_cli.engine.general.sets.lattice import CELL
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
+from hknob_cli.engine.general.torque_table import HEAD
 
 ENDS = 512  # distinct ends that a cell keeps
 FATES = 16  # of ends
@@ -25,7 +27,8 @@ class Known(NamedTuple):
     ``table``, ``states``, ``lines``: as in `general.ensemble.run_trials`, with the measure of the starts that reach a
     row, not the number of trials. ``points``: row, last reading, state, and commands under way of samples of proven
     orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
-    a proven end, by the fate that is none. The others are work space of a trial.
+    a proven end, by the fate that is none. ``law``: of a controller, None without one; commands under way are all that
+    it remembers, then. The others are work space of a trial.
     """
 
     table: Any
@@ -41,6 +44,7 @@ class Known(NamedTuple):
     keep: Any
     keep_ring: Any
     space: Space
+    law: Any = None
 
 
 class PieceRoom(NamedTuple):
@@ -99,8 +103,8 @@ class ArcRoom(NamedTuple):
     ended: Any
 
 
-def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
-    """Room for the ends of a cell of this order and number of commands under way."""
+def make_known(zeros: Zeros, order: int, delay: int, space: Space, law: Any = None) -> Known:
+    """Room for the ends of a cell of this order and number of commands under way, or numbers that a law remembers."""
     return Known(
         table=zeros(FIELDS * ENDS),
         states=zeros(order * ENDS),
@@ -115,6 +119,7 @@ def make_known(zeros: Zeros, order: int, delay: int, space: Space) -> Known:
         keep=zeros(order),
         keep_ring=zeros(delay),
         space=space,
+        law=law,
     )
 
 
@@ -168,3 +173,11 @@ def make_arc_room(zeros: Zeros, order: int, delay: int) -> ArcRoom:
         pad=zeros(2 * order),
         ended=zeros(3 * ARCS),
     )
+
+
+def hash_scale(wall: Controller) -> float:
+    """By which commands are multiplied where they are told apart by whole numbers, roughly."""
+    if wall.table is not None:
+        most = max(abs(float(value)) for value in wall.table[HEAD : HEAD + (len(wall.table) - HEAD) // 3])
+        return 2.0**15 / most if most > 0.0 else 1.0
+    return 8.0 / wall.kappa if wall.kappa > 0.0 else 1.0

@@ -24,12 +24,20 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.search import GENERAL_FATES, MOST_SAMPLES, as_arrays, attractor_of, make_space
+from hknob_cli.engine.general.search import (
+    GENERAL_FATES,
+    MOST_SAMPLES,
+    as_arrays,
+    as_list,
+    attractor_of,
+    make_space,
+    torque_range,
+)
 from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.known import NO_ROOM
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
-from hknob_cli.engine.general.sets.room import Known, make_arc_room, make_known, make_piece_room
+from hknob_cli.engine.general.sets.room import Known, hash_scale, make_arc_room, make_known, make_piece_room
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
 from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDEST, Box
@@ -58,7 +66,7 @@ def make_scope(body: Body, wall: Controller, x: float, v: float, rate: float, ma
     """How far to follow motions from positions up to ``x`` and speeds up to ``v``."""
     budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
     spring = body.beta if body.ratio == 0.0 else 1.0 / body.reach**2
-    scale = trial_scale(x, v, body.push, wall.kappa, spring)
+    scale = max(trial_scale(x, v, body.push, wall.kappa, spring), torque_range(wall).span)
     skip = settling_samples(rate, budget)
     return Scope(budget, skip, max(64, skip // 2), 1e6 * scale, scale < FINEST)
 
@@ -103,6 +111,10 @@ class GeneralSetEngine:
         """What follows the pieces that wait, `box.follow_generation`."""
         return self._function(box, "follow_generation")
 
+    def sampler(self) -> Callable[..., Any]:
+        """What counts the ends of single states, `box.sample_box`."""
+        return self._function(box, "sample_box")
+
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
         drift = make_drift(body, wall)
@@ -132,6 +144,7 @@ class GeneralSetEngine:
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
         if not scope.fine:
             return None
+        wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         room = make_arc_room(self._zeros, body.order, delay_line)
         totals = self._zeros(4)
@@ -204,19 +217,20 @@ class GeneralSetEngine:
         scope = make_scope(body, wall, far_x, far_v, rate, max_samples)
         if not scope.fine:
             return None
+        wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         n = body.order
         if (n, delay_line) not in self._rooms:
             self._rooms = {(n, delay_line): make_piece_room(self._zeros, n, delay_line)}
         room = self._rooms[n, delay_line]
-        room.scale[0] = 8.0 / wall.kappa if wall.kappa > 0.0 else 1.0
+        room.scale[0] = hash_scale(wall)
         rest = scope.budget, scope.limit
         cell = drift, known, body, wall
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
             taken, unproven, followed = self._sample(states, scope, room, cell, alarm)
             pieces, undecided, why = 0, 0.0, Reason.NONE
             follow, release = self.follower(body, wall, delay_line), self._function(lattice, "release")
-            waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+            waiting = self._fill(states, room, delay_line, *cell)
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
@@ -248,6 +262,12 @@ class GeneralSetEngine:
         undecided = min(1.0, undecided + left)
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
 
+    def _fill(
+        self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, wall: Controller
+    ) -> int:
+        """Let a box be all that waits; how many pieces, -1 where there is no room."""
+        return int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, wall))
+
     def _sample(
         self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
     ) -> tuple[int, int, int]:
@@ -257,7 +277,7 @@ class GeneralSetEngine:
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
-        sample = self._function(box, "sample_box")
+        sample = self.sampler()
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(scope.skip, 1))
         while followed < SAMPLED and not alarm.over:
             if self.stopped():

@@ -22,6 +22,26 @@ STIFF = {
 }
 STEP = 0.27 * 2.0 * pi / 1024  # torque of one count
 
+OVER_ANGLE: dict[str, dict[str, Any]] = {
+    "detents": {"wall": {"stiffness": 0.0}, "detents": {"per_revolution": 48, "torque": 2e-3}},
+    "end stops, late": {
+        "end_stops": {"low": -0.01, "high": 0.013, "stiffness": 0.2},
+        "wall": {"stiffness": 0.0},
+        "actuator": {"delay_samples": 0.4},
+    },
+    "dead zone": {"dead_zone": {"width": 0.03, "stiffness": 0.2}, "encoder": {"rounding": "ceil"}},
+    "profile": {
+        "profile": {"points": [[-0.03, 3e-3], [-0.01, 1e-3], [0.012, -1e-3]], "interpolation": "stepped"},
+        "encoder": {"rounding": "truncate"},
+    },
+    "spring detents, all else": {
+        "wall": {"stiffness": 0.1, "damping": 2e-5},
+        "detents": {"spacing": 0.05, "torque": 3e-3, "shape": "spring", "dead_zone": 0.02, "range": [-0.1, 0.1]},
+        "actuator": {"delay_samples": 0.5, "torque_limit": 2e-3, "torque_step": 1e-4},
+    },
+    "finger on detents": {"hand": FINGER, "detents": {"per_revolution": 100, "torque": 1e-3, "shape": "triangle"}},
+}
+
 KINDS: dict[str, dict[str, Any]] = {
     "whole delay": {"actuator": {"delay_samples": 1.0}},
     "fractional delay": {"actuator": {"delay_samples": 1.4}},
@@ -37,8 +57,10 @@ KINDS: dict[str, dict[str, Any]] = {
         "actuator": {"delay_samples": 0.5, "torque_limit": 6.0 * STEP, "torque_step": 0.5 * STEP},
         "encoder": {"rounding": "nearest"},
     },
+    "dead band": {"actuator": {"dead_band": 2.2 * STEP}},
+    **OVER_ANGLE,
 }
-SECOND = [name for name in KINDS if name not in ("lag", "finger", "stiff finger, late")]
+SECOND = [name for name in KINDS if name not in ("lag", "finger", "stiff finger, late", "finger on detents")]
 
 
 def cell(kind: str, rate_hz: float = 464.2) -> GeneralKnob:

@@ -20,8 +20,8 @@ from hknob_cli.engine.general.sets.piece import (
     part,
     piece_size,
 )
-from hknob_cli.engine.general.sets.readings import acting, remembered
-from hknob_cli.engine.general.sets.room import PieceRoom, make_piece_room
+from hknob_cli.engine.general.sets.readings import acting, count_levels, remembered
+from hknob_cli.engine.general.sets.room import PieceRoom, hash_scale, make_piece_room
 from hknob_cli.scene.general_knob import GeneralKnob
 
 from .cells import KINDS, SECOND, bounds, cell, kinds, rates, zeros
@@ -98,7 +98,7 @@ def test_cutting_and_moving_lose_no_state(kind: str, rate: float, seed: int, cor
     error = 1e-10 / body.reach
     arguments = (z, before, ring, head, error, 1e-10, 0.0, 1.0, flat, corners, low, high)
     waiting = part(room, 0, *arguments, drift, body, wall)
-    assert waiting >= high - low + 1.0 or corners == 2
+    assert waiting >= count_levels(low, high, wall) or corners == 2
     found = pieces_of(room, waiting, knob)
     units = np.array(drift.units)
     for one in members(shape, chance, 20):
@@ -144,7 +144,7 @@ def test_merging_loses_no_state_and_mixes_no_memory(kind: str, seed: int) -> Non
     knob, chance = cell(kind), np.random.default_rng(seed)
     body, wall, drift, room = knob.body, knob.wall, bounds(knob), room_of(knob)
     delay, width = knob.delay_line, 0.5
-    room.scale[0] = 8.0 / wall.kappa
+    room.scale[0] = hash_scale(wall)
     given_in = []
     for _ in range(16):
         z = [float(chance.uniform(-0.5, 0.5)), float(chance.uniform(-0.5, 0.5) / body.reach)]

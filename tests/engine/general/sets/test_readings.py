@@ -7,9 +7,20 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hknob_cli.engine.general.controller import Controller, command, read
-from hknob_cli.engine.general.sets.readings import acting, deepest_level, highest, lowest, remembered
+from hknob_cli.engine.general.search import as_list
+from hknob_cli.engine.general.sets.readings import (
+    acting,
+    count_levels,
+    deepest_level,
+    highest,
+    lowest,
+    next_level,
+    remembered,
+    steps_deeper,
+)
+from tests.engine.general.bodies import knob
 
-from .cells import KINDS, cell
+from .cells import FREE, KINDS, OVER_ANGLE, cell
 
 walls = st.builds(
     Controller,
@@ -105,3 +116,62 @@ def test_levels_and_their_edges_one_by_one(sense: float, truncate: float, dampin
             assert high in (held[-1], held[-1] + 0.125) or (held[-1] == 5.0 and high in (inf, 6.0))
             assert (low == -inf) == (level == bottom)
             assert (high == inf) == (level == 0.0 and damping == 0.0)
+
+
+SHAPED = {
+    **OVER_ANGLE,
+    "free": {"wall": {"stiffness": 0.0}, "profile": {"points": [[0.0, 1e-3]]}},
+    "one step": {
+        "wall": {"stiffness": 0.0},
+        "profile": {"points": [[0.0, -1e-3], [0.02, 1e-3]], "interpolation": "stepped"},
+    },
+}
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3])
+@pytest.mark.parametrize("rounding", ["floor", "ceil", "truncate"])
+@pytest.mark.parametrize("name", SHAPED)
+def test_what_acts_alike_under_a_torque_over_the_angle(name: str, rounding: str, damping: float) -> None:
+    """Count by count and half a count: runs of equal torque, each with one reading that stands for it, in order."""
+    made = knob(counts=256, knob=FREE, **{**SHAPED[name], "encoder": {"rounding": rounding}})
+    wall = as_list(made.wall)._replace(damping=damping, limit=inf, step=0.0)
+    assert deepest_level(wall) == -inf
+    assert deepest_level(wall._replace(limit=1.0, kappa=1.0)) == -inf
+    levels: list[float] = []
+    far = 300
+    for x in (k / 2.0 for k in range(-2 * far, 2 * far + 1)):
+        shown, level = read(x, wall), acting(x, -inf, wall)
+        assert command(level, remembered(level, wall), wall) == command(shown, remembered(shown, wall), wall)
+        low, high = lowest(level, -inf, wall), highest(level, wall)
+        assert low <= x <= high
+        for edge, beyond in ((low, -1.0), (high, 1.0)):
+            if abs(edge) < inf:
+                assert (acting(edge + 1e-6 * beyond, -inf, wall) - level) * beyond > 0.0
+                assert acting(edge - 1e-6 * beyond, -inf, wall) == level
+        if not levels or level != levels[-1]:
+            if levels:
+                assert next_level(levels[-1], wall) == level
+                assert steps_deeper(levels[-1], level, wall)
+                assert not steps_deeper(level, levels[-1], wall)
+                if damping == 0.0:
+                    assert command(level, level, wall) != command(levels[-1], levels[-1], wall)
+            levels.append(level)
+        assert not steps_deeper(level, level, wall)
+    for first in (0, len(levels) // 3):
+        for last in range(first, len(levels)):
+            assert count_levels(levels[first], levels[last], wall) == last - first + 1
+    if damping > 0.0:
+        assert len(levels) >= 2 * far
+    elif name in ("free", "one step"):
+        assert len(levels) == (1 if name == "free" else 2)
+        assert (highest(levels[-1], wall), lowest(levels[0], -inf, wall)) == (inf, -inf)
+        assert next_level(levels[-1], wall) == inf
+
+
+def test_a_wall_is_stepped_into_below_its_edge_alone() -> None:
+    """Outside, where virtual damping tells readings apart, none of them is deeper."""
+    wall = cell("virtual damping").wall
+    assert [steps_deeper(level, last, wall) for level, last in ((-1, 0), (-1, 1), (-3, -2))] == [True] * 3
+    assert [steps_deeper(level, last, wall) for level, last in ((0, 1), (1, 2), (-1, -1), (-1, -2))] == [False] * 4
+    assert [next_level(level, wall) for level in (-2.0, 0.0, 3.0)] == [-1.0, 1.0, 4.0]
+    assert [count_levels(-3.0, high, wall) for high in (-3.0, -2.0, 4.0)] == [1, 2, 8]

@@ -1,0 +1,199 @@
+"""What the states of a set have in common: commands under way and, under a controller's law, what it remembers.
+
+All states of a set had the same readings so far, and so the program that commands them is in one state. A law and its
+memory are what they are in double precision: they have no error. Each function takes the law first, None without one,
+and then `general.controller` commands. Memory is one array, the commands under way or `laws.law.Law`'s ``past``.
+"""
+
+from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.ensemble import enter
+from hknob_cli.engine.general.follow import FIELDS, follow_trial
+from hknob_cli.engine.general.interval import advance
+from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, sums_agree, torques_apart
+from hknob_cli.engine.general.laws.follow import follow_with_law
+from hknob_cli.engine.general.laws.rest import settled_torque
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
+from hknob_cli.engine.general.laws.trials import enter_with_law
+from hknob_cli.engine.general.sets.readings import acting
+from hknob_cli.engine.general.standstill import steady
+
+
+def watched(law, wall):
+    """The controller by whose edges sets are cut: under a law, that which tells the readings apart that it does."""
+    if law is None:
+        return wall
+    return law.watch
+
+
+def begin_memory(law, level, ring):
+    """Leave in ``ring`` what is remembered before a first sample that acts as ``level``: no command is under way."""
+    if law is None:
+        for j in range(len(ring)):
+            ring[j] = 0.0
+        return
+    begin_past(ring, level, law)
+
+
+def command_all(law, level, before, ring, wall, torques):
+    """Command at a sample that acts as ``level``: ``(head, largest)``, of ``ring`` after it, and of the torques.
+
+    ``ring`` has its oldest entry first and is renewed. ``torques`` takes those of the interval: the older command and
+    the newer; under a law at the places that `Law.sched` has.
+    """
+    if law is None:
+        u = command(level, before, wall)
+        torques[0], torques[1] = u, u
+        head = 0 * len(ring)
+        if len(ring) > 0:
+            torques[0], ring[0] = ring[0], u
+            head = 1 % len(ring)
+            torques[1] = ring[head]
+        return head, max(abs(torques[0]), abs(torques[1]))
+    decide(level, 0.0, ring, wall, law)
+    largest = 0.0
+    for j in range(law.line, len(ring)):
+        torques[j] = ring[j]
+        largest = max(largest, abs(ring[j]))
+    return 0 * len(ring), largest
+
+
+def advance_memory(law, z, before, ring, head, body, wall, pad):
+    """One interval of a single motion, by its own readings: ``(reading, head)``."""
+    if law is None:
+        return advance(z, before, ring, head, body, wall, pad)
+    advance_with_law(z, ring, body, wall, law, pad)
+    return 0.0, head
+
+
+def store_memory(law, ring, head, points, at):
+    """Enter what is remembered to ``points[at:]``; a reading that no law tells from others as what stands for them."""
+    delay = len(ring)
+    for j in range(delay):
+        points[at + j] = ring[(head + j) % delay]
+    if law is None:
+        return
+    if law.watch.damping == 0.0:
+        points[at + law.rows] = min(points[at + law.rows], 0.0)
+
+
+def memory_apart(law, before, ring, head, points, base, room, body, wall):
+    """Bound on how far a motion is pushed from an orbit's by what it remembers; infinite where that is not the same.
+
+    ``points[base:]``: row, last reading, state and memory of the orbit, as `known.add_points` leaves them; ``room``: of
+    its row, as `captured_with_law` has it.
+    """
+    delay, at = len(ring), base + 2 + body.order
+    if law is None:
+        if wall.damping > 0.0 and before != points[base + 1]:
+            return float("inf")
+        for j in range(delay):
+            if ring[(head + j) % delay] != points[at + j]:
+                return float("inf")
+        return 0.0
+    for j in range(delay):
+        law.beside[j] = points[at + j]
+    if not same_count(ring, law.beside, law) or not sums_agree(ring, law.beside, room, law):
+        return float("inf")
+    if law.guarded and not faded(ring, law.beside, law) < room:
+        return float("inf")
+    return pushed_apart(torques_apart(ring, law.beside, law), body)
+
+
+def settle_memory(law, x, level, before, ring, wall):
+    """Whether the torque comes to an end if ``level`` goes on for ever: ``(whether, torque, wrong, left)``.
+
+    ``wrong``: bound on its rounding; ``left``: on what it still differs by, summed over all samples to come. ``x``:
+    about where the knob is.
+    """
+    if law is None:
+        u = command(level, level, wall)
+        return steady(ring, u) and not (wall.damping > 0.0 and before != level), u, 0.0, 0.0
+    return settled_torque(x, level, ring, wall, law)
+
+
+def keeps_torque(law, x, level, u, wall):
+    """Whether the torque ``u``, to which that of ``level`` comes in the end, is that of the reading at ``x``, too."""
+    if law is None:
+        shown = read(x, wall)
+        return command(shown, shown, wall) == u
+    return acting(x, -float("inf"), law.watch) == level
+
+
+def copy_settled(law, ring, out):
+    """Leave in ``out`` what is remembered in the end, after `settle_memory`."""
+    for j in range(len(ring)):
+        out[j] = ring[j]
+    if law is None:
+        return
+    for j in range(len(ring)):
+        out[j] = law.periodic[j]
+
+
+def find_end(law, before, budget, limit, known, body, wall):
+    """What the motion from ``known.z`` and ``known.ring`` ends in: ``(fate, period, before, head, samples)``."""
+    if law is None:
+        return follow_trial(
+            known.z,
+            before,
+            known.ring,
+            0 * len(known.ring),
+            budget,
+            True,
+            limit,
+            body,
+            wall,
+            known.space,
+            known.check,
+            known.check_ring,
+            known.keep,
+            known.keep_ring,
+            int(known.counts[0]),
+            known.table,
+            known.states,
+            known.lines,
+        )
+    fate, period, used = follow_with_law(
+        known.z,
+        known.ring,
+        budget,
+        True,
+        limit,
+        body,
+        wall,
+        law,
+        known.space,
+        known.check,
+        known.check_ring,
+        known.keep,
+        known.keep_ring,
+        int(known.counts[0]),
+        known.table,
+        known.states,
+        known.lines,
+    )
+    return fate, period, before, 0 * len(known.ring), used
+
+
+def enter_end(law, fate, period, before, head, known, body, wall):
+    """Row of an end whose state is in ``known.z`` and ``known.ring``, as `ensemble.enter`."""
+    if law is None:
+        return enter(fate, period, before, head, known, body, wall)
+    row, rows = enter_with_law(
+        fate,
+        period,
+        known.z,
+        known.ring,
+        len(known.table) // FIELDS,
+        int(known.counts[0]),
+        known.table,
+        known.states,
+        known.lines,
+        body,
+        wall,
+        law,
+        known.space,
+        known.check,
+        known.check_ring,
+    )
+    known.counts[0] = rows
+    return row

@@ -1,0 +1,157 @@
+"""Tests of `engine.general.sets.law_search`: complete lists under a controller, those that many trials find.
+
+Random scenes have a controller beside friction, delay, limit, step or virtual damping. Without these, the list is that
+of `controllers.sets`, which shares the controller's law with it and nothing else.
+"""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from hknob_cli.controllers.scalar_law import LawKnob, make_law
+from hknob_cli.controllers.sets.starts import follow_starts
+from hknob_cli.engine.attractors import Attractor, Patience, Search
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.laws.law import Law
+from hknob_cli.engine.general.laws.search import LawEngine
+from hknob_cli.engine.general.laws.step import begin_past, run_with_law
+from hknob_cli.engine.general.sets.friction_phases import fly
+from hknob_cli.engine.general.sets.friction_room import can_rub
+from hknob_cli.engine.general.sets.law_search import LawSetEngine
+from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.specs.scene import SceneSpec
+from tests.controllers.laws import CONTROLLERS
+from tests.controllers.sets.cells import PHASES, make_cell
+
+LONG = Patience(samples=10**9, seconds=300.0)
+SCENE: dict[str, Any] = {
+    "knob": {"inertia": 1.9e-6},
+    "hand": {"inertia": 3.0e-7, "damping": 3.45e-4, "stiffness": 0.04},
+    "wall": {"stiffness": 0.27},
+    "bias": {"torque": 0.001},
+}
+RUBS = {"knob": {"inertia": 1.9e-6, "coulomb_torque": 2.0e-4}}
+LATE = {"actuator": {"delay_samples": 1.0}}
+CASES: list[tuple[str, dict[str, Any]]] = [
+    ("bounded lag", RUBS | LATE),
+    ("bounded lag", {"actuator": {"delay_samples": 0.4, "torque_step": 2e-4}}),
+    ("half sample", RUBS),
+    ("matched wall", {"wall": {"stiffness": 0.27, "damping": 1e-5}, "encoder": {"rounding": "nearest"}}),
+    ("damping, differenced", RUBS | {"actuator": {"torque_limit": 4e-3}}),
+    ("impulse, short", RUBS | {"actuator": {"delay_samples": 0.5}}),
+    ("phase, 90", LATE),
+]
+
+
+def cell(name: str, rate: float = 464.2, counts: int = 256, **parts: Any) -> tuple[LawKnob, Law, int]:
+    """A cell under a controller, its law in lists, and how much is remembered."""
+    plain = SceneSpec.model_validate({**SCENE, **parts, "controller": CONTROLLERS[name]}).plain()
+    made = make_law(plain, sample_rate_hz=rate, counts_per_rev=counts)
+    engine = LawEngine(made.law, patience=LONG)
+    return made, engine.law, engine.past_length
+
+
+def search(made: LawKnob, law: Law, length: int, **limits: Any) -> Search | None:
+    """All clock phases of the start at 20 mrad."""
+    knob, given = made.knob, {"rate": made.rate, "delay_line": length, "max_samples": None, **limits}
+    return LawSetEngine(law, patience=LONG).search_phases(knob.body, knob.wall, knob.start(0.02, 0.0), **given)
+
+
+def run(made: LawKnob, law: Law, z: list[float], past: list[float], samples: int) -> NDArray[np.float64]:
+    """States at so many samples and one more, by what each reads."""
+    states = [0.0] * (2 * (samples + 1))
+    run_with_law(z, past, samples, made.knob.body, made.knob.wall, law, [0.0] * 4, states)
+    return np.array(states).reshape(samples + 1, 2)
+
+
+def on_list(found: tuple[Attractor, ...], made: LawKnob, law: Law, z: list[float]) -> list[int]:
+    """Which attractors a state that has settled is on, or rests in the reading of."""
+    numbers = []
+    for number, one in enumerate(found):
+        states = run(made, law, [one.x, one.v], list(one.line), one.period)
+        near = np.abs(states - np.array(z)).max(axis=1).min() < 1e-6
+        same = one.outcome is Outcome.REST and read(z[0], made.knob.wall) == read(one.x, made.knob.wall)
+        if near or (same and made.knob.body.friction > 0.0 and abs(z[1]) < 1e-6):
+            numbers.append(number)
+    return numbers
+
+
+@pytest.mark.parametrize(("name", "parts"), CASES)
+def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
+    """No trial of 24 ends elsewhere, and shares agree as far as so many can tell."""
+    made, law, length = cell(name, **parts)
+    found = search(made, law, length)
+    assert found is not None
+    assert found.complete
+    assert found.why is Reason.NONE
+    assert all(one.certified for one in found.attractors)
+    assert sum(one.trials for one in found.attractors) == pytest.approx(1.0, abs=1e-6)
+    knob, counted = made.knob, [0] * len(found.attractors)
+    for trial in range(24):
+        z = list(fly(*knob.start(0.02, 0.0), (trial + 0.5) / 24, knob.body))
+        past = [0.0] * length
+        begin_past(past, read(z[0], knob.wall), law)
+        run(made, law, z, past, int(45.0 / made.rate) + 200)
+        (number,) = on_list(found.attractors, made, law, z)
+        counted[number] += 1
+    for one, count in zip(found.attractors, counted, strict=True):
+        assert abs(one.trials - count / 24) < 6 / 24
+
+
+@pytest.mark.parametrize("name", ["half sample", "matched wall", "first-order hold", "impulse, whole", "bounded lag"])
+def test_the_list_is_that_of_the_array_programs(name: str) -> None:
+    """Without friction and delay: periods, positions and shares."""
+    control, batch, scene = make_cell(name, PHASES, rate=464.2, counts=512)
+    (ends,) = follow_starts(control, batch.lanes, batch.knobs, PHASES)
+    assert ends.undecided == 0.0
+    made = make_law(SceneSpec.model_validate(scene).plain(), sample_rate_hz=464.2, counts_per_rev=512)
+    engine = LawEngine(made.law, patience=LONG)
+    knob, sets = made.knob, LawSetEngine(engine.law, patience=LONG)
+    start = knob.start(PHASES.angle, PHASES.velocity)
+    found = sets.search_phases(
+        knob.body, knob.wall, start, rate=made.rate, delay_line=engine.past_length, max_samples=None
+    )
+    assert found is not None
+    assert found.complete
+    theirs = sorted((one.period, float(one.x.min()), one.trials) for one in ends.ends if one.trials > 1e-6)
+    ours = sorted((one.period, one.x, one.trials) for one in found.attractors if one.trials > 1e-6)
+    assert [one[0] for one in ours] == [one[0] for one in theirs]
+    for one, other in zip(ours, theirs, strict=True):
+        assert one[1:] == pytest.approx(other[1:], abs=1e-6)
+
+
+def test_what_is_not_followed() -> None:
+    """What reads a velocity sensor, or its encoder within an interval; and without a hand's spring."""
+    for name in ("half sample, sensor", "impulse, timed"):
+        made, law, length = cell(name)
+        assert not can_rub(made.knob.body, made.knob.wall, law)
+        assert search(made, law, length) is None
+    made, law, length = cell("bounded lag", hand={"inertia": 3e-7, "damping": 3.45e-4})
+    assert search(made, law, length) is None
+
+
+def test_too_few_samples_are_not_complete() -> None:
+    made, law, length = cell("bounded lag", **RUBS)
+    found = search(made, law, length, max_samples=5)
+    assert found is not None
+    assert not found.complete
+    assert found.why is not Reason.NONE
+
+
+def test_a_stiff_friction_holds_the_knob_under_a_lag() -> None:
+    """All trials come to rest, in readings that are listed."""
+    made, law, length = cell(
+        "bounded lag", rate=1000.0, counts=1024, knob={"inertia": 1.9e-6, "coulomb_torque": 1.5e-3}
+    )
+    found = search(made, law, length)
+    assert found is not None
+    assert found.complete
+    assert {one.outcome for one in found.attractors} == {Outcome.REST}
+    for trial in range(8):
+        z = list(fly(*made.knob.start(0.02, 0.0), (trial + 0.5) / 8, made.knob.body))
+        past = [0.0] * length
+        begin_past(past, read(z[0], made.knob.wall), law)
+        run(made, law, z, past, 2000)
+        assert on_list(found.attractors, made, law, z)
