@@ -12,7 +12,7 @@ import pytest
 
 from tests.conftest import EXPERIMENTS, HKNOB, SPEC
 
-BUSY = SPEC.replace("phases: 8", "phases: 20000").replace("[1000]", "{lin: [1000, 2000, 30]}")
+BUSY = SPEC.replace("phases: 8", "phases: 100000").replace("[1000]", "{lin: [1000, 2000, 30]}")
 
 
 def start(spec: Path, out: Path, *args: str) -> subprocess.Popen[str]:
@@ -62,6 +62,8 @@ def test_two_runs_on_one_folder(hknob, spec_file, tmp_path: Path) -> None:
     deadline = time.monotonic() + 120
     while not (out / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
+    time.sleep(0.2)  # the file is there a moment before it is locked
+    process.send_signal(signal.SIGSTOP)  # or it could be done before the second begins
     second = hknob("sweep", spec_file(SPEC, "other.yaml"), "-o", out)
     process.kill()
     process.communicate()

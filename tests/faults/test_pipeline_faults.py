@@ -14,7 +14,7 @@ from tests.conftest import HKNOB, SPEC
 from tests.faults import campaign
 
 KILLS = 25  # `campaign.py` does more
-BUSY = SPEC.replace("phases: 8", "phases: 20000").replace("[1000]", "{lin: [1000, 2000, 30]}")
+BUSY = SPEC.replace("phases: 8", "phases: 100000").replace("[1000]", "{lin: [1000, 2000, 30]}")
 
 
 def start(spec: Path, out: Path) -> subprocess.Popen[str]:
@@ -113,6 +113,8 @@ def test_a_second_run_on_one_folder_is_refused(hknob, tmp_path: Path) -> None:
     deadline = time.monotonic() + 120
     while not (out / "sweep" / ".hknob.lock").exists() and time.monotonic() < deadline:
         time.sleep(0.01)
+    time.sleep(0.2)  # the file is there a moment before it is locked
+    process.send_signal(signal.SIGSTOP)  # or it could be done before the second begins
     second = hknob("run", tmp_path / "busy.yaml", "-o", out)
     process.kill()
     process.communicate()
