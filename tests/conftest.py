@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from hknob_cli.errors import SpecError
 from hknob_cli.specs.load import load, validate
@@ -30,6 +31,10 @@ LONGEST_S = 600  # that a command may take; compiling for a new machine may take
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # begun in the background: what is run here would ignore it, too
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+# A busy machine is no fault of an input. Where CI is set, hypothesis tries the same inputs each time.
+settings.register_profile("patient", settings.default, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("patient")
 
 SPEC = """\
 kind: sweep

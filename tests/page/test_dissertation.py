@@ -4,13 +4,14 @@ import json
 import re
 import subprocess
 import time
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
 
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, HKNOB, ROOT
 from tests.page.opened import PHONE, WIDE, Opened
 
 pytestmark = pytest.mark.long
@@ -42,6 +43,15 @@ def test_it_is_complete(paper: Path) -> None:
     assert len(figures) >= 60
     assert {path.stem for path in (paper / "report" / "figures").glob("*.svg")} == figures
     assert not [path for path in (paper / "report" / "figures").glob("*.svg") if path.stat().st_size < 1000]
+
+
+def test_the_docs_count_the_claims_as_they_are_judged(paper: Path) -> None:
+    counts = Counter(row["verdict"] for row in pq.read_table(paper / "report" / "claims.parquet").to_pylist())
+    numbers = {str(number) for number in (counts.total(), *counts.values())}
+    places = (("README.md", "checked claims of the dissertation"), ("docs/explanation/dissertation.md", "Now "))
+    for name, line in places:
+        said = next(one for one in (ROOT / name).read_text().splitlines() if line in one)
+        assert set(re.findall(r"\b\d{2,}\b", said)) == numbers, (name, counts)
 
 
 def test_every_claim_has_a_verdict_and_every_figure_it_names_is_there(paper: Path) -> None:
