@@ -90,16 +90,6 @@ def test_clipping_keeps_one_side(corners: list[float], limit: float, sign: float
             assert inside(x, v, found, 1e-9)
 
 
-def test_a_flat_polygon_that_a_line_crosses_too_often_is_kept_whole() -> None:
-    """Rounding may leave corners of an edge a last bit to either side of a line along it."""
-    flat = [1.0 + bit * 2.0**-52 for bit in (0, 2, 0, 2, 0)]
-    corners = [number for x, v in zip(flat, (-3.0, -2.0, -1.0, 0.0, 4.0), strict=True) for number in (x, v)]
-    out = zeros(64)
-    for sign in (1.0, -1.0):
-        assert clip(corners, 5, 1.0 + 2.0**-52, sign, out, 4) == 5
-        assert out[4:14] == corners
-
-
 @small
 @given(loop=loops, corners=polygons(), samples=st.integers(0, 40))
 def test_corners_move_as_the_plant_does(loop: Loop, corners: list[float], samples: int) -> None:
