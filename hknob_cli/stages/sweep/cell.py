@@ -13,10 +13,12 @@ from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, kind_of_starts, parts_of, takes
+from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
+COMPILED_SETS = "friction sets"  # group of sets of starts, under a controller, too, that are compiled
 REMEDIED = "remedied"  # group of sets of starts under a controller, which nothing compiles
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
@@ -71,6 +73,15 @@ def may_bounce(plan: SweepPlan) -> bool:
 def follows_sets(plan: SweepPlan) -> bool:
     """Whether a sweep may have cells of which sets of starts are followed under a controller."""
     return plan.scene.controller is not None and kind_of_starts(plan.starts) in ("one", "ranges")
+
+
+def shares_areas(plan: SweepPlan) -> bool:
+    """Whether shares of ranges are areas: under a controller, unless compiled sets follow the first or last cell."""
+    if plan.scene.controller is None:
+        return False
+    cells = cells_of(plan)
+    ends = [scene_at(plan.scene, cell) for i in (0, len(cells) - 1) for cell in cells.run(i, i + 1)]
+    return all(engine_group(plan, scene) != COMPILED_SETS for scene in ends)
 
 
 def group_of(scene: Scene) -> str:
@@ -128,7 +139,7 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "laws" or (group == "friction sets" and scene.controller is not None):
+        if group == "laws" or (group == COMPILED_SETS and scene.controller is not None):
             return self._find_with_law(plan, cell, group)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
@@ -186,7 +197,7 @@ class CellFinder:
         made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
-            search = self._starts.search_law(plan, made, engine) if group == "friction sets" else None
+            search = self._starts.search_law(plan, made, engine) if group == COMPILED_SETS else None
             if search is None:
                 search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
         except NeedsCompilerError:

@@ -8,10 +8,10 @@ from hknob_cli.specs.plan import Starts
 RANGES = "starts={angle: [-0.05, 0.05], velocity: [-5, 5]}"  # rad and rad/s, of a knob that a hand lets go
 
 
-def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, controlled: bool = False) -> dict[str, Any]:
+def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, areas: bool = False) -> dict[str, Any]:
     """Of how many cells the list is proven to be complete, and why not of the others, as plain data.
 
-    ``controlled``: whether the wall has a controller; of ranges, shares are areas then.
+    ``areas``: whether shares of ranges are areas, and not counted.
     """
     open_ = [row for row in cells if not row["complete"] and not row.get("grows_rad")]
     sampled = [row for row in open_ if row["piece_count"] == 0]
@@ -23,7 +23,7 @@ def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, contro
         "sampled": len(sampled),
         "phases": starts.phases,
         "ranged": starts.many,
-        "shares_counted": starts.many and not controlled,
+        "shares_counted": starts.many and not areas,
         **({"random": starts.random} if starts.random else {}),
         **({"regions": _reaches(cells, "region"), "growing": _reaches(cells, "grows")} if starts.anywhere else {}),
         **({"undecided_max": max(row["undecided_fraction"] for row in left)} if left else {}),

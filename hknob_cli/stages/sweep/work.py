@@ -161,8 +161,9 @@ def _completeness(job: Job, cells: list[dict[str, Any]]) -> dict[str, Any]:
     """Where all starts are meant, of how many cells the list of attractors is complete, as part of the summary."""
     if job.plan.starts.sampled or not job.plan.scene.sampled:
         return {}
-    controlled = job.plan.scene.controller is not None
-    return {"completeness": describe_completeness(cells, job.plan.starts, controlled=controlled)}
+    from hknob_cli.stages.sweep.cell import shares_areas
+
+    return {"completeness": describe_completeness(cells, job.plan.starts, areas=shares_areas(job.plan))}
 
 
 def _unpushed(job: Job, rests: bool) -> dict[str, Any]:
