@@ -6,6 +6,10 @@ has reached the disk (`disk.py`), lays that disk out, and runs the command again
 power, too; one call of every other of them fails before. In the end the results must have the same bytes as without a
 fault, without anybody's clearing up, and what had been reported as done must not be done again. `--skip N` leaves out
 the first N disks, to come to a failure at once. `test_crashes.py` does a share of it.
+
+2026-11-23, two busy cores, seeds 20261123, 20261124, 31, 41, 51 and 52: 9663 disks (sweep 991, replaced 1129, hw-run
+4500, device 2500, run 400, remedies 143), each another within its run, 1681 of them after two crashes or more:
+none wrong. Before names of folders were synced, 17 of 60 were in sweep, 17 of 60 in hw-run, 9 of 60 in device.
 """
 
 import argparse
