@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_DECADES = 20.0  # from a range this wide on an axis is labelled at powers of ten alone
 _APART = 0.15  # of what is computed from what is measured, in rows
 Look = tuple[str, str, float, dict[str, Any]]  # a label, the columns' prefix, the place in a row, the style
 
@@ -68,8 +67,6 @@ def _share(rows: Rows, *, computed: bool) -> float | None:
 
 
 def _dress(panels: "list[Axes]", names: list[str], reference: str) -> None:
-    from matplotlib.ticker import LogLocator
-
     panels[0].set_yticks(range(len(names)), names, fontsize=8)
     panels[0].set_ylim(-0.7, len(names) - 0.3)
     of = reference if len(reference) <= 24 else "reference"
@@ -79,9 +76,6 @@ def _dress(panels: "list[Axes]", names: list[str], reference: str) -> None:
         if any(np.size(line.get_xdata()) for line in panel.lines):
             panel.set_xscale("log")
             plain_numbers(panel)
-            low, high = panel.get_xlim()
-            if high > _DECADES * low:
-                panel.xaxis.set_major_locator(LogLocator())
         else:
             panel.text(0.5, 0.5, "no buzz", ha="center", va="center", transform=panel.transAxes)
             panel.set_xticks([])
