@@ -8,13 +8,15 @@ import pyarrow as pa
 from hknob_cli.report.remedies_over import over_axis, over_the_grid
 from hknob_cli.report.remedies_words import grid_text, over_text, times, tuned_values
 from hknob_cli.report.table import short, table
-from hknob_cli.report.verdicts import best_remedy
+from hknob_cli.report.verdicts import best_remedy, quietest
 from hknob_cli.results.means import from_where, together
+from hknob_cli.stages.work import counted
 
 Row = dict[str, Any]
 LEVELS = ("touch_db", "touch_change_db", "hearing_change_db")
 _HEAD = ("max mrad", "Hz", "smaller", "mean mrad", "static K", "knock", "grid", "proven %")
 _RANGED = ("from", "one start")
+_ANEW = "starts: for some hand it buzzes, or diverges, where the reference does not."
 _FELT = ("touch dB", "louder", "by ear")
 
 
@@ -94,8 +96,11 @@ def trial_text(summary: dict[str, Any]) -> str:
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     remedies, hands = len(summary["grid"]), len(summary["hands"])
     cells = next(iter(summary["grid"].values()))["cells"] // hands
-    lines = [f"{summary['name']}: {remedies} remedies, {hands} hands, a grid of {cells} cells{stale}"]
-    lines += ["", best_remedy(summary["grid"])]
+    sizes = f"{counted(remedies, 'remedy', 'remedies')}, {counted(hands, 'hand')}, a grid of {counted(cells, 'cell')}"
+    lines = [f"{summary['name']}: {sizes}{stale}", "", best_remedy(summary["grid"])]
+    best = quietest(summary["grid"])
+    needs = next((row["needs"] for rows in summary["cases"].values() for row in rows if row["remedy"] == best), "")
+    lines += [f"{best} needs {needs}."] if needs else []
     felt = any(LEVELS[0] in row for rows in summary["cases"].values() for row in rows)
     ranged = any("complete" in row for rows in summary["cases"].values() for row in rows)
     heads = (*_HEAD[:1], *(_RANGED if ranged else ()), *_HEAD[1:], *(_FELT if felt else ()))
@@ -111,7 +116,7 @@ def trial_text(summary: dict[str, Any]) -> str:
             "",
             "max mrad, Hz: peak to peak and pitch of the largest cycle; mean mrad: mean of the trials that cycle.",
             "smaller: times, by the largest cycles, for the hand that gains least.",
-            "starts: for some hand it buzzes, or diverges, where the reference does not.",
+            *([_ANEW] if any(row["ratio_least"] == 0.0 for rows in summary["cases"].values() for row in rows) else []),
             "static K: stiffness under a steady push, and knock: depth of a quick knock, both over the reference's.",
             "grid: median over cells and hands, where the remedy does not rest, of how many times smaller.",
         ]

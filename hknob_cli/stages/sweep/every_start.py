@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 INCOMPLETE = [
     *(WORDS[reason] for reason in Reason),
-    "clock phases were sampled: sets of states are not followed in such a scene",
-    "random starts were simulated: sets of states are not followed in such a scene",
+    "clock phases were sampled: sets of states are not followed in such a scene, or not to their end",
+    "random starts were simulated: sets of states are not followed in such a scene, or not to their end",
 ]
 SOME_PHASES, SOME_STARTS = len(Reason), len(Reason) + 1
 

@@ -40,6 +40,10 @@ class FrictionSetEngine(GeneralSetEngine):
         """Samples that a cell may take when no time is set."""
         return LONGEST
 
+    def longest_phases(self) -> int:
+        """The same of all clock phases of one start."""
+        return LONGEST
+
     def follower(self, _body: Body, _wall: Controller, _delay_line: int) -> Callable[..., Any]:
         """What follows the pieces that wait, `friction_box.follow_friction`."""
         work = make_friction_room(self._zeros, self._filled, _delay_line, _body, _wall, self.law)
@@ -87,7 +91,7 @@ class FrictionSetEngine(GeneralSetEngine):
         rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
         waiting, pieces, undecided, narrowest, taken = FIRST, 0, 0.0, 1.0, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
-            while waiting and not alarm.over and taken <= self.longest(body):
+            while waiting and not alarm.over and taken <= self.longest_phases():
                 if self.stopped():
                     raise StoppedError
                 waiting, ended, lost, shortest, used = follow(
@@ -98,7 +102,7 @@ class FrictionSetEngine(GeneralSetEngine):
         left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
         found, why = ends_of(known, 2, delay_line), why_not(known)
         if left > 0.0:
-            given_up = self._given_up(left, seconds, over=taken > self.longest(body))
+            given_up = self._given_up(left, seconds, over=taken > self.longest_phases())
             found.append(given_up)
             why = given_up.reason
         if undecided > 0.0:

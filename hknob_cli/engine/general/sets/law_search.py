@@ -15,11 +15,15 @@ from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box, known
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
+from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
 from hknob_cli.engine.general.sets.readings import acting
 from hknob_cli.engine.general.sets.room import Known
 from hknob_cli.engine.sets.search import Box
+
+PHASES = (
+    LONGEST // 5
+)  # samples that all phases of one start may take: some ten seconds, after which trials are followed
 
 
 class LawSetEngine(FrictionSetEngine):
@@ -38,6 +42,10 @@ class LawSetEngine(FrictionSetEngine):
         """Make ready; ``functions``: the compiled group "friction sets"."""
         super().__init__(functions, stopped, patience)
         self.law = law
+
+    def longest_phases(self) -> int:
+        """Samples that all clock phases of one start may take when no time is set."""
+        return PHASES
 
     def _fill(
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, _wall: Controller
