@@ -197,12 +197,9 @@ class CellFinder:
         made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
-            sets = self._starts.search_law(plan, made, engine) if group == COMPILED_SETS else None
-            if sets is None or sets.why is Reason.WORK_LIMIT:  # trials tell more than sets that are given up
+            search = self._starts.search_law(plan, made, engine) if group == COMPILED_SETS else None
+            if search is None:
                 search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
-                search = search._replace(samples=search.samples + (sets.samples if sets else 0))
-            else:
-                search = sets
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = LawMeasurer(made.knob, engine)
