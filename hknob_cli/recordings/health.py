@@ -23,7 +23,8 @@ FEWEST_BEFORE = 10
 FEWEST_DURING = 10
 FEWEST_COUNTS = 20
 MOST_TORQUE_NM = 1.0
-MOST_MOTION_RAD = 1.0  # of a hand on a knob, in a pulse: those of the dissertation move by less than 0.3
+MOST_MOTION_RAD = 3.0  # of a knob, in a pulse
+MOST_HELD_RAD = 1.0  # of a knob that is gripped: hands of the dissertation move by less than 0.3
 WRONG_SIGN = "pulse of the wrong sign"
 LONGEST_PULSE_S = 0.5  # a hand reacts long before
 GAP = 1.5
@@ -155,7 +156,7 @@ def _motion(trial: Trial, pulse: Pulse, counts_per_rev: float | None) -> Iterato
     if abs(motion) <= least:
         yield f"the angle does not move in the pulse: {abs(motion):.2g} rad, noise and step are {least:.2g} rad"
         return
-    if abs(motion) > MOST_MOTION_RAD:
+    if abs(motion) > (MOST_HELD_RAD if trial.key.grip_target_n > 0.0 else MOST_MOTION_RAD):
         yield f"the angle moves by {abs(motion):.3g} rad in the pulse, more than a hand turns: is it in degrees?"
     if motion < 0.0:
         yield f"{WRONG_SIGN}: the angle moves by {motion:.3g} rad against the torque"
