@@ -153,7 +153,7 @@ def test_a_link_cut_in_a_trial_is_told_and_what_came_is_kept() -> None:
         with SerialDevice(served.url) as device:
             device.configure(SETTINGS)
             device.arm()
-            blocks, said = read_to_the_fault(device, within_s=0.3)
+            blocks, said = read_to_the_fault(device)
             device.release()
         assert_whole(blocks)
         assert served.target.host_has <= len(blocks) <= 12
