@@ -86,10 +86,12 @@ def new(
 
 def _spec(given: str) -> Path | None:
     """The path of a spec that was given in place of a preset, if it is one."""
+    path = Path(given)
+    if path.suffix not in (".yaml", ".yml") or not path.is_file():
+        return None
     from hknob_cli.specs.load import kind_of
 
-    path = Path(given)
-    return path if path.suffix in (".yaml", ".yml") and path.is_file() and kind_of(path) is not None else None
+    return path if kind_of(path) is not None else None
 
 
 def _write(path: Path, text: str) -> None:

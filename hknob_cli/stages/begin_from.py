@@ -4,10 +4,9 @@ The values stand as their author wrote them. What a trial of remedies tries, and
 proportion to the knob; the part that a bounded lag keeps is that of its rule (`theory.bounded_lag`).
 """
 
-import json
 import math
-import re
 from collections.abc import Mapping
+from io import StringIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,8 +19,6 @@ from hknob_cli.theory.bounded_lag import best_keep, slowness
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
 KINDS = ("remedies", "design", "predict", "dfa")  # kinds that can begin so
 _TIME_CONSTANT_S = 0.2
-_WIDTH = 110
-_PLAIN = re.compile(r"[A-Za-z0-9.][A-Za-z0-9 .*^/_-]*[A-Za-z0-9]")  # of texts: no quotes around them
 _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
 
 
@@ -50,7 +47,7 @@ def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[
     given = _given(path, overrides)
     head = f"# The knob of {path.name}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
     made = {"kind": kind, "name": name, **_MADE[kind](given)}
-    text = head + "".join(f"{line}\n" for line in _block(made))
+    text = head + _text(made)
     try:
         validate(yaml.parse(text, str(beside / "spec.yaml")), kind=kind)
     except SpecError as error:
@@ -73,7 +70,7 @@ def _given(path: Path, overrides: tuple[str, ...]) -> _Given:
         base, hand = value["base"], next(iter(value["hands"].values()))
         shared = {"perceive": value["perceive"]} if value.get("perceive") else {}
         sweep = {"kind": "sweep", "name": "base", **base, **shared, "scene": {**base["scene"], "hand": hand}}
-    plan = validate(yaml.parse("".join(f"{line}\n" for line in _block(sweep)), str(path)), kind="sweep")
+    plan = validate(yaml.parse(_text(sweep), str(path)), kind="sweep")
     assert isinstance(plan, SweepPlan)
     single: dict[str, Any] = {name: values[0] for name, values in plan.axes.items() if len(values) == 1}
     return _Given(
@@ -154,8 +151,9 @@ def _changes(given: _Given) -> dict[str, Any]:
         twice = {"scene": {"knob": {"coulomb_torque": _short(2.0 * knob.coulomb_torque)}}}
         found["friction x 2"] = _change(twice, "a brake")
     if "knob.damping" not in varied:
-        more = {"scene": {"knob": {"damping": _short(knob.damping + _damping(given))}}}
-        found["damping x 4"] = _change(more, "grease, or an eddy brake")
+        name, extra = _damping(given)
+        more = {"scene": {"knob": {"damping": _short(knob.damping + extra)}}}
+        found[name] = _change(more, "grease, or an eddy brake")
     if given.rate:
         found["rate x 2"] = _change({"grid": {RATE: 2 * given.rate}}, "a faster loop")
     if given.counts:
@@ -178,12 +176,14 @@ def _lag(given: _Given) -> dict[str, Any]:
     return {"bounded lag": _change({"scene": {"controller": lag}}, "a running mean, one multiplication")}
 
 
-def _damping(given: _Given) -> float:
-    """Three times the damping of knob and hand, to add; of a knob without any, a hundredth of sqrt(K J)."""
+def _damping(given: _Given) -> tuple[str, float]:
+    """Damping to add: three times that of knob and hand, or a hundredth of sqrt(K J) where there is none."""
     scene = given.plan
     hand = scene.hand or Hand()
     damping = scene.knob.damping + hand.damping
-    return 3.0 * damping or 0.01 * math.sqrt((scene.knob.inertia + hand.inertia) * (scene.wall.stiffness or 1.0))
+    if damping > 0.0:
+        return "damping x 4", 3.0 * damping
+    return "some damping", 0.01 * math.sqrt((scene.knob.inertia + hand.inertia) * (scene.wall.stiffness or 1.0))
 
 
 def _change(change: Mapping[str, Any], needs: str) -> dict[str, Any]:
@@ -194,33 +194,12 @@ def _short(value: float, digits: int = 6) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def _block(value: Mapping[str, Any], indent: str = "") -> list[str]:
-    """A mapping as YAML: what fits a line in one, the rest in lines of its own."""
-    lines = []
-    for key, one in value.items():
-        flat = f"{indent}{_scalar(key)}: {_flow(one)}"
-        deep = isinstance(one, dict) and any(isinstance(part, dict) and part for part in one.values())
-        if isinstance(one, dict) and one and (len(flat) > _WIDTH or (deep and key != "change")):
-            lines += [f"{indent}{_scalar(key)}:", *_block(one, f"{indent}  ")]
-        else:
-            lines.append(flat)
-    return lines
+def _text(value: Mapping[str, Any]) -> str:
+    """As YAML: mappings and lists of scalars in a line each, keys in their order."""
+    from ruamel.yaml import YAML
 
-
-def _flow(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + ", ".join(f"{_scalar(key)}: {_flow(one)}" for key, one in value.items()) + "}"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_flow, value)) + "]"
-    return _scalar(value)
-
-
-def _scalar(value: object) -> str:
-    """A scalar; a text is quoted unless it is plain in YAML as in English."""
-    if isinstance(value, float):
-        return f"{value:.12g}" if math.isfinite(value) else f".{value}"
-    if not isinstance(value, str):
-        return json.dumps(value)
-    return (
-        value if _PLAIN.fullmatch(value) and yaml.parse_value(value) == value else json.dumps(value, ensure_ascii=False)
-    )
+    writer: Any = YAML(typ="safe", pure=True)
+    writer.default_flow_style, writer.width, writer.sort_base_mapping_type_on_output = None, 120, False
+    stream = StringIO()
+    writer.dump(value, stream)
+    return stream.getvalue()
