@@ -181,7 +181,8 @@ def tiles_of(evidence: ResultSet, first: Sequence[str]) -> tuple[Tile, ...]:
             grid = over_the_grid(evidence[name].rows("remedies"))
             if best := quietest(grid):
                 times = f"{grid[best]['ratio_median']:.3g} times"
-                found.append(Tile(times, f"smaller with {best}, the quietest fix that leaves a buzz (median over the grid)", name))
+                said = f"smaller with {best}, the quietest fix that leaves a buzz (median over the grid)"
+                found.append(Tile(times, said, name))
             break
     return tuple(found)
 
