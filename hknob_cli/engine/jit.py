@@ -86,6 +86,7 @@ UNSAMPLED = (
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
 PULSE = ("pulse",)
+ALLOCATING = ("copy_line",)  # functions of the engine that make an array
 # What is compiled for a scene, or for a recorded pulse: its modules, and functions of which Python calls one first.
 GROUPS = {
     "plain": (PLAIN, ("ensemble.ensemble",)),
@@ -203,7 +204,11 @@ def _compilable(function: types.FunctionType, seen: tuple[tuple[str, Any], ...],
     copy = types.FunctionType(function.__code__, {**function.__globals__, **dict(seen)}, function.__name__)
     copy.__qualname__ = function.__name__
     copy.__module__ = function.__module__
-    part, entry = kinds().part(copy), kinds().entry(copy)
+    called = function.__code__.co_names
+    allocates = function.__name__ in ALLOCATING or any(
+        getattr(other, "allocates", False) for name, other in seen if name in called
+    )
+    part, entry = kinds().part(copy, allocates=allocates), kinds().entry(copy, allocates=allocates)
     if keep:
         entry.enable_caching()
         keep_sealed(entry)
@@ -221,7 +226,7 @@ def compiled_law(name: str) -> Any:
     source: Any = functions[f"general.laws.{name}"]
     takes = (float64, float64, numbers, numbers, numbers)
     # numba.cfunc would not let it be sealed
-    law = CFunc(source.py_func, (takes, float64), locals={}, options={}, pipeline_class=kinds().pipeline)
+    law = CFunc(source.py_func, (takes, float64), locals={}, options={"_nrt": False}, pipeline_class=kinds().pipeline)
     if not _not_kept():
         law.enable_caching()
         keep_sealed(law)

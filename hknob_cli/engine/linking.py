@@ -5,6 +5,10 @@ calls it. Python calls few functions of the engine. The others are only ever cal
 is repeated in each caller and used by none. Here a function exists twice: as a part of others, which is translated and
 no more; and as an entry, into which all its parts are linked before it is optimised. Optimising does not reorder
 arithmetic: results are the same to the last bit.
+
+Numba counts the references to each array that a function is given, atomically, whenever it is called. Work space holds
+dozens of arrays, and the small functions of the engine get it a million times: counting took more time than what they
+do. Who calls the engine holds its arrays, so that a function that makes none does not count them.
 """
 
 import gc
@@ -16,11 +20,12 @@ from typing import Any, NamedTuple
 class Kinds(NamedTuple):
     """Classes derived from numba's, which is loaded here.
 
-    ``part``: makes a part of a function; ``entry``: makes an entry; ``pipeline``: of an entry, where numba makes it.
+    ``part``: makes a part of a function; ``entry``: makes an entry; both are told whether it ``allocates`` arrays, or
+    calls what does. ``pipeline``: of an entry, where numba makes it.
     """
 
-    part: Callable[[Callable[..., Any]], Any]
-    entry: Callable[[Callable[..., Any]], Any]
+    part: Callable[..., Any]
+    entry: Callable[..., Any]
     pipeline: Any
 
 
@@ -116,9 +121,10 @@ def kinds() -> Kinds:
     class Part(CPUDispatcher):
         """A function that others call."""
 
-        def __init__(self, function: Callable[..., Any]) -> None:
-            options = {"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        def __init__(self, function: Callable[..., Any], *, allocates: bool = False) -> None:
+            options = {"nopython": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": allocates}
             super().__init__(function, targetoptions=options, pipeline_class=IntoPart)
+            self.allocates = allocates
 
         def get_call_template(self, args: Any, kws: Any) -> Any:
             """As it is: a number written in the caller does not make it another function."""
@@ -127,8 +133,8 @@ def kinds() -> Kinds:
     class Entry(CPUDispatcher):
         """A function that Python calls."""
 
-        def __init__(self, function: Callable[..., Any]) -> None:
-            options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True}
+        def __init__(self, function: Callable[..., Any], *, allocates: bool = False) -> None:
+            options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, "_nrt": allocates}
             super().__init__(function, targetoptions=options, pipeline_class=IntoEntry)
 
     return Kinds(Part, Entry, IntoEntry)

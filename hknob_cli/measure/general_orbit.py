@@ -19,7 +19,6 @@ from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome
-from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.measure.forms import Array, Forms, Integrals, generator, hold_forms, integrate
 from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
@@ -28,6 +27,7 @@ from hknob_cli.scene.general_knob import GeneralKnob
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
 _BLOCK = 1 << 19  # numbers worked on at once
 _SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
+NEGLIGIBLE = 1e-20  # term of the series of a coefficient that changes no digit of it
 SHORT = 1.0  # time in units of the fastest mode, up to which ten nodes integrate a piece to rounding
 
 
@@ -197,21 +197,20 @@ class GeneralMeasurer:
         y = chart.commands + body.drive - chart.modes * body.friction - body.beta * reference
         z = np.stack([chart.states[:-1, 0] - reference, chart.states[:-1, 1], y])
         z[2, chart.modes == 0.0] = body.beta * z[0, chart.modes == 0.0]
-        mean = square = speed = 0.0
-        spans, counts = np.unique(chart.spans, return_counts=True)
-        for span, count in zip(spans, counts, strict=True):
-            part = z[:, chart.spans == span]
-            if pace * span <= SHORT and count < 4 and span not in self._forms:
-                for column in part.T:
-                    one = _quadrature(column, float(span), body.alpha, body.beta)
-                    mean, square, speed = mean + one[0], square + one[1], speed + one[2]
-                continue
-            form = self._forms.get(span) or hold_forms(body.alpha, body.beta, float(span))
-            if count >= 4:
+        spans, which, counts = np.unique(chart.spans, return_inverse=True, return_counts=True)
+        whole = (pace * spans > SHORT) | (counts >= 4) | np.isin(spans, list(self._forms))
+        short = np.flatnonzero(~whole[which])
+        parts = [_quadrature(z[:, short], chart.spans[short], body.alpha, body.beta)]
+        for k in np.flatnonzero(whole):
+            span, part = float(spans[k]), z[:, which == k]
+            form = self._forms.get(span) or hold_forms(body.alpha, body.beta, span)
+            if counts[k] >= 4:
                 self._forms[span] = form
-            mean += float((form.mean @ part).sum())
-            square += float((part * (form.square @ part)).sum())
-            speed += float((part * (form.speed @ part)).sum())
+            sums = (form.mean @ part).sum(), (part * (form.square @ part)).sum(), (part * (form.speed @ part)).sum()
+            parts.append(np.array(sums)[:, None])
+        # One after another from the shortest piece on: the last digit does not depend on how they are grouped.
+        order = np.argsort(np.concatenate([which[short], np.flatnonzero(whole)]), kind="stable")
+        mean, square, speed = (float(row[-1]) for row in np.cumsum(np.concatenate(parts, axis=1)[:, order], axis=1))
         return Totals(mean=mean, square=square, loss=body.alpha * speed, power=nan)
 
     def _many_states(self, chart: PeriodSegments, reference: float) -> Totals:
@@ -239,14 +238,28 @@ class LawMeasurer(GeneralMeasurer):
         return Leak(nan, nan, nan)
 
 
-def _quadrature(start: Array, span: float, alpha: float, beta: float) -> tuple[float, float, float]:
-    """Integrals of x, x² and v² over a short piece from (x, v, drive)."""
-    x, v, drive = (float(value) for value in start)
+def _quadrature(start: Array, spans: Array, alpha: float, beta: float) -> Array:
+    """Integrals of x, x² and v² (3, m) over short pieces of lengths ``spans`` (m,) from (x, v, drive), (3, m)."""
+    x, v, drive = start
     y = drive - beta * x
-    mean = square = speed = 0.0
-    for node, weight in RULE:
-        s, g, f = hold_coefficients(alpha, beta, 0.5 * span * (node + 1.0))
-        at, pace = x + (s * v + g * y), f * v + s * y
-        part = 0.5 * span * weight
-        mean, square, speed = mean + part * at, square + part * at * at, speed + part * pace * pace
-    return mean, square, speed
+    nodes, weights = np.array(RULE).T[:, :, None]
+    s, g, f = _short_coefficients(alpha, beta, 0.5 * spans * (nodes + 1.0))
+    at, pace, part = x + (s * v + g * y), f * v + s * y, 0.5 * spans * weights
+    total = np.zeros((3, len(spans)))
+    for node in np.stack([part * at, part * at * at, part * pace * pace], axis=1):
+        total += node
+    return total
+
+
+def _short_coefficients(alpha: float, beta: float, t: Array) -> tuple[Array, Array, Array]:
+    """(S, G, F) over times ``t`` (any shape) up to `SHORT` of the fastest mode; see `propagator.hold_coefficients`."""
+    a, c = 0.5 * alpha * t, beta * t * t
+    before, term = np.zeros_like(t), np.full_like(t, 0.5)
+    g, s = term.copy(), np.ones_like(t)
+    n = 2
+    while np.any(np.abs(term) + np.abs(before) > NEGLIGIBLE):
+        before, term = term, -(2.0 * a * n * term + c * before) * (1.0 / ((n + 1) * n))
+        n += 1
+        g += term
+        s += n * term
+    return s * t, g * t * t, 1.0 - c * g - 2.0 * a * s

@@ -2,10 +2,11 @@
 
 import gc
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from hknob_cli.engine.jit import GROUPS
+from hknob_cli.engine.jit import GROUPS, compiled
 from hknob_cli.engine.kept_code import load_numba
 from hknob_cli.engine.linking import kinds
 from tests.conftest import ROOT
@@ -45,6 +46,16 @@ def test_a_part_is_no_code_of_its_own() -> None:
     part.compile((load_numba().float64,))
     (made,) = part.overloads.values()
     assert made.library.get_pointer_to_function(made.fndesc.llvm_func_name) == 0
+
+
+def test_references_are_counted_only_where_arrays_are_made() -> None:
+    functions: dict[str, Any] = compiled("general")
+    counts = {name: function.targetoptions["_nrt"] for name, function in functions.items()}
+    assert counts["copy_line"]
+    assert counts["forced_response"]  # calls it
+    assert counts["follow"]  # calls what calls it
+    assert not counts["level_of"]
+    assert not any(count for name, count in counts.items() if name.startswith("general."))
 
 
 def test_what_cannot_be_compiled_leaves_the_collector_on() -> None:
