@@ -33,8 +33,8 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
     scene = result.scene
     if not scene.sampled:
         raise MissingError(f"'{of}' has no sample clock")
-    if result.stage == "dfa" and {"finger", "lag", "friction"} & set(parts_of(scene)):
-        raise MissingError(f"'{of}' has more than one body with damping and stiffness")
+    if result.stage == "dfa" and {"finger", "lag", "friction", "hysteresis", "backlash"} & set(parts_of(scene)):
+        raise MissingError(f"'{of}' has more than one body with damping and stiffness, and a relay without memory")
     chosen = [float(rate) for rate in rates] if rates else _values(result, RATE)
     counts = int(_values(result, COUNTS)[0])
     knobs = [sample_knob(scene, sample_rate_hz=rate, counts_per_rev=counts) for rate in chosen]
