@@ -1,4 +1,4 @@
-"""Describing functions of a relay with hysteresis, and what `dfa` says of a scene with one."""
+"""Describing functions of a relay with hysteresis, against the textbook's balance and a matrix exponential."""
 
 from itertools import product
 from math import pi, sqrt
@@ -10,7 +10,6 @@ from scipy.linalg import expm
 
 from hknob_cli.theory.attached import Attached
 from hknob_cli.theory.relay import Relay, RelayCycle, describing_function, tsypkin
-from tests.conftest import loaded
 
 # Plants from light to heavy, held and not; delays; half widths of the hysteresis per relay level.
 CASES = [
@@ -89,8 +88,3 @@ def test_a_finger_and_a_lag_stand_beside_it() -> None:
     share = relay.turn / cycle.amplitude
     gain = 4.0 / (pi * cycle.amplitude) * (sqrt(1.0 - share**2) - 1j * share)
     assert gain * plant == pytest.approx(-1.0, abs=1e-9)
-
-
-def scene_with(*changes: str, kind: str = "sweep", **more: Any) -> Any:
-    """The plan of a spec of the conftest with half a count's bias and with changes."""
-    return loaded("bias={half_quantum: true}", *changes, kind=kind, **more)
