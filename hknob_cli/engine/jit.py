@@ -34,6 +34,7 @@ GENERAL = (
     "general.slide_many",
     "general.columns",
     "general.advance",
+    "general.hysteresis",
     "general.interval",
     "general.powers",
     "general.period_map",

@@ -25,6 +25,8 @@ _AXES = {
     "hand.inertia": "hand inertia, kg·m²",
     "wall.damping": "virtual damping, N·m·s/rad",
     "encoder.offset_counts": "encoder edges, counts above the wall's",
+    "encoder.hysteresis_counts": "hysteresis of the encoder, counts",
+    "encoder.backlash": "slack before the encoder, rad",
     "actuator.delay_samples": "delay, samples",
     "actuator.time_constant": "actuator lag, s",
     "hand_inertia_kg_m2": "inertia of the person's hand, kg·m²",

@@ -23,10 +23,10 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
 
     The key gives each rate and the pitch where its ray meets the curve. Dashed: the inverse of the describing function
     without delay. ``zoom``: a second panel for the crossings near the origin, by default with three rates or more.
-    Raises `MissingError` where the scene has no sample clock.
+    Raises `MissingError` where the scene has no sample clock, and where hysteresis makes another line of the ray.
     """
     from hknob_cli.scene.sampled_knob import sample_knob
-    from hknob_cli.specs.capabilities import parts_of
+    from hknob_cli.specs.capabilities import PARTS, parts_of
     from hknob_cli.theory.relay import crossing
 
     result = evidence[of]
@@ -35,6 +35,8 @@ def nyquist(evidence: ResultSet, of: str, *, rates: list[float] | None = None, z
         raise MissingError(f"'{of}' has no sample clock")
     if result.stage == "dfa" and {"finger", "lag", "friction"} & set(parts_of(scene)):
         raise MissingError(f"'{of}' has more than one body with damping and stiffness")
+    if any(part in parts_of(scene) or PARTS[part].path in result.axes for part in ("hysteresis", "backlash")):
+        raise MissingError(f"'{of}' has an encoder with hysteresis, whose inverse is no ray")
     chosen = [float(rate) for rate in rates] if rates else _values(result, RATE)
     counts = int(_values(result, COUNTS)[0])
     knobs = [sample_knob(scene, sample_rate_hz=rate, counts_per_rev=counts) for rate in chosen]

@@ -105,7 +105,8 @@ def without_apparatus(
 def at_the_skin(parameters: Mapping[str, Estimate], radius_m: float) -> dict[str, Estimate]:
     """Translational model at a knob's circumference: kg, N s/m, N/m; friction, if any, in N.
 
-    Inertia, damping and stiffness over radius squared, Coulomb torque over radius. Source: Section 5.3, Figure 21.
+    Inertia, damping and stiffness over radius squared, Coulomb torque over radius: m x'' + b x' + k x = f with x = r
+    theta and f = T / r, of all fingers on the knob together. Source: Section 2.2 (Hajian 1997), Section 5.3, Figure 21.
     Raises `UsageError` unless the radius is positive.
     """
     if not radius_m > 0.0:

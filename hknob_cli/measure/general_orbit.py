@@ -155,7 +155,7 @@ class GeneralMeasurer:
         return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
 
     def _cycle(self, attractor: Attractor, chart: PeriodSegments) -> OrbitMeasures:
-        knob, body = self.knob, self.knob.body
+        knob, body, wall = self.knob, self.knob.body, self.knob.wall
         turns = find_turns(chart)
         cycles = len(turns.maxima)
         if cycles == 0 or len(turns.minima) == 0:
@@ -168,7 +168,7 @@ class GeneralMeasurer:
         travel = float(np.abs(np.diff(x))[chart.modes != 0.0].sum())
         lagging = body.lag > 0.0
         work = totals.power if lagging else float(((chart.commands - chart.commands.mean()) * np.diff(x)).sum())
-        leak = None if lagging or self.knob.wall.table is not None else self._leak(x, chart.commands)
+        leak = None if lagging or wall.table is not None or wall.hysteresis > 0.0 else self._leak(x, chart.commands)
         energy = knob.energy_j
         return OrbitMeasures(
             cycles=cycles,

@@ -155,16 +155,22 @@ def gain_at(spl_db: float, *, speed_rad_s: float) -> float:
     return float(sqrt(2.0) * REFERENCE_PA * 10.0 ** (spl_db / 20.0) / speed_rad_s)
 
 
-def judge(frequency_hz: ArrayLike, spl_db: ArrayLike, *, edition: int | None = None) -> Verdict:
+def judge(
+    frequency_hz: ArrayLike, spl_db: ArrayLike, *, edition: int | None = None, masked_db: ArrayLike | None = None
+) -> Verdict:
     """Level above threshold of sums of tones, frequencies (n,) and levels (..., n): that of the most audible one.
 
-    Tones outside 20 Hz to 12.5 kHz are left out; NaN where there are no others. What tones do together, masking and
-    the loudness of several, ISO 226 does not say.
+    ``masked_db`` (n,): threshold in noise, which holds where it is the higher one; a tone whose is NaN is left out.
+    Tones outside 20 Hz to 12.5 kHz are left out; NaN where there are no others. What tones do together, masking each
+    other and the loudness of several, ISO 226 does not say.
     """
     frequency = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
     some = in_range(frequency)
     levels = np.asarray(spl_db, dtype=np.float64)[..., some]
-    return combine(frequency[some], sensation_level(frequency[some], levels, edition=edition))
+    above = sensation_level(frequency[some], levels, edition=edition)
+    if masked_db is not None:
+        above = np.minimum(above, levels - np.asarray(masked_db, dtype=np.float64)[some])
+    return combine(frequency[some], above)
 
 
 def _refuse_loudness(frequency: Array, phon: Array) -> None:

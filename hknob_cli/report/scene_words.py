@@ -124,7 +124,13 @@ class _Words:
         counts = self.axes.get(COUNTS, [])
         said = f"Encoder: {range_of(counts)} counts per revolution" if counts else "Encoder"
         offset = self._value("encoder.offset_counts", "counts")
-        return f"{said}, read {_ROUNDING[encoder.rounding]}{f', edges {offset} off' if offset else ''}."
+        parts = [said, f"read {_ROUNDING[encoder.rounding]}"]
+        parts += [f"edges {offset} off"] if offset else []
+        if hysteresis := self._value("encoder.hysteresis_counts", "counts"):
+            parts.append(f"hysteresis of {hysteresis}")
+        if slack := self._value("encoder.backlash", "rad"):
+            parts.append(f"behind a slack of {slack}")
+        return f"{', '.join(parts)}."
 
     def _clock(self) -> Iterator[str]:
         rates = self.axes.get(RATE, [])

@@ -105,6 +105,7 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
         split=split,
         table=table,
         band=actuator.dead_band * square / quantum,
+        hysteresis=encoder.width_counts(quantum) if scene.encoder else 0.0,
     )
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()

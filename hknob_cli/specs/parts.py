@@ -11,7 +11,7 @@ from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
-from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque
+from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque, Width
 
 
 @declared()
@@ -58,6 +58,16 @@ class Encoder(NamedTuple):
         Bounds(strict=True, ge=0, lt=1, allow_inf_nan=False),
         "encoder edges lie this part of a count above the wall's edge and its multiples",
     ] = 0.0
+    hysteresis_counts: Annotated[
+        float,
+        Bounds(strict=True, ge=0, le=1000, allow_inf_nan=False),
+        "counts by which the knob turns back until the count does, half of them on each side of an edge; 0: none",
+    ] = 0.0
+    backlash: Annotated[Width, "slack between knob and encoder, which adds to the hysteresis; 0: none"] = 0.0
+
+    def width_counts(self, quantum_rad: float) -> float:
+        """Hysteresis and slack, counts of ``quantum_rad``: two plays in a row are one of both widths."""
+        return self.hysteresis_counts + self.backlash / quantum_rad
 
 
 @declared()

@@ -35,6 +35,8 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "dead_band": actuator.dead_band != 0.0,
         "rounding": encoder.rounding != "floor",
         "offset": encoder.offset_counts != 0.0,
+        "hysteresis": encoder.hysteresis_counts != 0.0,
+        "backlash": encoder.backlash != 0.0,
         "bare": scene.encoder is None,
         "unsampled": not scene.sampled,
         "controller": controller is not None,

@@ -22,10 +22,23 @@ class Touch(NamedTuple):
 
 
 @declared()
+class Background(NamedTuple):
+    """Steady noise at the ear, beside the knob's sound."""
+
+    level_db: Annotated[
+        float,
+        Bounds(strict=True, ge=-20, le=140, allow_inf_nan=False),
+        "sound pressure level from 20 Hz to 20 kHz, dB re 20 uPa, without weighting",
+    ]
+    spectrum: Annotated[Literal["white", "pink"], "equal power per Hz, or per octave"] = "pink"
+
+
+@declared()
 class Hearing(NamedTuple):
-    """Which equal-loudness contours."""
+    """Which equal-loudness contours, and what else there is to hear."""
 
     edition: Annotated[Literal[2003, 2023], WHOLE, "edition of ISO 226"] = 2023
+    background: Annotated[Background | None, "noise that masks the knob's sound; null: silence"] = None
 
 
 @declared(unread=("others",))
@@ -50,6 +63,10 @@ class Perceive(NamedTuple):
     def wrong(self) -> str:
         """What is wrong with the gains; empty if nothing is."""
         points = self.sound_response
+        if self.hearing.background and not self.gained:
+            return (
+                "hearing.background: must be absent without sound_gain or sound_response: a relative level has no mask"
+            )
         if points and self.sound_gain is not None:
             return "sound_response: must be absent where sound_gain is given: it is in its place"
         if len(points) == 1:

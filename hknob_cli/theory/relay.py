@@ -34,6 +34,7 @@ class Relay(NamedTuple):
     """Plant x'' + alpha x' + beta x = u, u = -+ ``level`` by the sign of x, ``delay`` samples late.
 
     ``attached``: a finger, a lag, friction beside it, which `describing_function` knows; friction with one harmonic.
+    ``turn``: how far beyond zero x must come until the relay turns, half the width of its hysteresis.
     """
 
     alpha: float
@@ -41,6 +42,7 @@ class Relay(NamedTuple):
     level: float
     delay: float
     attached: Attached | None = None
+    turn: float = 0.0
 
 
 class RelayCycle(NamedTuple):
@@ -74,7 +76,9 @@ def lowest_omega(relay: Relay, harmonics: int) -> float:
         beta = (beta + more.stiffness) / more.inertia
     if beta > 0.0:
         return 0.4 * sqrt(beta) / (2 * harmonics - 1)
-    return 1e-3 * sqrt(relay.alpha / max(relay.delay, 1e-6)) if relay.alpha > 0.0 else 1e-3
+    low = 1e-3 * sqrt(relay.alpha / max(relay.delay, 1e-6)) if relay.alpha > 0.0 else 1e-3
+    # Nothing holds the knob: from edge to edge it takes the longer, the wider they are apart.
+    return min(low, 0.1 * relay.level / (relay.alpha * relay.turn)) if relay.alpha * relay.turn > 0.0 else low
 
 
 def _roots(values: Array, grid: Array, function: Callable[[float], float]) -> list[float]:
@@ -97,7 +101,8 @@ def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
 
     The relay switches where its input is zero, sum of Im[W(jhw)]/h = 0 over odd h, falling there, sum of Re[W(jhw)]
     below 0; the peak to peak is that of the waveform with the same harmonics. One harmonic is the classic describing
-    function 4M/(pi A) (Slotine & Li 1991, sec. 5.4).
+    function 4M/(pi A) (Slotine & Li 1991, sec. 5.4). With hysteresis the sum is -pi d/(4M), d the ``turn``: one
+    harmonic is then 4M/(pi A) (sqrt(1 - (d/A)^2) - j d/A) (Gelb & Vander Velde 1968, sec. 2.3).
     """
     odd = np.arange(1, 2 * harmonics, 2, dtype=float)
     low = lowest_omega(relay, harmonics)
@@ -109,8 +114,9 @@ def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
 
     def switching(omega: Array) -> Array:
         total: Array = (response(relay, np.multiply.outer(omega, odd)).imag / odd).sum(axis=-1)
-        return total
+        return total + late
 
+    late = 0.25 * pi * relay.turn / relay.level
     cycles = []
     chunk = max(1, 2_000_000 // len(odd))
     values = np.concatenate([switching(grid[i : i + chunk]) for i in range(0, len(grid), chunk)])
@@ -118,7 +124,7 @@ def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
         line = response(relay, omega * odd)
         if line.real.sum() < 0.0:
             lines = relay.level * 4.0 / pi * line / odd
-            cycles.append(RelayCycle(omega, _peak(lines, odd), _crosses_twice(_wave(lines, odd))))
+            cycles.append(RelayCycle(omega, _peak(lines, odd), _crosses_twice(_wave(lines, odd), relay.turn)))
     return cycles
 
 
@@ -149,10 +155,11 @@ def _wave(lines: NDArray[np.complex128], odd: Array) -> Array:
     return wave
 
 
-def _crosses_twice(wave: Array) -> bool:
-    """Whether a period that begins at a zero has one more zero, in its middle; ripple at the zeros is rounding."""
+def _crosses_twice(wave: Array, turn: float) -> bool:
+    """Whether a period that begins at a switch has one more, in its middle; ripple at the switches is rounding."""
     half = wave[1 : len(wave) // 2]
-    return bool((half < 1e-9 * abs(half).max()).all() or (half > -1e-9 * abs(half).max()).all())
+    most = turn + 1e-9 * abs(half).max()
+    return bool((half < most).all() or (half > -most).all())
 
 
 def start_of_half(relay: Relay, half: float) -> tuple[float, float]:
@@ -198,13 +205,15 @@ def tsypkin(relay: Relay) -> list[RelayCycle]:
         return []
     points = int(min(400 + 24 * relay.delay, 20_000))
     grid = np.geomspace(1.0, pi / low, points)
-    values = np.array([at_switch(relay, float(half))[0] for half in grid])
+    values = np.array([at_switch(relay, float(half))[0] for half in grid]) - relay.turn
     cycles = []
-    for half in _roots(values, grid, lambda at: at_switch(relay, at)[0]):
+    for half in _roots(values, grid, lambda at: at_switch(relay, at)[0] - relay.turn):
         if at_switch(relay, half)[1] > 0.0:
             steps = np.linspace(0.0, 1.0, 129)
             wave = np.array([_input(relay, half, float(step) * half) for step in steps])
-            cycles.append(RelayCycle(pi / half, _largest(relay, half), _crosses_twice(np.concatenate([wave, -wave]))))
+            cycles.append(
+                RelayCycle(pi / half, _largest(relay, half), _crosses_twice(np.concatenate([wave, -wave]), relay.turn))
+            )
     return cycles[::-1]
 
 

@@ -15,6 +15,7 @@ from hknob_cli.identify.identified import (
     student,
     without_apparatus,
 )
+from hknob_cli.identify.least_squares import least_squares
 from hknob_cli.identify.output_error import output_error
 from tests.identify.pulses import LIGHT, motion, pulse, seen
 
@@ -74,3 +75,16 @@ def test_subjects_give_a_row_of_table_1() -> None:
     assert found == pytest.approx((2.0, 1.0, 0.5, 3))
     assert math.isnan(over_subjects([1.0]).std)
     assert over_subjects([]).number == 0
+
+
+@pytest.mark.parametrize("radius_m", [8.9e-3, 14.95e-3])
+def test_models_at_the_skin_are_those_of_section_2_2(radius_m: float) -> None:
+    """Hajian's recipe on metres and newtons: the matrix of acceleration, velocity and displacement divided into f."""
+    exact = motion(LIGHT, pulse(350))
+    noise = np.random.default_rng(1).normal(0.0, 1e-4, len(exact.torque_nm))
+    one = exact._replace(torque_nm=exact.torque_nm + noise)
+    rates = [one.acceleration_rad_s2, one.velocity_rad_s, one.angle_rad]
+    columns = radius_m * np.stack(rates, axis=1)
+    m, b, k = np.linalg.lstsq(columns, one.torque_nm / radius_m, rcond=None)[0]
+    skin = at_the_skin(least_squares(one).parameters, radius_m)
+    assert [skin[name].value for name in ("inertia", "damping", "stiffness")] == pytest.approx([m, b, k], rel=1e-6)

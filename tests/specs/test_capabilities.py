@@ -75,6 +75,8 @@ CHANGES: dict[str, dict[str, Any]] = {
     "dead_band": {"scene": {"actuator": {"dead_band": 2e-3}}},
     "rounding": {"scene": {"encoder": {"rounding": "nearest"}}},
     "offset": {"scene": {"encoder": {"offset_counts": 0.3}}},
+    "hysteresis": {"scene": {"encoder": {"hysteresis_counts": 0.5}}},
+    "backlash": {"scene": {"encoder": {"backlash": 0.004}}},
     "bare": {"scene": {"encoder": "none"}, "grid": {"counts_per_rev": None}},
     "unsampled": {"scene": {"sampling": "continuous"}, "grid": {"sample_rate_hz": None}},
     "controller": {"scene": {"controller": {"kind": "bounded_lag"}}},

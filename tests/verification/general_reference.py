@@ -436,6 +436,7 @@ class Control:
     delay: Any
     dead_band: Any = 0  # smaller torques are not sent [N m]
     over_angle: Any = None  # torque [N m] at a count, beside the wall
+    hysteresis: Any = 0  # between the angles at which an edge is passed on the way up and down [counts]
 
     def counts(self, theta: Any) -> Any:
         """Angle in counts from an encoder edge, shifted such that a level changes at whole numbers."""
@@ -456,8 +457,8 @@ class Control:
         """Distance to where the command jumps [rad]; a continuous sensor's wall edge counts where there is damping."""
         if self.quantum is None:
             return float(abs(theta)) if self.damping else float("inf")
-        counts = self.counts(theta)
-        return float(abs(counts - mp.nint(counts)) * self.quantum)
+        near = [self.counts(theta) + shift for shift in (self.hysteresis / 2, -self.hysteresis / 2)]
+        return float(min(abs(counts - mp.nint(counts)) for counts in near) * self.quantum)
 
     def wanted(self, measured: Any, before: Any) -> Any:
         """Wall's command before the torque step [N m]."""
@@ -482,6 +483,39 @@ class Control:
             return band
         part = wanted / self.step + mp.mpf(1) / 2
         return min(band, float(abs(part - mp.nint(part)) * self.step))
+
+
+class Relays:
+    """An encoder with hysteresis as a row of relays, one an edge: on from half its width above, off from half below.
+
+    ``on``: by edge; the count is the highest that is on. ``log``: of what was seen, the sample that it led to, whether
+    it was a turning point, the angle, and its least distance [counts] to where a relay of the wall would have turned,
+    or would not have.
+    """
+
+    def __init__(self, control: Control, theta: Any) -> None:
+        self.control, self.half = control, control.hysteresis / 2
+        count = int(mp.nint(control.measured(theta) / control.quantum - control.offset))
+        self.up = control.rounding != "ceil"
+        # An edge belongs to the count above it where counts are rounded down, to the one below it where up.
+        self.on = {edge: edge <= count + (0 if self.up else -1) for edge in range(-300, 300)}
+        self.log: list[tuple[int, bool, Any, float]] = []
+
+    def see(self, theta: Any, sample: int, *, turn: bool) -> None:
+        """Go to an angle, from the last one without turning round."""
+        gap = float("inf")
+        at = self.control.counts(theta)
+        for edge, on in self.on.items():
+            goes = at < edge - self.half if on else at >= edge + self.half
+            self.on[edge] = on != goes
+            if edge <= (0 if self.up else -1):
+                gap = min(gap, float(abs(at - (edge - self.half if on else edge + self.half))))
+        self.log.append((sample, turn, theta, gap))
+
+    def read(self) -> Any:
+        """Angle that the encoder reports [rad]."""
+        count = max(edge for edge, on in self.on.items() if on) + (0 if self.up else 1)
+        return (count + self.control.offset) * self.control.quantum
 
 
 @dataclass(frozen=True)
@@ -510,6 +544,7 @@ class Trial:
     step: float = float("inf")
     largest_command: float = 0.0
     levels: set[float] = field(default_factory=set)
+    relays: Relays | None = None
 
     @property
     def largest_angle(self) -> float:
@@ -582,6 +617,7 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
         delay=number(actuator, "delay_samples"),
         dead_band=number(actuator, "dead_band"),
         over_angle=over_angle(scene, counts_per_rev) if counts_per_rev else None,
+        hysteresis=number(shape, "hysteresis_counts") + (number(shape, "backlash") / quantum if quantum else 0),
     )
     return bodies, control
 
@@ -607,7 +643,7 @@ def simulate(
     zero = mp.zero
     start = (angle, velocity, angle, velocity, zero, zero, mp.one, zero) if bodies.finger else None
     state = start or (angle, velocity, zero, zero, zero, zero, mp.one, zero)
-    friction = Friction(bodies, control.period, state, find_turns=find_turns)
+    friction = Friction(bodies, control.period, state, find_turns=find_turns or control.hysteresis > 0)
     trial = Trial(friction, control)
     friction.hold(zero, mp.mpf(phase) * control.period)
     commands: list[Any] = []
@@ -618,6 +654,14 @@ def simulate(
         if nudge:
             z = friction.z = (z[0] * (1 + nudge), z[1] * (1 + nudge), *z[2:])
         measured = control.measured(z[KNOB])
+        if control.hysteresis:
+            trial.relays = trial.relays or Relays(control, z[KNOB])
+            for angle in friction.turns if i else []:
+                trial.relays.see(angle, i, turn=True)
+            trial.relays.see(z[KNOB], i, turn=False)
+            trial.edge = min(trial.edge, trial.relays.log[-1][3] * float(control.quantum))
+            friction.turns.clear()
+            measured = trial.relays.read()
         wanted = control.wanted(measured, measured if before is None else before)
         before = measured
         commands.append(control.command(wanted))

@@ -1,7 +1,7 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
 - `body`, `controller`, `torque_table` the scene in numbers
-- `advance` from event to event
+- `advance` from event to event, `hysteresis` of the count on the way
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
 - `laws/` the same loop under a controller

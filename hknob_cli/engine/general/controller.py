@@ -25,6 +25,7 @@ class Controller(NamedTuple):
     split: float  # part of an interval that still runs under the older command
     table: Any = None  # torque over the angle, wall included, as `torque_table` has it: list or array
     band: float = 0.0  # a smaller torque is not sent
+    hysteresis: float = 0.0  # counts by which the knob turns back until the count does
 
 
 def read(x, wall):
@@ -34,6 +35,19 @@ def read(x, wall):
     if wall.truncate > 0.0 and x > 0.0:
         return floor(x)
     return wall.sense * floor(wall.sense * x)
+
+
+def read_after(x, before, wall):
+    """What the sensor shows at ``x`` after ``before``: with hysteresis the count stays until ``x`` is far enough.
+
+    Every edge of the way up lies half the width above that of the way down. ``before`` is the count at the last turning
+    point, or anywhere on the way from there. The angle behind a slack of that width, counted, is the same (the play of
+    Krasnosel'skii & Pokrovskii 1989, whose count is a sum of relays).
+    """
+    if wall.hysteresis == 0.0:
+        return read(x, wall)
+    half = 0.5 * wall.hysteresis
+    return min(max(before, read(x - half, wall)), read(x + half, wall))
 
 
 def send(u, wall):
@@ -104,7 +118,10 @@ def upper_edge(shown, wall):
 
 
 def edge_gap(x, shown, before, wall):
-    """How far ``x``, and ``before``, may move until the command, or its slope, changes, in counts."""
+    """How far ``x``, and ``before``, may move until the command, or its slope, changes, in counts.
+
+    With hysteresis ``before`` is the count of `read_after`, and does not move.
+    """
     if wall.analog > 0.0:
         gap = abs(x)
         slope = wall.kappa + 2.0 * wall.damping
@@ -121,12 +138,23 @@ def edge_gap(x, shown, before, wall):
             low, high = run_at(shown, wall.table)
         elif not shown < 0.0:
             low, high = 0.0, float("inf")
-    return min(x - lower_edge(low, wall), upper_edge(high, wall) - x)
+    below = x - lower_edge(low, wall)
+    above = upper_edge(high, wall) - x
+    if wall.hysteresis > 0.0:
+        half = 0.5 * wall.hysteresis
+        # What has just been passed is an edge of that way, all others turn the count back.
+        below -= half if before < low else -half
+        above -= half if before > high else -half
+    return min(below, above)
 
 
 def count_gap(x, wall):
     """Distance from ``x`` to the nearest count edge; to the wall's edge without an encoder."""
     if wall.analog > 0.0:
         return abs(x)
-    part = x % 1.0
-    return min(part, 1.0 - part)
+    part = (x - 0.5 * wall.hysteresis) % 1.0
+    gap = min(part, 1.0 - part)
+    if wall.hysteresis > 0.0:
+        part = (x + 0.5 * wall.hysteresis) % 1.0
+        gap = min(gap, part, 1.0 - part)
+    return gap

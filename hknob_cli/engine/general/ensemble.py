@@ -13,7 +13,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.advance import advance_span
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
@@ -144,7 +144,7 @@ def enter(fate, period, before, head, trial, body, wall):
     if cycle:
         before, head, period = deepest(before, head, period, trial, body, wall)
     rest = fate == REST_PROVEN or fate == REST_EDGE
-    shown = read(z[0], wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
+    shown = read_after(z[0], before, wall) if rest and body.friction > 0.0 and wall.analog == 0.0 else float("nan")
     if rest and body.friction > 0.0 and wall.analog > 0.0:
         shown = -1.0 if z[0] < 0.0 else 0.0
     row = find(fate, period, z, shown, rows, table, trial.states, n)

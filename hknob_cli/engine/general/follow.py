@@ -16,7 +16,7 @@ from hknob_cli.engine.follow import (
     same_line,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import command, inside, read
+from hknob_cli.engine.general.controller import command, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
@@ -42,6 +42,8 @@ def captured(z, before, ring, head, body, wall, away, rows, table, states, lines
         if table[base] != CYCLE_PROVEN or abs(z[0] - states[row * n]) >= margin:
             continue
         if wall.damping > 0.0 and before != table[base + 9]:
+            continue
+        if wall.hysteresis > 0.0 and inside(before, wall) != inside(table[base + 9], wall):
             continue
         same = True
         for j in range(delay):
@@ -72,11 +74,11 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
         space.state[j] = z[j]
     for j in range(len(ring)):
         space.line[j] = ring[j]
-    plain = n == 2 and len(ring) == 0 and body.friction > 0.0
+    plain = n == 2 and len(ring) == 0 and body.friction > 0.0 and wall.hysteresis == 0.0
     for k in range(period):
         if body.halt[0] > 0.0:
             return False
-        shown = read(space.state[0], wall)
+        shown = read_after(space.state[0], before, wall)
         if k < len(space.trail) and inside(shown, wall) != inside(space.trail[k], wall):
             return False
         if plain:
@@ -159,7 +161,7 @@ def follow_trial(
             if row >= 0:
                 return KNOWN, row, before, head, i
         last = shown
-        shown = read(x, wall)
+        shown = read_after(x, before, wall)
         same = inside(shown, wall) == inside(last, wall) if wall.analog == 0.0 else (shown < 0.0) == (last < 0.0)
         if same:
             run += 1
@@ -173,7 +175,7 @@ def follow_trial(
                 if fate == AT_REST:
                     for j in range(n):
                         z[j] = space.orbit[j]
-                    return REST_PROVEN, 1, before, head, i
+                    return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before, head, i
                 if fate == LEAVES:
                     return LEFT, 0, before, head, i
                 if fate == RINGS:
@@ -241,7 +243,7 @@ def follow_trial(
         if since < len(space.trail):
             space.trail[since] = shown
         since += 1
-        if body.order == 2 and delay == 0 and body.friction > 0.0:
+        if body.order == 2 and delay == 0 and body.friction > 0.0 and wall.hysteresis == 0.0:
             u = command(shown, before, wall)
             z[0], z[1] = step_with_friction(x, z[1], u, 1.0, body.s2, body.g2, body.f2, body)
             before = shown
@@ -262,12 +264,12 @@ def follow_trial(
     if not final:
         return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
     # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
-    shown = read(z[0], wall)
+    shown = read_after(z[0], before, wall)
     fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)
     if settling or fate == SETTLING or fate == AT_REST:
         for j in range(n):
             z[j] = space.orbit[j]
-        return REST_PROVEN, 1, before, head, budget
+        return REST_PROVEN, 1, shown if wall.hysteresis > 0.0 else before, head, budget
     if fate == MOVING and contracts_to_rest(z, shown, before, ring, head, body, wall, space):
         return REST_PROVEN, 1, z[0], head, budget
     return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget

@@ -3,7 +3,8 @@
 from hknob_cli.engine.general.advance import advance_hold, rub_columns, rub_many
 from hknob_cli.engine.general.body import FIRST, SECOND
 from hknob_cli.engine.general.columns import feed
-from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.controller import command, read_after
+from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.slide_two import step_with_friction
 
 
@@ -41,16 +42,26 @@ def hold(z, u, ring, head, body, wall, pad):
 
 
 def advance(z, before, ring, head, body, wall, pad):
-    """One interval from a sample to the next: ``(reading, head)``; ``ring`` holds the commands under way."""
-    shown = read(z[0], wall)
-    head = hold(z, command(shown, before, wall), ring, head, body, wall, pad)
+    """One interval from a sample to the next: ``(reading, head)``; ``ring`` holds the commands under way.
+
+    With hysteresis the reading is that of the last turning point within the interval.
+    """
+    shown = read_after(z[0], before, wall)
+    u = command(shown, before, wall)
+    if wall.hysteresis > 0.0:
+        shown, _ = hold_and_count(z, u, shown, ring, head, body, wall, pad)
+        if len(ring) > 0:
+            ring[head] = u
+            head = (head + 1) % len(ring)
+        return shown, head
+    head = hold(z, u, ring, head, body, wall, pad)
     return shown, head
 
 
 def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
     """Many intervals at once, as long as ``z`` stays within ``limit``: ``(reading, head)``."""
     delay = len(ring)
-    if body.order > 2 or body.friction == 0.0 or delay > 0:
+    if body.order > 2 or body.friction == 0.0 or delay > 0 or wall.hysteresis > 0.0:
         for _ in range(samples):
             before, head = advance(z, before, ring, head, body, wall, pad)
             if not -limit < z[0] < limit or body.halt[0] > 0.0:
@@ -58,7 +69,7 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
         return before, head
     x, v = z[0], z[1]
     for _ in range(samples):
-        shown = read(x, wall)
+        shown = read_after(x, before, wall)
         x, v = step_with_friction(x, v, command(shown, before, wall), 1.0, body.s2, body.g2, body.f2, body)
         before = shown
         if not -limit < x < limit:
@@ -68,8 +79,11 @@ def pass_over(z, before, ring, head, samples, limit, body, wall, pad):
 
 
 def advance_columns(z, before, ring, head, body, wall, pad, cols, count, width, marks):
-    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``."""
-    shown = read(z[0], wall)
+    """Like `advance`, with ``count`` columns of derivatives, ``width`` apart, and `rub_columns`'s ``marks``.
+
+    With hysteresis, too, the reading is that of the sample.
+    """
+    shown = read_after(z[0], before, wall)
     u = command(shown, before, wall)
     delay = len(ring)
     feed(shown, before, delay, head, wall, cols, count, width)

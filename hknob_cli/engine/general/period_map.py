@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import distance, norm, stiffness
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
+from hknob_cli.engine.general.controller import command, count_gap, edge_gap, inside, read, read_after, table_size
+from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
 
@@ -74,8 +75,15 @@ def turn(before, ring, head, period, body, wall, space, m):
     first = head
     for _ in range(period):
         x = space.state[0]
-        shown = read(x, wall)
+        shown = read_after(x, before, wall)
         margin = min(margin, edge_gap(x, shown, before, wall))
+        counted = shown
+        if wall.hysteresis > 0.0:
+            for i in range(n):
+                space.away[i] = space.state[i]
+            u = command(shown, before, wall)
+            counted, gap = hold_and_count(space.away, u, shown, space.line, head, body, wall, space.pad)
+            margin = min(margin, gap)
         edge = min(edge, count_gap(x, wall))
         reach = max(reach, abs(x), table_size(shown, wall))
         pace = max(pace, abs(space.state[1]))
@@ -83,6 +91,8 @@ def turn(before, ring, head, period, body, wall, space, m):
             space.state, before, space.line, head, body, wall, space.pad, space.cols, m, width, space.marks
         )
         pace = max(pace, abs(space.state[0] - x))
+        if wall.hysteresis > 0.0:
+            before = counted
     if m > n:
         turn_lines(space.line, space.cols, space.away, m, len(ring), first, head)
     return margin, edge, reach, pace, before, head
@@ -149,7 +159,9 @@ def certify(z, before, ring, head, period, body, wall, space):
                 return DIFFERENT, 0.0, 0.0, 0.0, 0.0
         if wall.analog > 0.0:
             space.residual[width - 1] = last - start
-        elif wall.damping > 0.0 and last != start:
+        elif (wall.damping > 0.0 and last != start) or (
+            wall.hysteresis > 0.0 and inside(last, wall) != inside(start, wall)
+        ):
             return DIFFERENT, 0.0, 0.0, 0.0, 0.0
         closure = 0.0
         for i in range(n):

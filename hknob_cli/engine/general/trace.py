@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.advance import next_mode, slide
 from hknob_cli.engine.general.body import acceleration
-from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import way
 
@@ -18,7 +18,7 @@ def run(z, before, ring, head, samples, body, wall, pad, states, torques):
     for i in range(samples + 1):
         for j in range(n):
             states[i * n + j] = z[j]
-        acting = command(read(z[0], wall), before, wall)
+        acting = command(read_after(z[0], before, wall), before, wall)
         if delay > 0:
             acting = ring[head] if wall.split > 0.0 else ring[(head + 1) % delay]
         torques[i] = z[n - 1] if body.lag > 0.0 else acting
@@ -78,9 +78,9 @@ def chart_period(z, before, ring, period, body, wall, pad, pieces):
     """
     rows, head, delay = 0, 0, len(ring)
     for _ in range(period):
-        shown = read(z[0], wall)
+        shown = read_after(z[0], before, wall)
         u = command(shown, before, wall)
-        before = shown
+        before, begun = shown, rows
         if delay > 0:
             older = ring[head]
             ring[head] = u
@@ -89,4 +89,7 @@ def chart_period(z, before, ring, period, body, wall, pad, pieces):
             if wall.split > 0.0:
                 rows = chart(z, older, wall.split, body, pad, rows, pieces)
         rows = chart(z, u, 1.0 - wall.split, body, pad, rows, pieces)
+        if wall.hysteresis > 0.0:
+            for row in range(begun, rows):
+                before = read_after(pieces.states[row * body.order], before, wall)
     return rows

@@ -11,7 +11,7 @@ from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column, axis_column
 from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Scene, scene_at
+from hknob_cli.specs.plan import COUNTS, RATE, Cell, DfaPlan, Encoder, Scene, scene_at
 from hknob_cli.stages import compare
 from hknob_cli.stages.dfa import listed
 from hknob_cli.theory.attached import Attached, attached_to
@@ -68,8 +68,9 @@ class DfaStage:
             scene = scene_at(self.plan.scene, cell)
             knob = sample_knob(scene, sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
             more = _attached(scene, cell)
+            width = (scene.encoder or Encoder()).width_counts(knob.quantum_rad)
             for method in self.plan.methods:
-                found = list(self._found(knob, method, more))
+                found = list(self._found(knob, method, more, width))
                 found = [{**blank, **row} for row in found]
                 if method == "sampled" and self.lists:
                     self.lists.mark(cell, found)
@@ -83,10 +84,13 @@ class DfaStage:
                     )
                     yield {**cell, **row, "method": method, "orbit": number, **beside}
 
-    def _found(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
+    def _found(self, knob: SampledKnob, method: str, more: Attached | None, width: float) -> Iterator[dict[str, Any]]:
+        """Cycles by a method; ``width``: of the encoder's hysteresis, counts."""
         if method == "sampled":
             return self._sampled(knob)
-        return self._staircase(knob, more) if method == "staircase" else self._continuous(knob, method, more)
+        if width and (nothing := _forgets(method, more)):
+            return iter([{"in_domain": False, "reason": nothing}])
+        return self._staircase(knob, more) if method == "staircase" else self._continuous(knob, method, more, width)
 
     @staticmethod
     def _staircase(knob: SampledKnob, more: Attached | None) -> Iterator[dict[str, Any]]:
@@ -109,7 +113,9 @@ class DfaStage:
                 "reason": FEW if few else "",
             }
 
-    def _continuous(self, knob: SampledKnob, method: str, more: Attached | None) -> Iterator[dict[str, Any]]:
+    def _continuous(
+        self, knob: SampledKnob, method: str, more: Attached | None, width: float
+    ) -> Iterator[dict[str, Any]]:
         """Cycles by harmonics; those of a unit relay, which cells of equal rate share, scaled."""
         loop = knob.loop
         if nothing := _no_relay(knob, more) or (_beyond(method, more) if more else ""):
@@ -117,7 +123,7 @@ class DfaStage:
             return
         if more:
             more = more._replace(friction=more.friction / (0.5 * loop.kappa))
-        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more)
+        unit = Relay(loop.alpha, loop.beta, 1.0, _delay(knob), more, width / loop.kappa)
         if (method, unit) not in self._cycles:
             harmonics = int(method[2:]) if method.startswith("df") else 0
             cycles = describing_function(unit, harmonics) if harmonics else tsypkin(unit)
@@ -127,7 +133,7 @@ class DfaStage:
             yield {"in_domain": False, "reason": "no intersection below the Nyquist frequency", "orbit": 0}
         for cycle in reversed(cycles):
             amplitude = 0.5 * loop.kappa * cycle.amplitude
-            reasons = self._assumptions(knob, amplitude, cycle.omega)
+            reasons = self._assumptions(knob, amplitude, cycle.omega, width)
             if more and 0.5 * more.friction > MOST_FRICTION:
                 reasons.append(
                     f"friction is {0.5 * more.friction:.3g} of a torque step, the method assumes that it never sticks"
@@ -142,7 +148,7 @@ class DfaStage:
             }
 
     @staticmethod
-    def _assumptions(knob: SampledKnob, amplitude: float, omega: float) -> list[str]:
+    def _assumptions(knob: SampledKnob, amplitude: float, omega: float, width: float) -> list[str]:
         """Assumptions of a symmetric relay in continuous time that do not hold."""
         loop = knob.loop
         reasons = []
@@ -152,8 +158,9 @@ class DfaStage:
             reasons.append(f"the bias is {push:.3g} of a count's torque step, the method assumes 0.5")
         if loop.offset != 0.0 or knob.shift != 0.0:
             reasons.append("the encoder has no edge at the wall's, the method assumes one")
-        if amplitude > 1.0:
-            reasons.append(f"it swings {amplitude:.3g} counts to each side, the method assumes at most 1")
+        if amplitude > 1.0 + 0.5 * width:
+            most = f"{1.0 + 0.5 * width:g}"
+            reasons.append(f"it swings {amplitude:.3g} counts to each side, the method assumes at most {most}")
         if omega > 0.5 * pi:
             reasons.append(FEW)
         return reasons
@@ -212,6 +219,15 @@ def _no_relay(knob: SampledKnob, more: Attached | None) -> str:
         return "the wall has no stiffness"
     loses = knob.loop.alpha + (more.pad_damping + more.finger_damping if more else 0.0)
     return "there is no viscous damping, so that no cycle is bounded" if loses == 0.0 else ""
+
+
+def _forgets(method: str, more: Attached | None) -> str:
+    """Why a method has no word on hysteresis beside what is attached; empty where it has."""
+    if method == "staircase":
+        return "its wall has no memory; dfN and tsypkin know hysteresis"
+    if more and more.friction:
+        return "friction turns with the velocity, hysteresis with the angle: one relay cannot be both"
+    return ""
 
 
 def _beyond(method: str, more: Attached) -> str:

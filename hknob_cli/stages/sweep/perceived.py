@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from hknob_cli.measure.harmonics import Harmonics
-from hknob_cli.perception import hearing, torque_step, touch
+from hknob_cli.perception import hearing, masking, torque_step, touch
 from hknob_cli.perception.level import decibels
 from hknob_cli.specs.perception import Perceive
 
@@ -42,12 +42,16 @@ def perceive(lines: Harmonics, how: Perceive) -> Perceived:
     if not lines.reach(HIGHEST_HZ):
         return one
     speed = lines.speed_rad_s
+    noise, masked = how.hearing.background, None
     if not how.gained:
         sound, phon = decibels(speed), nan
     else:
         sound = hearing.heard_level(speed, gain_pa_s_per_rad=_gains(lines.frequency_hz, how))
-        phon = _loudest(lines.frequency_hz, sound, how)
-    heard = hearing.judge(lines.frequency_hz, sound, edition=how.edition)
+        # How loud a tone is in noise ISO 226 does not say.
+        phon = nan if noise else _loudest(lines.frequency_hz, sound, how)
+    if noise:
+        masked = masking.masked_threshold(lines.frequency_hz, noise, extrapolate=how.extrapolate)
+    heard = hearing.judge(lines.frequency_hz, sound, edition=how.edition, masked_db=masked)
     return one._replace(
         hearing_db=float(heard.level_db),
         hearing_hz=float(heard.frequency_hz),

@@ -10,7 +10,8 @@ import pyarrow as pa
 
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import CONSTANT, Body
-from hknob_cli.engine.general.controller import command, read
+from hknob_cli.engine.general.controller import command, read, read_after
+from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
@@ -162,10 +163,13 @@ def record_trial(
     for time, event in stops:
         while t < time:
             step = min(time - t, 1.0)
-            advance_span(z, acting, step, body, pad)
+            if wall.hysteresis > 0.0:
+                before, _ = turn_and_count(z, acting, step, before, body, wall, pad)
+            else:
+                advance_span(z, acting, step, body, pad)
             t = time if step == time - t else t + step
         if event == "sample":
-            shown = read(z[0], wall)
+            shown = read(z[0], wall) if first else read_after(z[0], before, wall)
             before = shown if first else before
             u = command(shown, before, wall)
             before, first = shown, False

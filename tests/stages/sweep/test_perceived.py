@@ -124,6 +124,24 @@ def test_a_table_of_one_gain_is_that_gain(gained: SweepTables) -> None:
         assert ours["hearing_hz"] == theirs["hearing_hz"]
 
 
+def test_noise_at_the_ear_hides_the_sound_by_hand(gained: SweepTables) -> None:
+    """60 dB of pink noise: what the critical band about a tone has of its ten octaves, less the masking index."""
+    noisy = sweep(SPEC + GAIN.replace("sound_gain", "hearing: {background: {level_db: 60}}, sound_gain"))
+    assert noisy.cells.column_names == gained.cells.column_names
+    for one, quiet in zip(rows(noisy.orbits), rows(gained.orbits), strict=True):
+        assert one["touch_db"] == quiet["touch_db"]
+        assert one["hearing_phon"] is None
+        f = one["hearing_hz"]
+        width = 25.0 + 75.0 * (1.0 + 1.4e-6 * f * f) ** 0.69
+        low = 0.5 * (sqrt(width**2 + 4.0 * f * f) - width)
+        band = 60.0 + 10.0 * log10(np.log((low + width) / low) / np.log(1000.0))
+        masked = band - 2.0 - log10(1.0 + (f / 502.0) ** 2.5)
+        assert masked > hearing_threshold(f)
+        assert one["hearing_db"] < quiet["hearing_db"]
+        if f == quiet["hearing_hz"]:
+            assert quiet["hearing_db"] - one["hearing_db"] == pytest.approx(masked - float(hearing_threshold(f)))
+
+
 def test_relative_sound_is_sound_less_the_gain() -> None:
     """0 dB re 1 rad/s peak is 20 log10(gain / (sqrt(2) 20 uPa)) dB SPL."""
     (loud,), (relative,) = rows(sweep(SPEC + GAIN).cells), rows(sweep(SPEC + BLOCK).cells)
@@ -259,6 +277,18 @@ def test_without_an_encoder_there_is_no_torque_step() -> None:
         ("perceive: {knob_radius: 8.9 mm, sound_response: [[100, 0.02]]}\n", "must have two [frequency, gain] or more"),
         ("perceive: {knob_radius: 8.9 mm, sound_response: [[200, 0.02], [100, 0.02]]}\n", "frequencies must increase"),
         ("perceive: {knob_radius: 8.9 mm, sound_response: [[100, 0], [200, 0.02]]}\n", "must be > 0"),
+        (
+            "perceive: {knob_radius: 8.9 mm, hearing: {background: {level_db: 40}}}\n",
+            "hearing.background: must be absent without sound_gain or sound_response",
+        ),
+        (
+            "perceive: {knob_radius: 8.9 mm, sound_gain: 1, hearing: {background: {level_db: 40, spectrum: red}}}\n",
+            "perceive.hearing.background.spectrum",
+        ),
+        (
+            "perceive: {knob_radius: 8.9 mm, sound_gain: 0.02, hearing: {background: {level_db: 400}}}\n",
+            "perceive.hearing.background.level_db: must be <= 140",
+        ),
         (
             "perceive: {knob_radius: 8.9 mm, sound_gain: 0.02, sound_response: [[100, 0.02], [200, 0.02]]}\n",
             "sound_response: must be absent where sound_gain is given",

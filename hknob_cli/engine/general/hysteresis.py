@@ -1,0 +1,48 @@
+"""The count between samples, where an encoder has hysteresis: a turning point there can change it for good.
+
+A count that only the samples could change would miss what the motion does between them. The extremes of a motion
+decide (its count goes by them alone, as all rate-independent memory does: Brokate & Sprekels 1996, sec. 2.2), so that
+the count is taken at each of its turning points, which are exact.
+"""
+
+from hknob_cli.engine.general.advance import next_mode, slide
+from hknob_cli.engine.general.body import acceleration
+from hknob_cli.engine.general.controller import edge_gap, read_after
+from hknob_cli.engine.general.slide_two import way
+
+
+def turn_and_count(z, u, span, shown, body, wall, pad):
+    """Move ``z`` over a hold from event to event: ``(count after the last turning point, margin)``.
+
+    ``shown``: the count at the start; the margin is how far the turning points may move until the command changes.
+    """
+    left, margin = span, float("inf")
+    mode = way(z[1], acceleration(z, u, body), body.friction)
+    while left > 0.0:
+        t, ended, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)
+        left -= t
+        if not ended:
+            break
+        before = shown
+        shown = read_after(z[0], before, wall)
+        margin = min(margin, edge_gap(z[0], shown, before, wall))
+        mode = next_mode(mode, z, u, body)
+    return shown, margin
+
+
+def commands_of(u, ring, head):
+    """Commands of both parts of an interval at whose sample ``u`` is commanded; ``ring`` does not hold it yet."""
+    delay = len(ring)
+    if delay == 0:
+        return u, u
+    return ring[head], u if delay == 1 else ring[(head + 1) % delay]
+
+
+def hold_and_count(z, u, shown, ring, head, body, wall, pad):
+    """As `interval.hold`, but ``ring`` is left as it is: ``(count after the last turning point, margin)``."""
+    older, later = commands_of(u, ring, head)
+    margin = float("inf")
+    if wall.split > 0.0:
+        shown, margin = turn_and_count(z, older, wall.split, shown, body, wall, pad)
+    shown, more = turn_and_count(z, later, 1.0 - wall.split, shown, body, wall, pad)
+    return shown, min(margin, more)

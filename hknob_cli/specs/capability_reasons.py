@@ -1,0 +1,67 @@
+"""Why a part of a scene is refused, where the column's own reason in `specs.capabilities` does not say it."""
+
+from hknob_cli.specs.over_angle import OVER_ANGLE
+
+_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "controller_sets")
+# Why a part is refused, where its column's own reason does not say it.
+WHY = {
+    ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
+    ("delay", "unsampled"): "a delay in samples needs a sample clock",
+    **{(name, "plain"): "its torque is that of a wall" for name in OVER_ANGLE},
+    **{(name, "bounces"): "the ball bounces on a wall" for name in OVER_ANGLE},
+    **{(name, "unsampled"): "its events are those of a wall" for name in OVER_ANGLE},
+    ("unsampled", "bounces"): "energy does not grow",
+    ("unsampled", "laws"): "it has a sample clock",
+    ("bare", "laws"): "it reads counts",
+    ("bare", "bounces"): "its engine reads counts",
+    ("controller", "bounces"): "growth is of the plain wall",
+    ("unsampled", "ranges"): "states in ranges are those at a sample",
+    ("unsampled", "pulse"): "a pulse is not built without a sample clock",
+    ("controller", "pulse"): "a pulse is not built beside controllers",
+    ("unpushed", "bounces"): "nothing brings the knob back to it",
+    ("handless", "anywhere"): "nothing draws the knob back",
+    **{
+        (part, column): why
+        for part in ("hysteresis", "backlash")
+        for column, why in (
+            ("unsampled", "its events are edges without memory"),
+            ("laws", "a controller reads counts without memory"),
+            ("relay", "its relay has no memory"),
+            ("formulas", "its formulas have no memory"),
+        )
+    },
+    ("finger", "explore"): "the engine of its page has one body",
+    ("bare", "explore"): "the engine of its page reads counts",
+    ("unsampled", "explore"): "the engine of its page has a sample clock",
+    **{(name, "explore"): "its torque is that of a wall" for name in OVER_ANGLE},
+    ("unsampled", "perceive"): "no cycle is proven there",
+    ("bare", "describing"): "dfa needs an encoder's counts",
+    ("bare", "relay"): "dfa needs an encoder's counts",
+    ("bare", "formulas"): "predict needs an encoder's counts",
+    ("unsampled", "describing"): "dfa is about a sampled wall",
+    ("unsampled", "relay"): "dfa is about a sampled wall",
+    ("unsampled", "formulas"): "predict is about a sampled wall",
+    ("people", "bounces"): "its hands damp",
+    ("people", "describing"): "its spec has no population",
+    ("people", "relay"): "its spec has no population",
+    ("people", "formulas"): "its spec has no population",
+    ("people", "bench"): "its spec has no population",
+    ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
+    ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
+    ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
+    ("kalman", "friction_sets"): "a Kalman filter is not piecewise affine",
+    ("several_readings", "friction_sets"): "sets are cut at samples alone",
+    ("speed_sensor", "device"): "a target reads an encoder, not the velocity",
+    ("several_readings", "device"): "a target reads its encoder once a sample",
+    ("pulses", "device"): "a target holds one torque from sample to sample",
+    ("knob_model", "device"): "a target knows neither the knob nor the hand",
+    **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
+    **{("unheld", column): "no energy bounds how far motions part" for column in _SETS_OF_ONE_START_OR_RANGES},
+}  # fmt: skip
+# Refusals whose fault stands at what is asked for, not at the part of the scene.
+AT = {
+    **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},
+    **{(part, "pulse"): ("record", "pulse") for part in ("unsampled", "controller")},
+    ("unsampled", "perceive"): ("perceive",),
+    ("handless", "anywhere"): ("starts",),
+}  # fmt: skip

@@ -1,0 +1,199 @@
+"""The count of an encoder with hysteresis: against relays, and how far a proven margin holds."""
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
+from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.trial import simulate
+from hknob_cli.stages.dfa.run import DfaStage
+from hknob_cli.stages.sweep.record import record_sweep
+from hknob_cli.stages.sweep.run import SweepStage
+from tests.conftest import faults_of, loaded
+
+TEXT = """\
+kind: sweep
+name: small
+scene:
+  knob: {inertia: 1.9e-6}
+  hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}
+  wall: {stiffness: 0.27}
+  bias: {half_quantum: true}
+  encoder: {hysteresis_counts: 0.5}
+grid:
+  sample_rate_hz: [1000]
+  counts_per_rev: [1024]
+starts: {angle: 0.02, velocity: 0.0, phases: 4}
+"""
+
+
+def wall(hysteresis: float) -> Controller:
+    return Controller(0.1, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, float("inf"), 0.0, hysteresis=hysteresis)
+
+
+@given(
+    st.lists(st.integers(-400, 400).map(lambda n: n / 64.0), min_size=1, max_size=30),
+    st.sampled_from([0.03125, 0.5, 1.0, 2.25, 7.0]),
+)
+def test_the_count_is_that_of_a_relay_at_every_edge(turns: list[float], width: float) -> None:
+    """Turning points, one after another: relays of their own thresholds, the count the number of those that are on."""
+    edges = range(-20, 20)
+    count = float(np.floor(turns[0]))
+    on = {edge: edge <= count for edge in edges}
+    for x in turns[1:]:
+        for edge in edges:
+            if x >= edge + 0.5 * width:
+                on[edge] = True
+            elif x < edge - 0.5 * width:
+                on[edge] = False
+        before, count = count, read_after(x, count, wall(width))
+        assert count == sum(on.values()) - 21  # the 20 edges from -20 to -1 are on at count -1
+        gap = edge_gap(x, count, before, wall(width))
+        assert gap >= 0.0
+        for nearer in (-0.99 * gap, 0.99 * gap):
+            if gap < float("inf"):
+                assert min(read_after(x + nearer, before, wall(width)), 0.0) == min(count, 0.0)
+
+
+def test_a_slack_in_radians_is_a_hysteresis_in_counts() -> None:
+    plain = loaded(TEXT).scene
+    slack = plain.encoder._replace(hysteresis_counts=0.2, backlash=0.3 * 2.0 * pi / 1024)  # type: ignore[union-attr]
+    arguments: dict[str, Any] = {"sample_rate_hz": 1000.0, "counts_per_rev": 1024}
+    both = sample_general(plain._replace(encoder=slack), **arguments).wall.hysteresis
+    assert both == pytest.approx(sample_general(plain, **arguments).wall.hysteresis, rel=1e-14)
+
+
+def test_a_trial_within_the_margin_keeps_the_readings() -> None:
+    """The energy of a difference bounds its angle at all times, at turning points between samples, too."""
+    knob = sample_general(loaded(TEXT).scene, sample_rate_hz=1000.0, counts_per_rev=1024)
+    engine = GeneralEngine()
+    arguments: dict[str, Any] = {"rate": knob.rate, "phases": 1, "delay_line": 0, "max_samples": None}
+    (orbit,) = engine.search(knob.body, knob.wall, knob.start(0.02, 0.0), **arguments).attractors
+    chart = engine.chart(knob.body, knob.wall, orbit)
+    assert chart is not None
+    pace = np.sqrt(knob.body.beta)
+    for turn in np.linspace(0.0, 2.0 * np.pi, 16):
+        away = 0.99 * orbit.margin
+        x, v = orbit.x + away * np.cos(turn), orbit.v + away * pace * np.sin(turn)
+        near = engine.chart(knob.body, knob.wall, orbit._replace(x=float(x), v=float(v)))
+        assert near is not None
+        assert commands_at_samples(near) == commands_at_samples(chart)
+
+
+def commands_at_samples(chart: Any) -> list[float]:
+    """Command that acts from each sample on."""
+    starts = np.concatenate([[0.0], np.cumsum(chart.spans)[:-1]])
+    whole = np.abs(starts - np.rint(starts)) < 1e-9
+    return [float(command) for command in chart.commands[whole]]
+
+
+def test_a_recording_is_the_trials_motion() -> None:
+    record = "record: {duration: 0.25, interval: 0.01}\n"
+    plan = loaded(TEXT.replace(", phases: 4", ", phases: 2") + record)
+    rows = record_sweep(plan).to_pylist()
+    trial = simulate(
+        plan.scene,
+        sample_rate_hz=1000.0,
+        counts_per_rev=1024,
+        angle_rad=0.02,
+        velocity_rad_s=0.0,
+        phase=0.25,
+        samples=240,
+    )
+    sampled = [row for row in rows if row["event"] == "sample"][:241]
+    assert [row["angle_rad"] for row in sampled] == pytest.approx(trial.angle_rad, abs=1e-13)
+    assert [row["torque_nm"] for row in sampled] == pytest.approx(trial.torque_nm, abs=1e-13)
+    assert max(row["torque_nm"] for row in sampled) > 0.0
+
+
+def test_without_a_width_nothing_changes() -> None:
+    """No engine of its own, no other numbers."""
+    zero = loaded(TEXT.replace("hysteresis_counts: 0.5", "hysteresis_counts: 0.0, backlash: 0.0"))
+    absent = loaded(TEXT.replace("  encoder: {hysteresis_counts: 0.5}\n", ""))
+    tables = [SweepStage(plan, jobs=1).run() for plan in (zero, absent)]
+    assert tables[0].cells.equals(tables[1].cells)
+    assert tables[0].orbits.equals(tables[1].orbits)
+
+
+def test_the_faster_the_clock_the_nearer_the_relays_of_all_harmonics() -> None:
+    """The sweep knows nothing of describing functions; the hold's half sample is all that they approximate."""
+    plan = loaded(TEXT.replace("[1000]", "[4000, 64000]"))
+    sweep = SweepStage(plan, jobs=1).run().cells.to_pylist()
+    text = TEXT.replace("kind: sweep", "kind: dfa").replace("[1000]", "[4000, 64000]")
+    text = text.replace(STARTS, "methods: [tsypkin]")
+    dfa = DfaStage(loaded(text)).run().to_pylist()  # type: ignore[arg-type]
+    for tolerance, found, formula in zip((0.05, 0.005), sweep, dfa, strict=True):
+        assert found["certified_fraction"] == 1.0
+        assert formula["in_domain"]
+        assert formula["p2p_rad"] == pytest.approx(found["p2p_rad"], rel=tolerance)
+        assert formula["frequency_hz"] == pytest.approx(found["frequency_hz"], rel=tolerance)
+
+
+def test_the_pitch_of_one_harmonic_needs_neither_clock_nor_counts() -> None:
+    """w^3 = 4 K b / (pi h J^2), the hand's spring left out: docs/explanation/describing_functions.md."""
+    text = TEXT.replace("hysteresis_counts: 0.5", "hysteresis_counts: 1.0").replace("[1000]", "[64000]")
+    text = text.replace("kind: sweep", "kind: dfa").replace("[1024]", "[512, 4096]")
+    text = text.replace(STARTS, "methods: [df1]")
+    pitch = (4.0 * 0.27 * 3.45e-4 / (pi * 2.2e-6**2)) ** (1.0 / 3.0) / (2.0 * pi)
+    assert pitch == pytest.approx(46.2, abs=0.05)
+    for row in DfaStage(loaded(text)).run().to_pylist():  # type: ignore[arg-type]
+        assert row["frequency_hz"] == pytest.approx(pitch, rel=0.04)
+
+
+def test_what_dfa_has_no_word_on_is_told() -> None:
+    text = TEXT.replace("kind: sweep", "kind: dfa").replace(
+        "inertia: 1.9e-6", "inertia: 1.9e-6, coulomb_torque: 1.0e-5"
+    )
+    text = text.replace(STARTS, "methods: [df1, staircase]")
+    rows = DfaStage(loaded(text)).run().to_pylist()  # type: ignore[arg-type]
+    assert [row["p2p_rad"] for row in rows] == [None, None]
+    assert "one relay cannot be both" in rows[0]["reason"]
+    assert "its wall has no memory" in rows[1]["reason"]
+
+
+PLACE = "scene.encoder.hysteresis_counts"
+STARTS = "starts: {angle: 0.02, velocity: 0.0, phases: 4}"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("hysteresis_counts: 0.5", "hysteresis_counts: -0.5", f"spec.yaml:8:32: {PLACE}: must be >= 0, got -0.5"),
+        ("hysteresis_counts: 0.5", "hysteresis: 0.5", "hysteresis_counts"),
+        ("hysteresis_counts: 0.5", "backlash: 1 kg", "spec.yaml:8:23: scene.encoder.backlash"),
+        (
+            "wall: {stiffness: 0.27}",
+            "wall: {stiffness: 0.27, damping: 1.0e-5}",
+            "6:36: scene.wall.damping: must be absent beside hysteresis of the encoder: the last reading is not kept",
+        ),
+        (
+            "  sample_rate_hz: [1000]",
+            "  sample_rate_hz: [1000]\n  wall.damping: [0.0, 1.0e-5]",
+            'grid["wall.damping"]: must be absent beside hysteresis of the encoder',
+        ),
+        ("velocity: 0.0, phases: 4", "velocity: 0.0, basins: 2", "basins"),
+        (
+            STARTS,
+            "starts: anywhere",
+            f"{PLACE}: must be absent where starts are anywhere",
+        ),
+        (
+            "starts:",
+            "growth: {duration: 1.0}\nstarts:",
+            f"{PLACE}: must be absent where 'growth' is given",
+        ),
+        (
+            "  encoder:",
+            "  controller: {kind: bounded_lag}\n  encoder:",
+            f"{PLACE}: must be absent where a controller is given: a controller reads counts",
+        ),
+    ],
+)  # fmt: skip
+def test_faults_say_where_what_and_why(old: str, new: str, fault: str) -> None:
+    assert fault in faults_of(TEXT.replace(old, new))
