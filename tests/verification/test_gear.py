@@ -9,6 +9,7 @@ from math import ceil
 from random import Random
 from typing import Any, NamedTuple
 
+import numpy as np
 import pytest
 
 from hknob_cli.scene.trial import simulate
@@ -20,6 +21,8 @@ from hknob_cli.specs.source import Source
 from hknob_cli.stages.sweep.record import record_sweep
 from hknob_cli.stages.sweep.run import SweepStage
 from tests import digits as mp
+
+from .backlash_reference import Backlash
 
 EPSILON = 2.0**-53
 FLOOR = 1e-9  # counts; a sample nearer to an edge of a count could be read as either
@@ -297,3 +300,46 @@ def test_energy_of_a_recording_falls_where_no_torque_acts() -> None:
     energy = [row["energy_j"] for row in rows if row["angle_rad"] > 0.0 and row["torque_nm"] == 0.0]
     assert len(energy) > 50
     assert all(later <= before + 1e-15 for before, later in pairwise(energy))
+
+
+def at_a_sample(scene: dict[str, Any], period: int, backlash: float) -> tuple[Backlash, Any, list[Sample]]:
+    """A gear with backlash, its state on the cycle that the 60-digit model without any runs into, and that cycle."""
+    model = Shafts(scene, rate_hz=1000.0, counts=360)
+    last = model.run(angle=0.02, velocity=0.0, phase=0.5, samples=3000)[-2 * period - 1 :]
+    teeth = Backlash(scene, rate_hz=1000.0, counts=360, backlash=backlash)
+    first = [float(value) for value in (last[0].motor, last[0].motor_speed, last[0].knob, last[0].knob_speed)]
+    return teeth, np.array([first[0] + teeth.h, *first[1:]]), last
+
+
+def cycle_of(scene: dict[str, Any]) -> dict[str, Any]:
+    (row,) = (
+        SweepStage(planned(scene, 1000.0, 360, starts={"angle": 0.02, "phases": 1}), jobs=1).run().orbits.to_pylist()
+    )
+    assert row["certified"]
+    return row
+
+
+def test_teeth_that_never_part_make_the_same_cycle_with_any_backlash() -> None:
+    """Where ``mesh_least_nm`` is above 0: a degree of backlash, by another integrator, changes nothing."""
+    row = cycle_of(YIELDING)
+    assert row["mesh_least_nm"] > 0.0
+    period = row["period_samples"]
+    teeth, z, last = at_a_sample(YIELDING, period, np.pi / 180.0)
+    motion = teeth.run(z, 2 * period)
+    assert not any(motion.parted)
+    expected = np.array([[float(one.motor) + teeth.h, float(one.knob)] for one in last])
+    assert np.abs(motion.states[:, [0, 2]] - expected).max() < 1e-10  # DOP853's 1e-12 of 0.02 rad, some hundred steps
+    swing = motion.extremes[:, 1].max() - motion.extremes[:, 0].min()
+    assert swing == pytest.approx(row["knob_p2p_rad"], rel=1e-3)
+
+
+def test_teeth_part_where_the_mesh_would_pull() -> None:
+    """Where ``mesh_least_nm`` is below 0, as under a light push: a backlash opens within a period."""
+    light = {**YIELDING, "bias": {"torque": 1e-4}}
+    row = cycle_of(light)
+    assert row["mesh_least_nm"] < 0.0
+    teeth, z, last = at_a_sample(light, row["period_samples"], 0.1 * np.pi / 180.0)
+    motion = teeth.run(z, 2 * row["period_samples"])
+    assert any(motion.parted)
+    expected = np.array([float(one.knob) for one in last])
+    assert np.abs(motion.states[:, 2] - expected).max() > 1e-5

@@ -287,8 +287,7 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
     scene = scene_at(plan.scene, result.cell)
     if plan.perceive is None or not _is_counted(plan) or is_shaped(scene):
         return nan
-    stiffness = scene.wall.stiffness
-    return step_db(plan.perceive, stiffness=stiffness, counts=knob_counts(scene, result.cell))
+    return step_db(plan.perceive, stiffness=scene.wall.stiffness, counts=knob_counts(scene, result.cell))
 
 
 def _undecided(result: CellResult) -> float:
