@@ -12,7 +12,7 @@ from hknob_cli.figures.numbers import is_geometric, number, tick_labels
 from hknob_cli.report.table import short
 from hknob_cli.results.means import MEANS
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
-from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.plan import COUNTS, RATE, Scene
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +115,7 @@ def staircase(
     further = [name for name in varying if name != over]
     if over not in names or further:
         raise MissingError(f"'{of}' varies over {', '.join(varying) or 'nothing'}: give 'over' and 'at'")
-    steps = _steps(result.scene.wall.stiffness, rows, over) if unit_of_step else None
+    steps = _steps(result.scene, rows, over) if unit_of_step else None
     factor, label = steps or (1.0, axis_label(result, over))
     figure = theme.figure(1.9 * len(panels) + 0.7)
     places = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
@@ -173,9 +173,9 @@ def _ratios(axes: "Axes", rows: Rows) -> None:
     twin.spines["right"].set_visible(True)
 
 
-def _steps(stiffness: float, rows: Rows, over: str) -> tuple[float, str] | None:
+def _steps(scene: Scene, rows: Rows, over: str) -> tuple[float, str] | None:
     """Factor from a torque to steps of the wall's torque, and the axis label; None for other axes."""
-    if over != "bias.torque" or len({row.get(COUNTS) for row in rows}) != 1:
+    if over != "bias.torque" or len({row.get(COUNTS) for row in rows}) != 1 or scene.gear:
         return None
-    step = stiffness * 2.0 * pi / float(rows[0][COUNTS])
+    step = scene.wall.stiffness * 2.0 * pi / float(rows[0][COUNTS])
     return 1.0 / step, f"bias torque, in steps of the wall's torque (K\u0394\u03b8 = {1e3 * step:.4g} mN\u00b7m)"

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow.compute as pc
 
 from hknob_cli.results.result_set import MissingError, Result, ResultSet
-from hknob_cli.specs.plan import COUNTS, Pulse, Scene, scene_at
+from hknob_cli.specs.plan import COUNTS, Pulse, Scene, knob_counts, scene_at
 from hknob_cli.specs.sweep import RecordSpec
 
 Of = str | Sequence[str]
@@ -44,8 +44,8 @@ class Recording:
     @property
     def quantum(self) -> float:
         """One encoder count, rad; 0 with a continuous sensor."""
-        counts = self.cell.get(COUNTS)
-        return 2.0 * pi / counts if counts and self.scene.encoder else 0.0
+        counted = self.cell.get(COUNTS) and self.scene.encoder
+        return 2.0 * pi / knob_counts(scene_at(self.scene, self.cell), self.cell) if counted else 0.0
 
     @property
     def steps(self) -> tuple[np.ndarray, np.ndarray]:

@@ -19,6 +19,7 @@ from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome
+from hknob_cli.measure.behind import extremes, knob_row, mesh_row
 from hknob_cli.measure.forms import Array, Forms, Integrals, generator, hold_forms, integrate
 from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
@@ -53,8 +54,13 @@ def split_leak(x: Array, torque: Array, *, edge: float, kappa: float, offset: fl
     return Leak(*find_leak(x.tolist(), torque.tolist(), len(torque), 0.0, edge, kappa, offset, analog))
 
 
-def of_chart(body: Body, chart: PeriodSegments, period_samples: int, split: float, count: int) -> Complex:
-    """Amplitudes (count,), in counts, of the period that a chart has piece by piece; ``split`` of the delay."""
+def of_chart(
+    body: Body, chart: PeriodSegments, period_samples: int, split: float, count: int, *, behind: bool = False
+) -> Complex:
+    """Amplitudes (count,), in counts, of the period that a chart has piece by piece; ``split`` of the delay.
+
+    ``behind``: of the knob behind its gear, not of the encoder.
+    """
     m, width = len(chart.spans), body.order + 3
     before = np.zeros((m, width))
     before[:, : body.order] = chart.states[:-1]
@@ -64,6 +70,7 @@ def of_chart(body: Body, chart: PeriodSegments, period_samples: int, split: floa
     after = before.copy()
     after[:, : body.order] = chart.states[1:]
     starts = np.concatenate([[0.0], np.cumsum(chart.spans)[:-1]])
+    seen = knob_row(body) if behind else np.eye(width)[0]
     total = np.zeros(count, dtype=np.complex128)
     w: Array = np.asarray(2.0 * np.pi / period_samples * np.arange(1, count + 1), dtype=np.float64)
     for held in (False, True):
@@ -72,9 +79,9 @@ def of_chart(body: Body, chart: PeriodSegments, period_samples: int, split: floa
             continue
         # The piece before the first is the last, one period ago.
         jumps = np.roll(these * after, 1, axis=0) - these * before
-        # First row of (G - iω)^-1, one per harmonic: the angle's part.
+        # What sees the angle of (G - iω)^-1, one row per harmonic: its first.
         shifted = generator(body, held=held).T[None] - 1j * w[:, None, None] * np.eye(width)
-        rows = np.linalg.solve(shifted, np.eye(width)[:, :1])[..., 0]
+        rows = np.linalg.solve(shifted, seen[:, None])[..., 0]
         total += (rows * _transform(starts, jumps, period_samples, split, w)).sum(axis=1)
     return 2.0 / period_samples * total
 
@@ -141,7 +148,7 @@ class GeneralMeasurer:
         amplitudes = np.zeros(0, complex)
         if chart is not None:
             count = min(count, MOST_WORK // len(chart.spans))
-            amplitudes = of_chart(body, chart, attractor.period, self.knob.wall.split, count)
+            amplitudes = of_chart(body, chart, attractor.period, self.knob.wall.split, count, behind=self.knob.behind)
         return scaled(amplitudes, attractor.period, sample_period_s=period_s, quantum_rad=self.knob.quantum_rad)
 
     def measure(self, attractor: Attractor) -> OrbitMeasures:
@@ -183,7 +190,21 @@ class GeneralMeasurer:
             late_entry_j=leak.entry * energy if leak else nan,
             late_exit_j=leak.exit * energy if leak else nan,
             staircase_j=leak.staircase * energy if leak else nan,
+            **self._behind(chart),
         )
+
+    def _behind(self, chart: PeriodSegments) -> dict[str, float]:
+        """Swing of a knob behind a gear that yields, rad, and what its mesh carries, N·m; nothing without one."""
+        knob, body = self.knob, self.knob.body
+        if not knob.behind:
+            return {}
+        least, most = extremes(body, chart, knob_row(body))
+        lightest, heaviest = extremes(body, chart, mesh_row(body))
+        return {
+            "knob_p2p_rad": (most - least) * knob.quantum_rad,
+            "mesh_least_nm": lightest * knob.torque_nm,
+            "mesh_most_nm": heaviest * knob.torque_nm,
+        }
 
     def _leak(self, x: Array, commands: Array) -> Leak:
         wall = self.knob.wall

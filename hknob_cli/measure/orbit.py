@@ -32,6 +32,9 @@ class OrbitMeasures(NamedTuple):
     late_entry_j: float = nan
     late_exit_j: float = nan
     staircase_j: float = nan
+    knob_p2p_rad: float = nan
+    mesh_least_nm: float = nan
+    mesh_most_nm: float = nan
 
 
 def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:
@@ -48,6 +51,7 @@ def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:
         late_entry_j=0.0,
         late_exit_j=0.0,
         staircase_j=0.0,
+        knob_p2p_rad=0.0,
     )
 
 

@@ -13,7 +13,20 @@ from typing import NamedTuple
 from hknob_cli.report.motor_numbers import cells_of_motor, told
 from hknob_cli.report.table import short
 from hknob_cli.specs.over_angle import OVER_ANGLE
-from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Actuator, Axes, Bias, Cell, Hand, Scene, scene_at
+from hknob_cli.specs.plan import (
+    COUNTS,
+    GRIP,
+    PERSON,
+    RATE,
+    Actuator,
+    Axes,
+    Bias,
+    Cell,
+    Hand,
+    Scene,
+    knob_counts,
+    scene_at,
+)
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 from hknob_cli.theory.laws import working_edge
 from hknob_cli.theory.passivity import needed_damping
@@ -70,8 +83,12 @@ def push_of(scene: Scene, cell: Cell) -> float:
     return 0.5 * _step(scene, cell) if bias.half_quantum else bias.torque or 0.0
 
 
+def _count(scene: Scene, cell: Cell) -> float:
+    return 2.0 * pi / knob_counts(scene, cell)
+
+
 def _step(scene: Scene, cell: Cell) -> float:
-    return scene.wall.stiffness * 2.0 * pi / cell[COUNTS]
+    return scene.wall.stiffness * _count(scene, cell)
 
 
 def _over(one: float, other: float) -> float | None:
@@ -161,11 +178,11 @@ def _friction_in_steps(scene: Scene, cell: Cell) -> float | None:
     return _over(scene.knob.coulomb_torque, _step(scene, cell)) if scene.knob.coulomb_torque > 0.0 else None
 
 
-_BODY = ("knob.inertia", "knob.damping", "hand.", "motor.", "eddy_brake.")
+_BODY = ("knob.inertia", "knob.damping", "hand.", "motor.", "eddy_brake.", "gear.")
 _WALL = ("wall.stiffness", *_BODY)
-_STEP = (COUNTS, "wall.stiffness")
+_STEP = (COUNTS, "wall.stiffness", "gear.")
 _RULES = (
-    _Rule("one count", "rad", (COUNTS,), lambda _s, c: 2.0 * pi / c[COUNTS], "least angle that is read", 1e3, "mrad"),
+    _Rule("one count", "rad", (COUNTS, "gear."), _count, "least angle that is read", 1e3, "mrad"),
     _Rule("sample period T", "s", (RATE,), lambda _s, c: 1.0 / c[RATE], "time between samples", 1e3, "ms"),
     _Rule("torque step", "N*m", _STEP, _step, "K dq, what one count changes", 1e3, "mN*m"),
     _Rule("half quantum", "N*m", _STEP, lambda s, c: 0.5 * _step(s, c), "K dq / 2: a push that balances between two "
@@ -253,7 +270,7 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
     """
     if not scene.sampled or RATE not in axes:
         return []
-    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples", "motor.", "eddy_brake.")
+    paths = (RATE, "wall.", "knob.", "hand.", "actuator.delay_samples", "motor.", "eddy_brake.", "gear.")
     own, held, margin = [], [], [inf, 0.0]
     for one, cell in cells_for(scene, axes, paths):
         needed = _needed(one, cell)
@@ -266,7 +283,9 @@ def passivity(scene: Scene, axes: Axes) -> list[str]:
     if not own:
         return []
     most = " to ".join(dict.fromkeys(short(one) for one in margin))
-    none = not any(one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping", "motor.", "eddy_brake.")))
+    none = not any(
+        one.knob.damping for one, _ in cells_for(scene, axes, ("knob.damping", "motor.", "eddy_brake.", "gear."))
+    )
     lines = [f"Is the knob's own damping more than passivity needs? {'No: it has none' if none else _how_many(own)}."]
     if any(one.coil for one, _ in cells_for(scene, axes, ("motor.",))):
         lines.append("A winding with inductance is left out of that: its damping fades above R/(2 pi L).")

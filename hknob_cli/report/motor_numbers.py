@@ -47,7 +47,8 @@ def _beside(name: str, value: Value, means: str) -> list[Told]:
 
 def _winding(scene: Scene, _cell: Cell) -> float | None:
     motor = scene.motor
-    return motor.torque_constant**2 / motor.resistance if motor else None
+    ratio = scene.gear.ratio if scene.gear else 1.0
+    return (ratio * motor.torque_constant) ** 2 / motor.resistance if motor else None
 
 
 def _corner(scene: Scene, _cell: Cell) -> float | None:
@@ -57,7 +58,7 @@ def _corner(scene: Scene, _cell: Cell) -> float | None:
 
 def cells_of_motor(scene: Scene, axes: Axes) -> Iterator[tuple[Scene, Cell]]:
     """Scenes with their motors, and cells, at the ends of every axis that these numbers depend on; else its first."""
-    parts = ("motor.", "eddy_brake.", "wall.", "hand.", RATE, GRIP, PERSON, "actuator.delay")
+    parts = ("motor.", "eddy_brake.", "gear.", "wall.", "hand.", RATE, GRIP, PERSON, "actuator.delay")
     some = {
         name: list(dict.fromkeys((min(values), max(values)))) if name.startswith(parts) else values[:1]
         for name, values in axes.items()

@@ -162,8 +162,27 @@ class _Words:
                 form.format(text) for form, (key, unit) in named.items() if (text := self._value(f"motor.{key}", unit))
             ]
             yield f"Motor: {_WINDINGS[motor.winding]}, {', '.join(found)}."
+        if self.scene.gear:
+            yield f"Gear: {self._gear()}; encoder and actuator are on the motor's shaft."
         if self.scene.eddy_brake:
             yield f"Eddy brake: {self._value('eddy_brake.flux_density', 'T')} through a disc that turns with the knob."
+
+    def _gear(self) -> str:
+        """What the gear has; ratio first."""
+        named = {
+            "the motor turns {} times as far as the knob": ("ratio", ""),
+            "inertia of the motor {}": ("motor_inertia", "kg*m^2"),
+            "damping {}": ("motor_damping", "N*m*s/rad"),
+            "friction {}": ("motor_coulomb_torque", "N*m"),
+            "a mesh of stiffness {} at the knob": ("stiffness", "N*m/rad"),
+            "with a damping of {}": ("mesh_damping", "N*m*s/rad"),
+        }
+        found = [
+            form.format(text.strip())
+            for form, (key, unit) in named.items()
+            if (text := self._value(f"gear.{key}", unit))
+        ]
+        return ", ".join(found)
 
     def _over_angle(self) -> Iterator[str]:
         scene = self.scene

@@ -75,6 +75,18 @@ ORBITS = (
 
 # Columns that only some scenes have: with friction; without damping, of the cells; without a sample clock.
 FRICTION = (Column("friction_loss_j", _REAL, "J", "energy that friction dissipates over one period"),)
+BEHIND = (
+    Column(
+        "knob_p2p_rad",
+        _REAL,
+        "rad",
+        "behind a gear that yields: largest less smallest angle of the knob; p2p_rad is of the motor, over the ratio",
+    ),
+    Column(
+        "mesh_least_nm", _REAL, "N*m", "least torque of the mesh on the knob, out of the wall; below 0 teeth would part"
+    ),
+    Column("mesh_most_nm", _REAL, "N*m", "largest torque of the mesh on the knob, out of the wall"),
+)
 EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),
@@ -130,6 +142,11 @@ START = (Column("start_rad", _REAL, "rad", "angle at which the recording starts"
 FINGER = (
     Column("finger_angle_rad", _REAL, "rad", "angle of the finger"),
     Column("finger_velocity_rad_s", _REAL, "rad/s", "velocity of the finger"),
+)
+# Columns of the knob, where a gear with compliance is between it and the motor, whose angle the encoder has.
+AT_KNOB = (
+    Column("knob_angle_rad", _REAL, "rad", "angle of the knob, where angle_rad is the motor's over the ratio"),
+    Column("knob_velocity_rad_s", _REAL, "rad/s", "velocity of the knob"),
 )
 # Columns of the hand of a person, where the sweep is of a population.
 PEOPLE = (

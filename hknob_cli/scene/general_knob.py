@@ -28,7 +28,8 @@ UNIT_RAD = 1e-3  # a "count" of a continuous sensor
 class GeneralKnob(NamedTuple):
     """A scene sampled: its body and controller without dimensions, and the scales back to SI.
 
-    ``inertia_kg_m2``: of all that turns with the knob; ``rate``: of the slowest mode that decays, per sample.
+    ``inertia_kg_m2``: of all that turns with the knob; ``rate``: of the slowest mode that decays, per sample;
+    ``behind``: whether the body that is sensed is a motor, and the finger the knob with its hand behind a gear.
     """
 
     body: Body
@@ -39,6 +40,7 @@ class GeneralKnob(NamedTuple):
     shift: float
     delay_line: int
     rate: float
+    behind: bool = False
 
     def angle_rad(self, x: float) -> float:
         """Angle of a position ``x``."""
@@ -78,7 +80,7 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     encoder = scene.encoder or Encoder()
     hand = scene.hand or Hand()
     period = 1.0 / sample_rate_hz
-    quantum = 2.0 * pi / counts_per_rev if counts_per_rev else UNIT_RAD
+    quantum = 2.0 * pi / (counts_per_rev * scene.turns) if counts_per_rev else UNIT_RAD
     inertia = scene.knob.inertia + hand.inertia
     square = period * period / inertia
     nearest = scene.encoder is not None and encoder.rounding == "nearest"
@@ -136,6 +138,7 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
         shift=shift,
         delay_line=whole + 1 if actuator.delay_samples > 0.0 else 0,
         rate=slowest,
+        behind=scene.behind,
     )
 
 
@@ -149,12 +152,17 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     alpha = (scene.knob.damping + hand.damping) * period / inertia
     beta = hand.stiffness * square
     lag = period / actuator.time_constant if actuator.time_constant > 0.0 else 0.0
-    pad, finger, tip = (0.0, 0.0), (0.0, 0.0), 0.0
+    pad, finger, tip, driven = (0.0, 0.0), (0.0, 0.0), 0.0, 0.0
     if hand.finger and hand.fingerpad:
         pad = hand.fingerpad.damping * period / inertia, hand.fingerpad.stiffness * square
         tip = inertia / hand.finger.inertia
         per = period / hand.finger.inertia
         finger = hand.finger.damping * per, hand.finger.stiffness * period * per
+        if scene.behind:
+            # The push is on the finger: its spring is neutral elsewhere, or without a spring it is driven.
+            driven, push = push * tip, 0.0
+            if finger[1] > 0.0:
+                shift, driven = shift + driven / finger[1], 0.0
     coil, coil_rate = 0.0, 0.0
     if scene.coil:
         coil_rate = period / scene.coil.time_constant
@@ -179,10 +187,10 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         own[:4] = -finger[1], -finger[0], tip * pad[1] + finger[1], tip * pad[0] + finger[0]
         a[2, 3] = held[2, 3] = 1.0
         a[3] = a[1] - own
-        c[3] = c[1] + finger[1] * shift
+        c[3] = c[1] + finger[1] * shift + driven
         held[3] = -own
         held[3, 1] = 0.0
-        held_constant[3] = finger[1] * shift
+        held_constant[3] = finger[1] * shift + driven
     if lag:
         a[order - 1, order - 1] = held[order - 1, order - 1] = -lag
         a[:, order - 1] += entry

@@ -72,7 +72,7 @@ def reduce_scene(scene: Scene, *, sample_rate_hz: float, counts_per_rev: float) 
     encoder = scene.encoder or Encoder()
     inertia = scene.knob.inertia + hand.inertia
     period = 1.0 / sample_rate_hz
-    quantum = 2.0 * pi / counts_per_rev
+    quantum = 2.0 * pi / (counts_per_rev * scene.turns)
     square = period * period / inertia
     alpha = (scene.knob.damping + hand.damping) * period / inertia
     beta = hand.stiffness * square

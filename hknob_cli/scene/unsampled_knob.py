@@ -57,7 +57,7 @@ def reduce_unsampled(scene: Scene, *, counts_per_rev: int | None) -> UnsampledKn
     bias = scene.bias or Bias(torque=0.0)
     if counts_per_rev is None and (scene.encoder or bias.half_quantum):
         raise ComputationError("an encoder, and a bias of half a count, need counts_per_rev")
-    quantum = 2.0 * pi / counts_per_rev if counts_per_rev else 1.0
+    quantum = 2.0 * pi / (counts_per_rev * scene.turns) if counts_per_rev else 1.0
     unit = quantum if scene.encoder else 1.0
     inertia = scene.knob.inertia + hand.inertia
     damping = scene.knob.damping + hand.damping

@@ -41,6 +41,7 @@ WHY = {
     ("unsampled", "describing"): "dfa is about a sampled wall",
     ("unsampled", "relay"): "dfa is about a sampled wall",
     ("unsampled", "formulas"): "predict is about a sampled wall",
+    ("gear", "basins"): "its map is of the counts of a knob without a gear",
     ("people", "bounces"): "its hands damp",
     ("people", "describing"): "its spec has no population",
     ("people", "relay"): "its spec has no population",

@@ -1,4 +1,4 @@
-"""What a motor and an eddy brake come to for the knob: damping, lag, a torque limit, or a coil that remembers.
+"""What a motor, an eddy brake and a gear come to for the knob: damping, lag, a torque limit, or a coil that remembers.
 
 A voltage V = u R/Kt drives the torque u through the lag L/R, and the back voltage adds the torque of the same winding
 when it is shorted: the winding's equation is linear.
@@ -7,24 +7,27 @@ when it is shorted: the winding's equation is linear.
 from math import pi
 from typing import Any
 
+from hknob_cli.specs.geared import ungeared
 from hknob_cli.specs.motor import Coil
 from hknob_cli.specs.parts import Actuator, Scene
 
 
 def reduced(scene: Scene) -> Scene:
-    """The scene without motor and eddy brake, with what they do in their place; of arrays of numbers, too."""
-    if scene.motor is None and scene.eddy_brake is None:
+    """The scene without motor, eddy brake and gear, with what they do in their place; of arrays of numbers, too."""
+    if scene.eddy_brake:
+        damping = scene.knob.damping + scene.eddy_brake.damping
+        scene = scene._replace(knob=scene.knob._replace(damping=damping), eddy_brake=None)
+    scene = ungeared(scene)
+    if scene.motor is None:
         return scene
     damping, coil, motor = scene.knob.damping, scene.coil, scene.motor
     actuator = scene.actuator
-    if scene.eddy_brake:
-        damping = damping + scene.eddy_brake.damping
-    if motor and motor.bandwidth is not None:
+    if motor.bandwidth is not None:
         actuator = (actuator or Actuator())._replace(time_constant=1.0 / (2.0 * pi * motor.bandwidth))
-    if motor and motor.supply_voltage is not None:
+    if motor.supply_voltage is not None:
         most = motor.torque_constant * motor.supply_voltage / motor.resistance
         actuator = (actuator or Actuator())._replace(torque_limit=most)
-    if motor and motor.winding != "current":
+    if motor.winding != "current":
         brake = motor.torque_constant * motor.torque_constant / motor.resistance
         if _is_there(motor.inductance):
             coil = Coil(brake, motor.inductance / motor.resistance)
@@ -37,7 +40,6 @@ def reduced(scene: Scene) -> Scene:
         actuator=actuator,
         coil=coil,
         motor=None,
-        eddy_brake=None,
     )
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Literal, NamedTuple
 
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
+from hknob_cli.specs.gear import Gear
 from hknob_cli.specs.motor import Coil, EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import Bounds, Damping, Inertia, KnobRadius, Seconds, Stiffness, Torque, Width
@@ -154,8 +155,9 @@ class Squeeze(NamedTuple):
 class Scene(NamedTuple):
     """What exists; None where it does not.
 
-    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. ``coil``:
-    what `specs.electrical` makes of a motor whose winding has inductance, no key of a spec.
+    ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. No keys of
+    a spec are ``coil``, what `specs.electrical` makes of a motor whose winding has inductance, and what `specs.geared`
+    makes of a gear: ``turns`` of the encoder for one of the knob, and ``behind``, whether the push acts on the finger.
     """
 
     knob: Knob
@@ -172,5 +174,8 @@ class Scene(NamedTuple):
     dead_zone: DeadZone | None = None
     motor: Motor | None = None
     eddy_brake: EddyBrake | None = None
+    gear: Gear | None = None
     squeeze: Squeeze | None = None
     coil: Coil | None = None
+    turns: float = 1.0
+    behind: bool = False

@@ -53,6 +53,8 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "current_loop": written.motor is not None and written.motor.bandwidth is not None,
         "supply": written.motor is not None and written.motor.supply_voltage is not None,
         "eddy_brake": written.eddy_brake is not None,
+        "gear": written.gear is not None,
+        "mesh": scene.behind,
         "squeeze": written.squeeze is not None,
         "undamped": damping == 0.0 and scene.coil is None and knob.coulomb_torque == 0.0,
         "unheld": soft,

@@ -3,6 +3,7 @@
 This is what the rest of the program sees. Defaults and absences are resolved: a part that is not listed is None.
 """
 
+from math import nan
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
@@ -192,6 +193,17 @@ def scene_at(scene: Scene, cell: Cell) -> Scene:
     See `specs.squeeze.squeezed` and `specs.electrical.reduced`.
     """
     return reduced(squeezed(placed(scene, cell)))
+
+
+def knob_counts(scene: Scene, cell: Cell) -> float:
+    """Counts for a turn of the knob, where `scene_at` has reduced the gear; NaN without an encoder's counts."""
+    return cell.get(COUNTS, nan) * scene.turns
+
+
+def may_yield(plan: SweepPlan) -> bool:
+    """Whether a sweep has a gear with compliance, in some of its cells at least."""
+    gear = plan.scene.gear
+    return gear is not None and (gear.stiffness is not None or "gear.stiffness" in plan.axes)
 
 
 def placed(scene: Scene, cell: Cell) -> Scene:

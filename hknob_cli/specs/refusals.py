@@ -16,6 +16,7 @@ from hknob_cli.specs.capabilities import (
     reason,
 )
 from hknob_cli.specs.controller import KINDS, Controller
+from hknob_cli.specs.gear_faults import gear_contradictions
 from hknob_cli.specs.hand import HandSpec, hand_contradictions
 from hknob_cli.specs.motor_faults import motor_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
@@ -27,6 +28,8 @@ from hknob_cli.specs.squeeze_faults import squeeze_contradictions
 from hknob_cli.specs.velocity_faults import velocity_contradictions
 
 Faults = list[tuple[Place, str]]
+# Further keys that give a scene a part.
+_ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
 # Parts that a controller may be, and the keys that make it so: the first that is listed is at fault.
 _ON_A_DEVICE = {
     "speed_sensor": ("velocity",),
@@ -91,7 +94,7 @@ def _places(part: str, scene: SceneSpec, axes: Axes, *, people: bool) -> list[Pl
     path = PARTS[part].path
     if part in there:
         return [("scene", path) if path else ("scene",)] if there[part] else []
-    return given(scene, axes, path) if "." in path else []
+    return [place for one in (path, *_ALSO.get(part, ())) if "." in one for place in given(scene, axes, one)]
 
 
 def _within(place: Place, found: Faults) -> bool:
@@ -136,6 +139,7 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     found += hand_contradictions(scene.hand, scene.knob.inertia, axes)
     found += over_angle_contradictions(scene, axes)
     found += motor_contradictions(scene, axes)
+    found += gear_contradictions(scene, axes)
     found += squeeze_contradictions(scene, axes)
     if scene.controller:
         found += controller_faults(scene.controller, scene.given, axes)

@@ -25,7 +25,9 @@ def _wall_or_another(schema: dict[str, Any]) -> None:
     schema["anyOf"] = [{"required": [name]} for name in ("wall", *OVER_ANGLE)]
 
 
-_Listed = model_with_fields(Scene, "Listed", but=("sampled", "coil"), json_schema_extra=_wall_or_another)
+_Listed = model_with_fields(
+    Scene, "Listed", but=("sampled", "coil", "turns", "behind"), json_schema_extra=_wall_or_another
+)
 
 
 class SceneSpec(_Listed):  # type: ignore[misc, valid-type]
@@ -60,7 +62,7 @@ class SceneSpec(_Listed):  # type: ignore[misc, valid-type]
 
     def plain(self) -> Scene:
         """The scene as plain values."""
-        parts: dict[str, Any] = {key: getattr(self, key, None) for key in Scene._fields}
+        parts: dict[str, Any] = {key: getattr(self, key, Scene._field_defaults.get(key)) for key in Scene._fields}
         parts["hand"] = self.hand.plain() if self.hand else None
         parts["encoder"] = None if isinstance(self.encoder, str) else self.encoder
         parts["sampled"] = self.sampling == "zero_order_hold"

@@ -14,7 +14,7 @@ are those of the sweep's engine (`engine.loop`).
 from math import ceil, isfinite, pi, sqrt
 from typing import NamedTuple
 
-from hknob_cli.specs.plan import COUNTS, RATE, Actuator, Bias, Cell, Encoder, Hand, Scene
+from hknob_cli.specs.plan import RATE, Actuator, Bias, Cell, Encoder, Hand, Scene, knob_counts
 
 MOST_DELAY_ANGLE = 0.5  # rad; the first term that the describing function's limit leaves out is then 4 %
 MOST_COUNTS = 2.0  # peak to peak; beyond, a motion that is symmetric about its edge reaches the next one
@@ -75,7 +75,7 @@ def working_edge(scene: Scene, cell: Cell) -> WorkingEdge:
     hand = scene.hand or Hand()
     bias = scene.bias or Bias(torque=0.0)
     actuator = scene.actuator or Actuator()
-    period, quantum = 1.0 / cell[RATE], 2.0 * pi / cell[COUNTS]
+    period, quantum = 1.0 / cell[RATE], 2.0 * pi / knob_counts(scene, cell)
     encoder = scene.encoder or Encoder()
     offset, rounding = encoder.offset_counts, encoder.rounding
     depth = {"floor": 0.0, "nearest": 0.5, "ceil": 1.0, "truncate": 1.0}[rounding] - offset

@@ -97,6 +97,8 @@ CHANGES: dict[str, dict[str, Any]] = {
     "current_loop": {"scene": {"motor": {**MOTOR, "winding": "current", "bandwidth": 1000.0}}},
     "supply": {"scene": {"motor": {**MOTOR, "winding": "voltage", "supply_voltage": 0.5}}},
     "eddy_brake": {"scene": {"eddy_brake": BRAKE}},
+    "gear": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8}}},
+    "mesh": {"scene": {"gear": {"ratio": 2.5, "motor_inertia": 1e-8, "stiffness": 20.0, "mesh_damping": 1e-3}}},
     "squeeze": {
         "scene": {
             "hand": {"inertia": None, "damping": None, "stiffness": None, "table": 1, "grip_n": 0.71},

@@ -8,7 +8,7 @@ from hknob_cli.engine.outcome import Outcome
 from hknob_cli.perception.published import other_sets
 from hknob_cli.results.means import extent, one_start
 from hknob_cli.specs.design_plan import Candidate, DesignPlan
-from hknob_cli.specs.plan import COUNTS, PERSON, Bias, Cell, Hand, scene_at
+from hknob_cli.specs.plan import PERSON, Bias, Cell, Hand, knob_counts, scene_at
 from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.design.space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain
@@ -97,7 +97,7 @@ class Evaluator:
         pushed, pairs = [], []
         held = [(scene.hand or Hand()).stiffness for scene in scenes]
         for cell, scene, hand in zip(cells, scenes, held, strict=True):
-            pushes = _pushes(self.plan.torques, scene.wall.stiffness, hand, int(cell[COUNTS]))
+            pushes = _pushes(self.plan.torques, scene.wall.stiffness, hand, knob_counts(scene, cell))
             pairs.append(pushes)
             pushed += [{**cell, PUSH: push} for push in pushes]
         middles = [_middle(one) for one in self._presses[i].find(pushed)]
@@ -126,7 +126,7 @@ def _press(candidate: Candidate) -> Any:
     )
 
 
-def _pushes(torques: tuple[float, float], wall: float, hand: float, counts: int) -> tuple[float, float]:
+def _pushes(torques: tuple[float, float], wall: float, hand: float, counts: float) -> tuple[float, float]:
     """Pushes near ``torques`` (N·m) that hold the knob on an edge of a count, between the torques of two counts."""
     quantum = 2.0 * pi / counts
     first, second = (max(0, round((torque - 0.5 * wall * quantum) / ((wall + hand) * quantum))) for torque in torques)

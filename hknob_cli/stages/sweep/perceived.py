@@ -78,7 +78,7 @@ def _loudest(frequency: Any, sound: Any, how: Perceive) -> float:
     return float(phon[at]) if how.extrapolate or within else nan
 
 
-def step_db(how: Perceive, *, stiffness: float, counts: int) -> float:
+def step_db(how: Perceive, *, stiffness: float, counts: float) -> float:
     """Level of the torque step of a count; NaN without a step, or outside the published range."""
     if not (how.extrapolate or torque_step.in_range(counts)):
         return nan

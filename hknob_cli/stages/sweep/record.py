@@ -15,11 +15,23 @@ from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.search import as_list
 from hknob_cli.measure.unsampled import events
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.columns import FINGER, START, TRAJECTORY, axis_column
+from hknob_cli.results.columns import AT_KNOB, FINGER, START, TRAJECTORY, axis_column
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.specs.plan import COUNTS, RATE, Bias, Cell, Hand, Record, Scene, SweepPlan, scene_at
+from hknob_cli.specs.plan import (
+    COUNTS,
+    RATE,
+    Bias,
+    Cell,
+    Hand,
+    Record,
+    Scene,
+    SweepPlan,
+    knob_counts,
+    may_yield,
+    scene_at,
+)
 
 # Of recordings that are drawn and not kept.
 _FEW = 16  # trials, at most
@@ -54,7 +66,8 @@ def record_sweep(plan: SweepPlan) -> pa.Table:
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
     starts = START if plan.record.angles else ()
-    return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ())], rows)
+    behind = AT_KNOB if may_yield(plan) else ()
+    return build_table([*axes, *starts, *TRAJECTORY, *(FINGER if finger else ()), *behind], rows)
 
 
 def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
@@ -78,9 +91,10 @@ def record_one(plan: SweepPlan, orbits: list[dict[str, Any]]) -> pa.Table:
 def _slowest(scene: Scene) -> float:
     """The longest time constant of knob and hand (s), roughly; a tenth of a second where nothing damps them."""
     hand = scene.hand or Hand()
-    inertia, damping = scene.knob.inertia + hand.inertia, scene.knob.damping + hand.damping
+    own = hand.finger if scene.behind and hand.finger else hand
+    inertia, damping = scene.knob.inertia + own.inertia, scene.knob.damping + own.damping
     found = [2.0 * inertia / damping] if damping > 0.0 else []
-    found += [damping / hand.stiffness] if hand.stiffness > 0.0 and damping > 0.0 else []
+    found += [damping / own.stiffness] if own.stiffness > 0.0 and damping > 0.0 else []
     return min(max(found, default=0.1), 10.0)
 
 
@@ -104,6 +118,8 @@ def _row(one: Instant, scene: Scene, push: float) -> dict[str, Any]:
         "velocity_rad_s": one.velocity,
         "torque_nm": one.torque,
         "energy_j": energy(scene, push, one),
+        "knob_angle_rad": one.finger if scene.behind else one.angle,
+        "knob_velocity_rad_s": one.finger_velocity if scene.behind else one.velocity,
         "finger_angle_rad": one.finger,
         "finger_velocity_rad_s": one.finger_velocity,
     }
@@ -112,14 +128,15 @@ def _row(one: Instant, scene: Scene, push: float) -> dict[str, Any]:
 def _push(scene: Scene, cell: Cell) -> float:
     bias = scene.bias or Bias(torque=0.0)
     if bias.half_quantum:
-        return np.pi * scene.wall.stiffness / cell[COUNTS]
+        return np.pi * scene.wall.stiffness / knob_counts(scene, cell)
     return bias.torque or 0.0
 
 
 def energy(scene: Scene, push: float, one: Instant) -> float:
     """Energy of the masses, of the hand's springs and of the push into the wall, J; the wall has none."""
     hand = scene.hand or Hand()
-    total = 0.5 * (scene.knob.inertia + hand.inertia) * one.velocity**2 + push * one.angle
+    total = 0.5 * (scene.knob.inertia + hand.inertia) * one.velocity**2
+    total += push * (one.finger if scene.behind else one.angle)
     if hand.finger and hand.fingerpad:
         total += 0.5 * hand.finger.inertia * one.finger_velocity**2 + 0.5 * hand.finger.stiffness * one.finger**2
         return total + 0.5 * hand.fingerpad.stiffness * (one.angle - one.finger) ** 2

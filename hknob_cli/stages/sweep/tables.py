@@ -16,6 +16,7 @@ from hknob_cli.measure.orbit import OrbitMeasures
 from hknob_cli.results.arrays import join_columns, spell
 from hknob_cli.results.columns import (
     ANYWHERE,
+    BEHIND,
     CELLS,
     CONTACT,
     EVERY_START,
@@ -31,7 +32,7 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
-from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, scene_at
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_yield, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
 from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
 
@@ -163,7 +164,11 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    columns: tuple[Column, ...] = (*ORBITS, *(FRICTION if _has_friction(plan) else ()))
+    columns: tuple[Column, ...] = (
+        *ORBITS,
+        *(FRICTION if _has_friction(plan) else ()),
+        *(BEHIND if may_yield(plan) else ()),
+    )
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:
         columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)
@@ -282,8 +287,7 @@ def _step_db(plan: SweepPlan, result: CellResult) -> float:
     scene = scene_at(plan.scene, result.cell)
     if plan.perceive is None or not _is_counted(plan) or is_shaped(scene):
         return nan
-    stiffness = scene.wall.stiffness
-    return step_db(plan.perceive, stiffness=stiffness, counts=int(result.cell[COUNTS]))
+    return step_db(plan.perceive, stiffness=scene.wall.stiffness, counts=knob_counts(scene, result.cell))
 
 
 def _undecided(result: CellResult) -> float:
@@ -295,7 +299,9 @@ def _undecided(result: CellResult) -> float:
 
 
 def _has_friction(plan: SweepPlan) -> bool:
-    return plan.scene.knob.coulomb_torque > 0.0 or any(plan.axes.get("knob.coulomb_torque", []))
+    gear, axes = plan.scene.gear, plan.axes
+    own = gear is not None and (gear.motor_coulomb_torque > 0.0 or any(axes.get("gear.motor_coulomb_torque", [])))
+    return own or plan.scene.knob.coulomb_torque > 0.0 or any(axes.get("knob.coulomb_torque", []))
 
 
 def _growth(results: Sequence[CellResult]) -> dict[str, list[Any]]:

@@ -7,7 +7,7 @@ from typing import Any
 
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
-from hknob_cli.specs.plan import COUNTS, PERSON
+from hknob_cli.specs.plan import COUNTS, PERSON, knob_counts, scene_at
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
@@ -223,7 +223,8 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
     from hknob_cli.stages.sweep.record import record_one
 
     rows = orbits.to_pylist()
-    counts = cells.to_pylist()[0].get(COUNTS)
+    cell = cells.to_pylist()[0]
+    counts = knob_counts(scene_at(job.plan.scene, cell), cell) if COUNTS in cell else None
     draw_one_cell(
         record_one(job.plan, rows), rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path
     )

@@ -1,0 +1,88 @@
+"""The numbers of docs/explanation/gear.md, from the experiments that it names."""
+
+from math import pi
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from tests.conftest import EXPERIMENTS, swept
+from tests.verification.backlash_reference import Backlash
+from tests.verification.test_gear import YIELDING
+
+from .page import agrees, says, table
+
+PAGE = "explanation/gear.md"
+Rows = list[dict[str, float]]
+
+
+def cells(name: str, *overrides: str) -> Rows:
+    return _rows(swept(EXPERIMENTS / f"{name}.yaml", *overrides).cells)
+
+
+def orbits(name: str) -> Rows:
+    found = _rows(swept(EXPERIMENTS / f"{name}.yaml").orbits)
+    assert all(row["certified"] for row in found)
+    return found
+
+
+def _rows(found: pa.Table) -> Rows:
+    rows: Rows = found.to_pylist()
+    return rows
+
+
+def test_a_rigid_gear_and_its_rival() -> None:
+    geared, lagging = cells("gear_inertia"), cells("gear_direct")
+    plain = cells("gear_direct", "scene.controller=null")
+    printed = table(PAGE, "## Rigid")
+    assert len(printed) == len(geared) == len(lagging) == len(plain)
+    for row, gear, lag, bare in zip(printed, geared, lagging, plain, strict=True):
+        added = 7.4**2 * gear["gear.motor_inertia"]
+        assert abs(1.9e-6 + added - lag["knob.inertia"]) < 1e-9
+        shown = (1e7 * gear["gear.motor_inertia"], 1e7 * added, gear["touch_db"], bare["touch_db"], lag["touch_db"])
+        assert all(agrees(text, value) for text, value in zip(row, shown, strict=True)), (row, shown)
+    gains = [gear["touch_db"] - lag["touch_db"] for gear, lag in zip(geared, lagging, strict=True)]
+    says(PAGE, f"felt less, by {min(gains):.1f} to {max(gains):.1f} dB")
+    louder = [
+        lag["hearing_relative_db"] - gear["hearing_relative_db"] for gear, lag in zip(geared, lagging, strict=True)
+    ]
+    assert [one > 0.0 for one in louder] == [False] * 5 + [True, False]
+    says(PAGE, "in six of these seven cases", f"it is {louder[5]:.1f} dB louder")
+    says(PAGE, f"A motor of {1.9e-6 / 7.4**2 * 1e7:.2f} g·cm² already doubles")
+
+
+def test_a_mesh_that_yields() -> None:
+    rigid = {row["gear.motor_inertia"]: row for row in cells("gear_inertia")}
+    rows = cells("gear_compliance")
+    stiff = [row for row in rows if row["gear.stiffness"] > 30.0]
+    off = [abs(row["touch_db"] - rigid[row["gear.motor_inertia"]]["touch_db"]) for row in stiff]
+    assert len(stiff) == 12
+    assert max(off) <= 0.1
+    soft = [row for row in rows if row["gear.stiffness"] == 1.0]
+    touch = [row["touch_db"] - rigid[row["gear.motor_inertia"]]["touch_db"] for row in soft]
+    sound = [row["hearing_relative_db"] - rigid[row["gear.motor_inertia"]]["hearing_relative_db"] for row in soft]
+    says(PAGE, f"felt {-touch[0]:.0f} dB less, and sounds {sound[0]:.0f} dB louder")
+    says(PAGE, f"With the heaviest it is felt {touch[-1]:.0f} dB more")
+    pitches = [row["frequency_hz"] for row in orbits("gear_compliance") if row["gear.stiffness"] == 1.0]
+    says(PAGE, f"at {min(pitches):.0f} to {max(pitches):.0f} Hz")
+
+
+def test_where_teeth_would_part() -> None:
+    found = orbits("gear_compliance")
+    says(PAGE, f"in {sum(row['mesh_least_nm'] > 0.0 for row in found)} of the {len(found)} cycles found")
+    by_push = orbits("gear_push")
+    assert all(row["mesh_least_nm"] < 0.0 for row in by_push if row["bias.torque"] < 3.1e-4)
+    assert all(row["mesh_least_nm"] > 0.0 for row in by_push if row["bias.torque"] > 2.9e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("push", "row"), [(3e-4, 0), (1e-4, 1)])
+def test_a_backlash_under_a_light_push(push: float, row: int) -> None:
+    """To within a third, as the page says: such motion is sensitive to its start."""
+    mesh = {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-4}
+    printed = table(PAGE, "at 3 mN·m in none")[row]
+    for degrees, shown in zip((0.0, 0.1, 0.3, 1.0), printed[1:], strict=True):
+        scene = {**YIELDING, "bias": {"torque": push}, "gear": mesh}
+        teeth = Backlash(scene, rate_hz=1000.0, counts=360, backlash=degrees * pi / 180.0)
+        ends = teeth.run(np.array([0.02 + teeth.h, 0.0, 0.02, 0.0]), 1000).extremes[-300:]
+        assert 1e3 * (ends[:, 1].max() - ends[:, 0].min()) == pytest.approx(float(shown), rel=1.0 / 3.0)
