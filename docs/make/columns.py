@@ -75,6 +75,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("each parameter, with `_std`", _SYSID, "ESTIMATOR PARAMETERS"),
         ("always", _SYSID, "QUALITY FLAGS AVERAGED DIFFER APPARATUS"),
     ),
+    "`sysid`: truth.parquet, with `against`": (("always", _SYSID, "TRUTH"),),
     "`sysid`: calibration.parquet and calibration_points.parquet": (
         ("calibration.parquet", _SYSID, "CALIBRATION"),
         ("calibration_points.parquet", _SYSID, "CALIBRATION_POINTS"),
@@ -85,12 +86,18 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     ),
     "`hw-run`: samples.parquet": (
         ("as a recording", "hknob_cli.recordings.columns", "KEYS SAMPLES"),
+        ("a torque sensor", "hknob_cli.recordings.columns", "MEASURED_TORQUE"),
         ("beside it", _HW, "MORE_SAMPLES"),
+        ("an accelerometer", _HW, "ACCELERATION"),
     ),
     "`hw-run`: trials.parquet": (
         ("always", _HW, "CELL TRIAL_KEYS TRIALS"),
         ("`controller`, `remedies`", _HW, "CONTROLLED"),
         ("`remedies`", _HW, "TRIED"),
+    ),
+    "`hw-run`: trials.parquet, with `what: pulses`": (
+        ("always", "hknob_cli.results.pulse_files", "PULSE_TRIALS"),
+        ("a virtual device", "hknob_cli.results.pulse_files", "TRUTH"),
     ),
     "`hw-run`: remedies.parquet, with `remedies`": (
         ("always", "hknob_cli.stages.hw_run.remedies", "MEASURED"),

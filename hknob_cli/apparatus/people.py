@@ -106,7 +106,7 @@ def subject_hand(place: Place, *, seed: int = 0, variation: Variation | None = N
     inertia, own, stiffness = stream(seed, Purpose.SUBJECT, place.subject).standard_normal(3)
     damping = rho * stiffness + sqrt(1.0 - rho * rho) * own
     scaled = (share * cvs[0], share * cvs[1], share * cvs[2])
-    return _times(SecondOrder(*mean), scaled, np.array([inertia, damping, stiffness]))
+    return scaled_hand(SecondOrder(*mean), scaled, np.array([inertia, damping, stiffness]))
 
 
 def trial_hand(place: Place, *, seed: int = 0, variation: Variation | None = None) -> SecondOrder:
@@ -114,8 +114,8 @@ def trial_hand(place: Place, *, seed: int = 0, variation: Variation | None = Non
     variation = variation or Variation()
     hand = subject_hand(place, seed=seed, variation=variation)
     at = numbers(place)
-    hand = _times(hand, variation.blocks, stream(seed, Purpose.BLOCK, *at[:-1]).standard_normal(3))
-    return _times(hand, variation.trials, stream(seed, Purpose.TRIAL, *at).standard_normal(3))
+    hand = scaled_hand(hand, variation.blocks, stream(seed, Purpose.BLOCK, *at[:-1]).standard_normal(3))
+    return scaled_hand(hand, variation.trials, stream(seed, Purpose.TRIAL, *at).standard_normal(3))
 
 
 def numbers(place: Place) -> tuple[int, ...]:
@@ -125,7 +125,7 @@ def numbers(place: Place) -> tuple[int, ...]:
     return place.experiment, place.subject, row, place.block, place.trial
 
 
-def _times(hand: SecondOrder, cvs: tuple[float, float, float], normal: np.ndarray) -> SecondOrder:
+def scaled_hand(hand: SecondOrder, cvs: tuple[float, float, float], normal: np.ndarray) -> SecondOrder:
     """A hand times lognormal factors of mean 1 and these coefficients of variation."""
     values = []
     for value, cv, z in zip(hand, cvs, normal, strict=True):

@@ -5,8 +5,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from hknob_cli.stage_table import STAGES
-
 if TYPE_CHECKING:
     from hknob_cli.stages.job import Job
     from hknob_cli.stages.work import Work
@@ -29,7 +27,7 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
     if work.pictures(job) and not job.plot:
         out = _out(job.out, job.plan.name)
         return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
-    then = STAGES[job.kind].then
+    then = work.then(job)
     if not then or not summary.get("orbits", {"cycle": 1})["cycle"]:
         return ""
     from hknob_cli.stages.begin_from import FROM, KINDS

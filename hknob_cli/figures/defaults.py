@@ -286,6 +286,10 @@ def tried_of(result: Result) -> list[FigurePlan]:
 
 
 def _campaign(result: Result) -> list[FigurePlan]:
+    if result.has_pulses:
+        key = result.table("samples").slice(0, 1).to_pylist()[0]
+        options = {name: key[name] for name in ("subject", "experiment")}
+        return [planned(result, "trial_thumbnails", "every pulse", "A panel a grip force.", **options)]
     if result.has_remedies:
         figures = tried_of(result)
         if "samples.parquet" in result.files and _few(result):

@@ -64,9 +64,10 @@ def plant_of(row: dict[str, Any]) -> Plant:
 
 def recorded(result: Result, **asked: Any) -> list[Trial]:
     """Recorded trials with the keys asked for (None: any). Raises `MissingError` where none were kept."""
-    result.table("recordings")  # says so where they were not kept
+    file = "samples" if result.has_pulses else "recordings"
+    result.table(file)  # says so where they were not kept
     chosen = {name: value for name, value in asked.items() if value is not None}
-    trials = read([result.folder / "recordings.parquet"])
+    trials = read([result.folder / f"{file}.parquet"])
     found = [one for one in trials if all(getattr(one.key, name) == value for name, value in chosen.items())]
     if not found:
         raise MissingError(f"no recording of '{result.name}' with {chosen}")

@@ -40,7 +40,10 @@ def trial_thumbnails(
     """
     grips: dict[float, list[Trial]] = {}
     for trial in recorded(evidence[of], subject=subject, experiment=experiment):
-        grips.setdefault(trial.key.grip_target_n, []).append(trial)
+        if trial.torque_nm.any():  # of a campaign a grip may have fired none
+            grips.setdefault(trial.key.grip_target_n, []).append(trial)
+    if not grips:
+        raise MissingError(f"no trial of '{of}' has a pulse")
     rows = -(-len(grips) // 3)
     drawn = theme.figure(0.7 + 1.5 * rows)
     panels = drawn.subplots(rows, min(3, len(grips)), squeeze=False, sharex=True, sharey=True).ravel()

@@ -8,10 +8,10 @@ from typing import Any
 from hknob_cli.errors import DeviceError, HknobError, RefusedError, UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.journal import Journal
-from hknob_cli.hardware.order import Trial, settings_of, trials_of
+from hknob_cli.hardware.order import Trial, key_of, settings_of, trials_of
 from hknob_cli.hardware.port import Block, Device, Simulated, Torque
 from hknob_cli.hardware.ranges import faults_of_settings
-from hknob_cli.hardware.trial_file import Recorded, joined, sample_table, zero_of
+from hknob_cli.hardware.trial_file import Recorded, about_pulse, joined, sample_table, started_of, zero_of
 from hknob_cli.hardware.trial_run import (
     HANDS_OFF,
     Nobody,
@@ -24,7 +24,8 @@ from hknob_cli.hardware.trial_run import (
     run_trial,
 )
 from hknob_cli.recordings.trial import Key
-from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.campaign import Course, HwRunPlan
+from hknob_cli.specs.pulses import PulsePlan
 
 Opened = Callable[[ExitStack], Device]
 Who = Callable[[Trial], Simulated]
@@ -44,7 +45,7 @@ class Campaign:
 
     def __init__(
         self,
-        plan: HwRunPlan,
+        plan: HwRunPlan | PulsePlan,
         archive: Archive,
         opened: Opened,
         who: Who,
@@ -99,7 +100,8 @@ class Campaign:
 
     def _check_ranges(self, device: Device) -> None:
         """Raise `UsageError` if the device cannot do one of the trials: better before the first than hours later."""
-        if device.identity.no_grip_cell and self._plan.course.grip:
+        course = self._plan.course
+        if device.identity.no_grip_cell and not (isinstance(course, Course) and course.grip is None):
             raise UsageError(f"the device '{device.identity.name}' has no grip cell; write 'grip: none' into the spec")
         for trial in self.trials:
             faults = faults_of_settings(settings_of(self._plan, trial), device.identity)
@@ -130,7 +132,7 @@ class Campaign:
 
     def _attempt(self, device: Device, trial: Trial) -> Recorded:
         identity = device.identity
-        key = Key(self._plan.subject, self._plan.experiment, self._plan.course.grip_target_n, trial.block, trial.number)
+        key = key_of(self._plan, trial)
         about: dict[str, Any] = {
             "key": list(key),
             "device": identity.name,
@@ -151,6 +153,7 @@ class Campaign:
                 simulated=self._who(trial) if identity.simulated else None,
                 course=self._plan.course,
                 live=self._plan.is_source,
+                pulses=self._plan.pulses if isinstance(self._plan, PulsePlan) else None,
             )
             outcome = run_trial(device, task, keep, self._operator)
         except BaseException as error:
@@ -163,9 +166,12 @@ class Campaign:
         self, trial: Trial, key: Key, name: str, native_counts: int, blocks: list[Block], outcome: Outcome
     ) -> Recorded:
         samples = joined(blocks)
+        kept = samples
+        if isinstance(self._plan, PulsePlan):
+            kept = about_pulse(samples, outcome.settled_sample, self._plan.pulses.window)
         recorded = Recorded(
             trial=trial,
-            table=sample_table(samples, key, trial, native_counts),
+            table=sample_table(kept, key, trial, native_counts, zero_n=zero_of(samples)),
             ended=outcome.ended.value,
             settled_sample=outcome.settled_sample,
             gaps=outcome.gaps,
@@ -175,6 +181,7 @@ class Campaign:
             native_counts=native_counts,
             drift=outcome.drift.share if outcome.drift else None,
             drift_uncertainty=outcome.drift.uncertainty if outcome.drift else None,
+            started_sample=started_of(samples) if trial.grip_target_n else None,
         )
         self._archive.finish(recorded)
         self.recorded += 1

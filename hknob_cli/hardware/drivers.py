@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -10,12 +11,15 @@ from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import Trial, period_ns, trials_of
 from hknob_cli.hardware.port import Device, Simulated
 from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
+from hknob_cli.specs.pulses import PulsePlan
 
 USUAL_GRIP_N = 0.71  # Chapter 8's target
 Who = Callable[[Trial], Simulated]
 
 
-def opened(plan: HwRunPlan, stack: ExitStack, *, alarm: Callable[[str], None] = lambda _text: None) -> Device:
+def opened(
+    plan: HwRunPlan | PulsePlan, stack: ExitStack, *, alarm: Callable[[str], None] = lambda _text: None
+) -> Device:
     """The device of a plan, closed with ``stack``. Raises `DeviceError` or `UsageError` where there is none.
 
     ``alarm`` is told of torque that stays on.
@@ -25,7 +29,7 @@ def opened(plan: HwRunPlan, stack: ExitStack, *, alarm: Callable[[str], None] = 
         from hknob_cli.hardware.virtual import VirtualDevice
 
         return stack.enter_context(VirtualDevice(Nuisances(*plan.nuisances, seed=plan.seed)))
-    if device.driver == REPLAY:
+    if device.driver == REPLAY and isinstance(plan, HwRunPlan):
         from hknob_cli.hardware.replay import ReplayDevice
 
         return stack.enter_context(ReplayDevice(plan.recordings))
@@ -52,8 +56,12 @@ def _build_folder(stack: ExitStack) -> Path:
     return Path(stack.enter_context(TemporaryDirectory(prefix="hknob-")))
 
 
-def who_of(plan: HwRunPlan) -> Who:
+def who_of(plan: HwRunPlan | PulsePlan) -> Who:
     """Who holds the knob in a trial, and what knob it is, where the device is simulated."""
+    if isinstance(plan, PulsePlan):
+        from hknob_cli.hardware.pulse_person import squeezer
+
+        return partial(squeezer, plan)
     from hknob_cli.hardware.person import Person, hold
 
     person = Person(
@@ -71,7 +79,7 @@ def who_of(plan: HwRunPlan) -> Who:
     return who
 
 
-def check_persons(plan: HwRunPlan) -> None:
+def check_persons(plan: HwRunPlan | PulsePlan) -> None:
     """Raise `SpecError` at the grip force if nobody can hold a simulated knob as a plan says in one of its trials."""
     if plan.device.driver != VIRTUAL and plan.device.target is None:
         return

@@ -1,7 +1,9 @@
 """The journal of a trial: blocks appended to a file as they arrive, so that what was received survives a kill.
 
 A file is `MAGIC`, a record of JSON that says what trial it is, then a record for each block. A record is its length
-and CRC-32 (little-endian, 4 bytes each) and its bytes; each is handed to the operating system whole. What a kill leaves
+and CRC-32 (little-endian, 4 bytes each) and its bytes; each is handed to the operating system whole. A block with
+sensors beside encoder and grip cell has their columns after the others, and a last byte that says which (1: torque, 2:
+acceleration). What a kill leaves
 half written at the end fails its check, and only that is lost.
 """
 
@@ -75,7 +77,11 @@ def packed(block: Block) -> bytes:
     """A block as bytes."""
     columns = (block.time_us, block.angle_counts, block.torque_nm, block.grip_n, block.running)
     parts = [np.asarray(values).astype(kind).tobytes() for values, kind in zip(columns, _KINDS, strict=True)]
-    return _BLOCK.pack(block.first, block.overruns, len(block.time_us)) + b"".join(parts)
+    sensed = (block.measured_torque_nm, block.acceleration_rad_s2)
+    parts += [values.astype("<f8").tobytes() for values in sensed if values is not None]
+    which = sum(1 << i for i, values in enumerate(sensed) if values is not None)
+    last = bytes([which]) if which else b""
+    return _BLOCK.pack(block.first, block.overruns, len(block.time_us)) + b"".join(parts) + last
 
 
 def unpacked(content: bytes) -> Block:
@@ -83,7 +89,9 @@ def unpacked(content: bytes) -> Block:
     if len(content) < _BLOCK.size:
         raise ValueError("too short")
     first, overruns, count = _BLOCK.unpack_from(content)
-    if len(content) != _BLOCK.size + count * _ROW:
+    plain = _BLOCK.size + count * _ROW
+    which = content[-1] if len(content) > plain else 0
+    if which not in range(4) or len(content) != plain + count * 8 * which.bit_count() + (which > 0):
         raise ValueError("of another length")
     columns = []
     place = _BLOCK.size
@@ -91,7 +99,13 @@ def unpacked(content: bytes) -> Block:
         columns.append(np.frombuffer(content, dtype=kind, count=count, offset=place))
         place += columns[-1].nbytes
     time_us, angle, torque, grip, running = columns
-    return Block(first, time_us.astype(np.int64), angle.astype(np.int64), torque, grip, running.astype(bool), overruns)
+    sensed: list[np.ndarray | None] = []
+    for bit in (1, 2):
+        there = bool(which & bit)
+        sensed.append(np.frombuffer(content, dtype="<f8", count=count, offset=place) if there else None)
+        place += 8 * count * there
+    plain_ones = (time_us.astype(np.int64), angle.astype(np.int64), torque, grip, running.astype(bool))
+    return Block(first, *plain_ones, overruns, *sensed)
 
 
 def read_journal(path: Path) -> Journalled | None:

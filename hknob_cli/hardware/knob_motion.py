@@ -60,6 +60,11 @@ class KnobMotion:
         """Speed."""
         return float(self._state[1]) * self._knob.quantum_rad / self._knob.period_s
 
+    @property
+    def lagged_torque_nm(self) -> float | None:
+        """What the amplifier gives, the push taken off; None for one without lag, which gives what it is told."""
+        return float(self._state[-1]) * self._unit_nm if self._body.lag > 0.0 else None
+
     def move(self, torque_nm: float, push_nm: float, periods: float = 1.0) -> None:
         """Move for some sample periods under a commanded torque, and a push into the wall, both constant."""
         body, state = self._body, self._state

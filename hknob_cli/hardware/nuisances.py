@@ -10,7 +10,7 @@ from hknob_cli.apparatus.streams import Purpose, stream
 from hknob_cli.errors import UsageError
 from hknob_cli.hardware.port import Array, Settings, Simulated
 
-_ANGLE, _GRIP, _JITTER, _LATE = range(4)  # last number of each nuisance's stream
+_ANGLE, _GRIP, _JITTER, _LATE, _TORQUE, _ACCELERATION = range(6)  # last number of each nuisance's stream
 
 
 class Nuisances(NamedTuple):
@@ -50,6 +50,7 @@ class Disturbances:
         plain = simulated._replace(push_sines=(), grip_sines=())
         numbers = [value for value in plain if not isinstance(value, tuple)]
         numbers += [value for sine in (*simulated.push_sines, *simulated.grip_sines) for value in sine]
+        numbers += [one.amplitude for one in simulated.squeeze.sines] if simulated.squeeze else []
         person = crc32(np.array(numbers, dtype="<f8").tobytes())
         place = settings.period_ns, settings.counts_per_rev, person
 
@@ -58,6 +59,7 @@ class Disturbances:
 
         self._nuisances = nuisances
         self._angle, self._grip, self._jitter, self._late = own(_ANGLE), own(_GRIP), own(_JITTER), own(_LATE)
+        self._torque, self._acceleration = own(_TORQUE), own(_ACCELERATION)
         self._jitter_periods = nuisances.jitter_s / settings.interval_s
         self._tick = 0
 
@@ -68,6 +70,14 @@ class Disturbances:
     def grip_n(self, count: int) -> Array:
         """Noise of the grip cell at the next samples."""
         return _noise(self._grip, self._nuisances.grip_noise_n, count)
+
+    def torque_nm(self, rms: float, count: int) -> Array:
+        """Noise of a torque sensor at the next samples."""
+        return _noise(self._torque, rms, count)
+
+    def acceleration_rad_s2(self, rms: float, count: int) -> Array:
+        """Noise of an accelerometer at the next samples."""
+        return _noise(self._acceleration, rms, count)
 
     def begins(self, count: int) -> tuple[Array, Array]:
         """When the next samples begin, and how late that is, both in periods: arrays (count,).

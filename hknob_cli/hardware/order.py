@@ -5,8 +5,10 @@ from itertools import product
 from typing import Any, NamedTuple
 
 from hknob_cli.hardware.port import Settings
+from hknob_cli.recordings.trial import Key
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.plan import COUNTS, RATE
+from hknob_cli.specs.pulses import PulsePlan
 
 BLOCK_S = 0.01  # of samples that travel together
 MOST_BLOCK = 48
@@ -15,7 +17,8 @@ MOST_BLOCK = 48
 class Trial(NamedTuple):
     """One trial: its ``number`` from 1 in the order they are run, the repeat (``block``) that it is of, its cell.
 
-    ``remedy``: the name of what it tries; empty in a campaign without remedies.
+    ``remedy``: the name of what it tries; empty in a campaign without remedies. ``grip_target_n``: of a pulse, N, 0
+    in a campaign without pulses; then no encoder is coarser than the device's own, and ``counts_per_rev`` is 1.
     """
 
     number: int
@@ -23,25 +26,32 @@ class Trial(NamedTuple):
     sample_rate_hz: float
     counts_per_rev: int
     remedy: str = ""
+    grip_target_n: float = 0.0
 
     @property
     def label(self) -> str:
         """Name of its files."""
+        if self.grip_target_n:
+            return f"{self.number:02}_{self.grip_target_n:g}N"
         return f"{self.number:02}_{self.sample_rate_hz:g}_{self.counts_per_rev}"
 
     @property
     def values(self) -> dict[str, Any]:
-        """Its fields by name, as files of a trial have them: without a remedy where there is none."""
+        """Its fields by name, as files of a trial have them: without a remedy or a grip where there is none."""
         found = self._asdict()
-        return found if self.remedy else {name: found[name] for name in found if name != "remedy"}
+        return {name: value for name, value in found.items() if value or name not in ("remedy", "grip_target_n")}
 
     def __str__(self) -> str:
+        if self.grip_target_n:
+            return f"trial {self.number} ({self.grip_target_n:g} N, block {self.block})"
         under = f", {self.remedy}" if self.remedy else ""
         return f"trial {self.number} ({self.sample_rate_hz:g} Hz, {self.counts_per_rev} counts{under})"
 
 
-def trials_of(plan: HwRunPlan) -> tuple[Trial, ...]:
+def trials_of(plan: HwRunPlan | PulsePlan) -> tuple[Trial, ...]:
     """Trials of a campaign in the order they are run."""
+    if isinstance(plan, PulsePlan):
+        return _pulse_trials(plan)
     chance = random.Random(plan.seed)  # whose random() is the same in every version of Python
     found: list[Trial] = []
     for repeat in range(1, plan.repeats + 1):
@@ -54,14 +64,48 @@ def trials_of(plan: HwRunPlan) -> tuple[Trial, ...]:
     return tuple(found)
 
 
+def _pulse_trials(plan: PulsePlan) -> tuple[Trial, ...]:
+    """Trials of each block: the lightest grip first, or shuffled by the seed."""
+    chance = random.Random(plan.seed)
+    found: list[Trial] = []
+    for block in range(1, plan.repeats + 1):
+        grips = [grip for grip in plan.grips for _ in range(plan.pulses.trials)]
+        if plan.shuffled:
+            keys = [chance.random() for _ in grips]
+            grips = [grips[i] for i in sorted(range(len(grips)), key=keys.__getitem__)]
+        for grip in grips:
+            found.append(Trial(len(found) + 1, block, plan.pulses.sample_rate, 1, grip_target_n=grip))
+    return tuple(found)
+
+
+def key_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Key:
+    """What tells its recording from others."""
+    target = trial.grip_target_n or (plan.course.grip_target_n if isinstance(plan, HwRunPlan) else 0.0)
+    return Key(plan.subject, plan.experiment, target, trial.block, trial.number)
+
+
 def period_ns(sample_rate_hz: float) -> int:
     """Interval of the sample clock that a device is told."""
     return round(1e9 / sample_rate_hz)
 
 
-def settings_of(plan: HwRunPlan, trial: Trial) -> Settings:
+def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
     """What the device is told for a trial."""
     block = round(trial.sample_rate_hz * BLOCK_S)
+    if isinstance(plan, PulsePlan):
+        from hknob_cli.hardware.pulse_person import order_of
+
+        return Settings(
+            period_ns=period_ns(trial.sample_rate_hz),
+            counts_per_rev=trial.counts_per_rev,
+            wall_stiffness=0.0,
+            wall_damping=0.0,
+            torque_limit_nm=plan.limits.torque,
+            speed_limit_rad_s=plan.limits.speed,
+            watchdog_us=round(plan.limits.watchdog * 1e6),
+            block_samples=min(max(block, 1), MOST_BLOCK),
+            pulse=order_of(plan, trial.grip_target_n),
+        )
     acts = plan.tried(trial.remedy)
     settings = Settings(
         period_ns=period_ns(trial.sample_rate_hz),

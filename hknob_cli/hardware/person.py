@@ -114,7 +114,7 @@ def _grip(person: Person, rng: np.random.Generator) -> tuple[float, tuple[Sine, 
     """Mean grip of a trial and the sines about it: trial means over `STEADY_S` scatter as printed, wander included."""
     mean, std = printed_grips()
     scale = person.grip_target_n / PRINTED_TARGET_N
-    sines = _sines(rng, person.grip_target_n, person.grip_wander_share, person.grip_tremor_share)
+    sines = wander_sines(rng, person.grip_target_n, person.grip_wander_share, person.grip_tremor_share)
     # A sine of random phase contributes this much to the variance of a mean over the steady part.
     wander = sum(0.5 * sine.amplitude**2 * _sinc(sine.frequency_hz * STEADY_S) ** 2 for sine in sines)
     own = sqrt(max(0.0, (scale * std) ** 2 - wander))
@@ -123,7 +123,7 @@ def _grip(person: Person, rng: np.random.Generator) -> tuple[float, tuple[Sine, 
 
 def _push(person: Person, friction_nm: float, rng: np.random.Generator) -> tuple[float, tuple[Sine, ...]]:
     """Mean push of a trial and the sines about it; drawn so that friction changes it only where it would stop it."""
-    sines = _sines(rng, 1.0, person.push_wander_share, person.push_tremor_share)
+    sines = wander_sines(rng, 1.0, person.push_wander_share, person.push_tremor_share)
     weakest = 1.0 - sum(sine.amplitude for sine in sines)
     variance = log1p(person.push_cv**2)
     for _ in range(_DRAWS if person.push_nm * weakest > friction_nm else 1):
@@ -133,7 +133,7 @@ def _push(person: Person, friction_nm: float, rng: np.random.Generator) -> tuple
     return push, tuple(sine._replace(amplitude=push * sine.amplitude) for sine in sines if push > 0.0)
 
 
-def _sines(rng: np.random.Generator, mean: float, wander_share: float, tremor_share: float) -> tuple[Sine, ...]:
+def wander_sines(rng: np.random.Generator, mean: float, wander_share: float, tremor_share: float) -> tuple[Sine, ...]:
     """Two sines of slow wander and two of tremor, with frequencies and phases of their own; none of no amplitude."""
     found = []
     for share, (low, high) in ((wander_share, WANDER_HZ), (tremor_share, TREMOR_HZ)):

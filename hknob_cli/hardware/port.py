@@ -34,8 +34,33 @@ class Sine(NamedTuple):
     phase: float
 
 
+class Squeeze(NamedTuple):
+    """How a simulated person squeezes a knob that pulses, from the start on (`pulse_person.grip_of`).
+
+    ``aim_n``: force aimed at; ``rise_s`` to the highest force, or to the aim with ``climbs``: then the force goes on
+    rising; ``overshoot``: share; ``reaction_s`` before the squeeze, and from the first sample of the pulse to letting
+    go, with the time constant ``relax_s``; ``strength_n``: the firmest grip; ``sines`` of shares. ``hands``: rows of
+    grip (N), inertia, damping and stiffness of knob and hand, rising, between which the hand at the pulse lies.
+    ``sensors``: rms noise of a torque sensor (N·m) and of an accelerometer (rad/s²), None where there is none.
+    """
+
+    aim_n: float
+    rise_s: float
+    overshoot: float
+    climbs: bool
+    reaction_s: float
+    relax_s: float
+    strength_n: float
+    hands: tuple[tuple[float, float, float, float], ...]
+    sines: tuple[Sine, ...] = ()
+    sensors: tuple[float | None, float | None] = (None, None)
+
+
 class Simulated(NamedTuple):
-    """Numbers of the simulated knob, hand and person, in SI units; inertia of knob and hand together."""
+    """Numbers of the simulated knob, hand and person, in SI units; inertia of knob and hand together.
+
+    ``squeeze``: of a person whose knob pulses; then grip and push of the others, and what the hand is, do not count.
+    """
 
     inertia: float
     damping: float
@@ -48,6 +73,7 @@ class Simulated(NamedTuple):
     grip_offset_n: float
     push_sines: tuple[Sine, ...] = ()
     grip_sines: tuple[Sine, ...] = ()
+    squeeze: Squeeze | tuple[()] = ()
 
 
 class Control(NamedTuple):
@@ -63,13 +89,28 @@ class Control(NamedTuple):
     rows: tuple[float, ...]
 
 
+class PulseOrder(NamedTuple):
+    """A pulse that a grip fires, as a device is told (`grip_trigger`): forces in N, times in s, torque in N·m.
+
+    ``dwell_s``: how long the grip has to stay within ``band_n`` of ``grip_n``; 0: it fires as it reaches ``grip_n``.
+    ``release_n``: below which the hand counts as relaxed.
+    """
+
+    grip_n: float
+    band_n: float
+    dwell_s: float
+    release_n: float
+    torque_nm: float
+    width_s: float
+
+
 class Identity(NamedTuple):
     """What a device says it is; ``native_counts`` per revolution of its own encoder; ``boot`` differs after a restart.
 
     ``simulated``: it has no knob but the simulated one of `Simulated`. ``shortest_period_ns`` of its sample clock.
     ``no_grip_cell``: its grip force is 0 and means nothing. ``own_time``: its clock is simulated too, and may run
     faster or slower than any other. ``knows_zero``: it can make the present angle zero.
-    ``knows_control``: it can run controllers.
+    ``knows_control``: it can run controllers; ``knows_pulses``: it can fire a pulse at a grip.
     """
 
     name: str
@@ -81,6 +122,7 @@ class Identity(NamedTuple):
     own_time: bool = False
     knows_zero: bool = False
     knows_control: bool = False
+    knows_pulses: bool = False
 
 
 class Torque(str, Enum):
@@ -109,7 +151,8 @@ class Settings(NamedTuple):
     ``period_ns`` of the sample clock; ``counts_per_rev`` of the encoder that the wall sees; ``wall_stiffness`` in
     N·m/rad, ``wall_damping`` in N·m·s/rad, on the differenced coarse angle; torque is cut off at ±``torque_limit_nm``;
     a speed above ``speed_limit_rad_s``, or ``watchdog_us`` without a word from the host, ends the trial at the target.
-    ``control``: what acts in place of the wall's spring, or beside it; None: the plain wall.
+    ``control``: what acts in place of the wall's spring, or beside it; None: the plain wall. ``pulse``: a pulse that a
+    grip fires, in place of a wall.
     """
 
     period_ns: int
@@ -121,11 +164,18 @@ class Settings(NamedTuple):
     watchdog_us: int
     block_samples: int
     control: Control | None = None
+    pulse: PulseOrder | None = None
 
     @property
     def interval_s(self) -> float:
         """Time from sample to sample."""
         return self.period_ns * 1e-9
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """All but controller and pulse, in the order of CONFIGURE."""
+        numbers: tuple[float, ...] = self._replace(control=None, pulse=None)[:-2]
+        return numbers
 
 
 class Block(NamedTuple):
@@ -133,7 +183,8 @@ class Block(NamedTuple):
 
     ``time_us`` since arming, by the device's clock; ``angle_counts`` of the device's own encoder; ``torque_nm``
     commanded from this sample to the next; ``grip_n`` as the cell gives it, its zero not subtracted; ``running`` where
-    the wall was on. ``overruns``: samples so far for which the loop was late.
+    the wall was on. ``overruns``: samples so far for which the loop was late. ``measured_torque_nm`` and
+    ``acceleration_rad_s2`` where the device has such a sensor.
     """
 
     first: int
@@ -143,6 +194,8 @@ class Block(NamedTuple):
     grip_n: Array
     running: Flags
     overruns: int
+    measured_torque_nm: Array | None = None
+    acceleration_rad_s2: Array | None = None
 
 
 class Device(Protocol):

@@ -32,6 +32,12 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
             faults.append(f"{name} must be {allowed}, got {value:.10g}")
     if settings.control is not None and not identity.knows_control:
         faults.append("it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)")
+    if (pulse := settings.pulse) is not None:
+        if not identity.knows_pulses:
+            faults.append("it fires no pulses: the wire has no message that arms one (docs/reference/wire.md)")
+        if not 0.0 < pulse.torque_nm <= settings.torque_limit_nm:
+            most = settings.torque_limit_nm
+            faults.append(f"the pulse must be above 0, at most {most:g} N m, got {pulse.torque_nm:.10g}")
     return faults
 
 

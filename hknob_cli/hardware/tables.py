@@ -33,7 +33,7 @@ def campaign_tables(done: list[Recorded], plan: HwRunPlan) -> tuple[pa.Table, pa
     controlled = CONTROLLED if tried or plan.first.controller else ()
     rows = [{**_row(one, plan.course), **(_acting(plan, one.trial) if controlled else {})} for one in done]
     trials = build_table((*TRIALS, *controlled, *tried), rows)
-    return samples, trials, build_table(TIMING, [timing_row(one) for one in done])
+    return samples, trials, build_table(TIMING, [timing_row(one, place_of(one)) for one in done])
 
 
 def _acting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
@@ -70,7 +70,7 @@ def trial_row(one: Recorded, course: Course) -> dict[str, Any]:
     )
     torque_hz = _torque_hz(column, measured)
     return {
-        **_place(one),
+        **place_of(one),
         "sustained": measured.sustained,
         "p2p_rad": measured.p2p_rad,
         "rms_rad": measured.rms_rad,
@@ -106,7 +106,7 @@ def _unmeasured(one: Recorded, why: str) -> dict[str, Any]:
     """The row of a trial without its measures."""
     return {
         **dict.fromkeys(column.name for column in TRIALS),
-        **_place(one),
+        **place_of(one),
         "sustained": False,
         "ended": one.ended,
         "samples": one.table.num_rows,
@@ -118,7 +118,7 @@ def _unmeasured(one: Recorded, why: str) -> dict[str, Any]:
     }
 
 
-def _place(one: Recorded) -> dict[str, Any]:
+def place_of(one: Recorded) -> dict[str, Any]:
     """Where a trial is in the campaign."""
     trial = one.trial
     return {
@@ -162,11 +162,11 @@ def _doubts(one: Recorded, measured: TrialMeasures, course: Course) -> list[str]
     return found
 
 
-def timing_row(one: Recorded) -> dict[str, Any]:
-    """One trial's sample clock, audited."""
+def timing_row(one: Recorded, place: dict[str, Any]) -> dict[str, Any]:
+    """One trial's sample clock, audited; ``place``: where the trial is in its campaign."""
     number, time_us = (one.table[name].to_numpy() for name in ("sample", "device_time_us"))
     return {
-        **_place(one),
+        **place,
         **audit(number, time_us, period_ns=period_ns(one.trial.sample_rate_hz), overruns=one.overruns)._asdict(),
         "host_drift": one.drift,
         "host_drift_uncertainty": one.drift_uncertainty,

@@ -15,20 +15,24 @@ import pyarrow as pa
 from hknob_cli.errors import ComputationError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Array, Block, Counts, Flags
-from hknob_cli.recordings.columns import KEYS, SAMPLES
+from hknob_cli.recordings.columns import KEYS, MEASURED_TORQUE, SAMPLES
 from hknob_cli.recordings.trial import Key
 from hknob_cli.recordings.trial import Trial as RecordedTrial
 from hknob_cli.recordings.write import table as recording_table
 from hknob_cli.results.arrays import build_array
-from hknob_cli.results.campaign_files import MORE_SAMPLES
+from hknob_cli.results.campaign_files import ACCELERATION, MORE_SAMPLES
+from hknob_cli.results.columns import Column
 from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.parted import sealed_file
 from hknob_cli.results.provenance import KEY
 from hknob_cli.results.store import partial
 from hknob_cli.specs.parquet import table_of
+from hknob_cli.specs.plan import COUNTS
+from hknob_cli.specs.pulses import Window
 
 ABOUT = b"hknob.trial"
-_COLUMNS = (*KEYS, *SAMPLES, *MORE_SAMPLES)
+_NOT_BESIDE = ("trial", "table", "started_sample")
+_HALF_US = 0.5e-6
 
 
 class Samples(NamedTuple):
@@ -41,6 +45,8 @@ class Samples(NamedTuple):
     grip_n: Array
     running: Flags
     overruns: int
+    measured_torque_nm: Array | None = None
+    acceleration_rad_s2: Array | None = None
 
     def angle_rad(self, native_counts: int) -> Array:
         """Angle by the device's own encoder, rad."""
@@ -58,14 +64,41 @@ def joined(blocks: Sequence[Block]) -> Samples:
         grip_n=np.concatenate([np.empty(0), *(block.grip_n for block in blocks)]),
         running=np.concatenate([np.empty(0, dtype=bool), *(block.running for block in blocks)]),
         overruns=max((block.overruns for block in blocks), default=0),
+        measured_torque_nm=_sensed([block.measured_torque_nm for block in blocks]),
+        acceleration_rad_s2=_sensed([block.acceleration_rad_s2 for block in blocks]),
     )
+
+
+def _sensed(parts: Sequence[Array | None]) -> Array | None:
+    """What a sensor told in all blocks; None where there is none."""
+    found = [part for part in parts if part is not None]
+    return np.concatenate(found) if found and len(found) == len(parts) else None
+
+
+def about_pulse(samples: Samples, fired: int | None, window: Window) -> Samples:
+    """The samples from ``window.before`` before the sample ``fired`` to ``window.after`` after it, by their times.
+
+    Where no pulse came, the last ones, for as long a time.
+    """
+    time_s = samples.time_us * 1e-6
+    if fired is None:
+        first, last = time_s[-1] - window.before - window.after, time_s[-1]
+    else:
+        at = time_s[int(np.searchsorted(samples.number, fired))]
+        first, last = at - window.before, at + window.after
+    kept = slice(int(np.searchsorted(time_s, first - _HALF_US)), int(np.searchsorted(time_s, last + _HALF_US)))
+    cut: dict[str, Any] = {
+        name: values[kept] for name, values in samples._asdict().items() if isinstance(values, np.ndarray)
+    }
+    return samples._replace(**cut)
 
 
 class Recorded(NamedTuple):
     """A trial that is on the disk: its samples as a table, and what is known of it beside.
 
     ``ended`` and ``settled_sample`` as in an `Outcome`; ``device``: what it calls itself; ``drift`` of its clock by the
-    computer's, with its uncertainty, None for one in its own time.
+    computer's, with its uncertainty, None for one in its own time. ``started_sample``: the first after the start, of a
+    trial of a pulse, whose table is `about_pulse`.
     """
 
     trial: Trial
@@ -79,13 +112,14 @@ class Recorded(NamedTuple):
     native_counts: int
     drift: float | None = None
     drift_uncertainty: float | None = None
+    started_sample: int | None = None
 
     @property
     def is_sane(self) -> bool:
         """Whether what is known of it beside is of the kinds that the program writes."""
         words = isinstance(self.ended, str) and isinstance(self.device, str)
         settled = 0 if self.settled_sample is None else self.settled_sample
-        wholes = (settled, self.gaps, self.overruns, self.native_counts)
+        wholes = (settled, self.started_sample or 0, self.gaps, self.overruns, self.native_counts)
         return (
             words
             and all(isinstance(one, int) and abs(one) < 2**63 for one in wholes)
@@ -102,14 +136,25 @@ def zero_of(samples: Samples) -> float:
     return float(before.mean()) if before.size else 0.0
 
 
-def sample_table(samples: Samples, key: Key, trial: Trial, native_counts: int) -> pa.Table:
-    """Samples as rows: the columns of a recording, then `MORE_SAMPLES`; the zero is subtracted from the grip force."""
+def started_of(samples: Samples) -> int | None:
+    """The first sample after the start; None where there is none."""
+    return int(samples.number[int(np.argmax(samples.running))]) if samples.running.any() else None
+
+
+def sample_table(
+    samples: Samples, key: Key, trial: Trial, native_counts: int, *, zero_n: float | None = None
+) -> pa.Table:
+    """Samples as rows: the columns of a recording, then `MORE_SAMPLES`; the zero is subtracted from the grip force.
+
+    ``zero_n``: the zero, where it is not that of these samples.
+    """
     recorded = RecordedTrial(
         key=key,
         time_s=np.asarray(samples.time_us * 1e-6, dtype=np.float64),
         torque_nm=samples.torque_nm,
         angle_rad=samples.angle_rad(native_counts),
-        grip_n=samples.grip_n - zero_of(samples),
+        grip_n=samples.grip_n - (zero_of(samples) if zero_n is None else zero_n),
+        measured_torque_nm=samples.measured_torque_nm,
     )
     found = recording_table([recorded])
     count = samples.number.size
@@ -121,8 +166,11 @@ def sample_table(samples: Samples, key: Key, trial: Trial, native_counts: int) -
         "angle_counts": samples.angle_counts,
         "running": samples.running,
     }
-    for column in MORE_SAMPLES:
+    for column in _more(trial):
         found = found.append_column(column.field(), build_array(column.type, values[column.name].tolist()))
+    if samples.acceleration_rad_s2 is not None:
+        told = samples.acceleration_rad_s2.tolist()
+        found = found.append_column(ACCELERATION.field(), build_array(ACCELERATION.type, told))
     return found
 
 
@@ -130,8 +178,10 @@ def write_trial(path: Path, recorded: Recorded, provenance: bytes) -> None:
     """Write a trial, whole or not at all. Raises `ComputationError` if it cannot be written."""
     about = {
         "trial": recorded.trial.values,
-        **{name: getattr(recorded, name) for name in Recorded._fields if name not in ("trial", "table")},
+        **{name: getattr(recorded, name) for name in Recorded._fields if name not in _NOT_BESIDE},
     }
+    if recorded.started_sample is not None:
+        about["started_sample"] = recorded.started_sample
     half = partial(path)
     try:
         with create(half) as stream:
@@ -151,12 +201,19 @@ def read_trial(path: Path) -> Recorded | None:
         found = Recorded(trial=Trial(**about.pop("trial")), table=table.replace_schema_metadata(None), **about)
     except (OSError, pa.ArrowException, KeyError, ValueError, TypeError, AttributeError, RecursionError):
         return None
-    return found if found.is_sane and _are_samples(found.table) else None
+    return found if found.is_sane and _are_samples(found.table, found.trial) else None
 
 
-def _are_samples(table: pa.Table) -> bool:
+def _more(trial: Trial) -> tuple[Column, ...]:
+    """The columns beside those of a recording: of a pulse no encoder is coarser than the device's own."""
+    return tuple(one for one in MORE_SAMPLES if one.name != COUNTS) if trial.grip_target_n else MORE_SAMPLES
+
+
+def _are_samples(table: pa.Table, trial: Trial) -> bool:
     """Whether a table is of samples one after the other, every one of them whole."""
-    kinds = [(column.name, column.type) for column in _COLUMNS]
+    sensed = [column for column in (MEASURED_TORQUE,) if column.name in table.column_names]
+    last = [column for column in (ACCELERATION,) if column.name in table.column_names]
+    kinds = [(column.name, column.type) for column in (*KEYS, *SAMPLES, *sensed, *_more(trial), *last)]
     if [(field.name, field.type) for field in table.schema] != kinds or not table.num_rows:
         return False
     if any(column.null_count for column in table.columns):

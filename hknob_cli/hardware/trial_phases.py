@@ -33,6 +33,9 @@ class Ended(str, Enum):
     LONGEST = "longest"
     OPERATOR = "operator"
     OVER = "over"
+    RELEASED = "released"  # of a pulse: it came, and the hand relaxed
+    GRIPPING = "gripping"  # it came, and the hand did not relax
+    UNFIRED = "unfired"  # it did not come
 
 
 class TrialPhases:

@@ -12,10 +12,12 @@ from typing import NamedTuple, Protocol
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.order import Trial
 from hknob_cli.hardware.port import Block, Device, Drift, Settings, Simulated, Torque
+from hknob_cli.hardware.pulse_phases import PulsePhases
 from hknob_cli.hardware.safety import LimitMonitor, undisturbed
 from hknob_cli.hardware.sample_clock import SampleClock, drift_fault
 from hknob_cli.hardware.trial_phases import Ended, TrialPhases
 from hknob_cli.specs.campaign import Course
+from hknob_cli.specs.pulses import PulseCourse, Pulses
 
 HANDS_OFF = "hands off"  # the state of a trial that has not begun
 
@@ -91,14 +93,24 @@ class Task(NamedTuple):
     """A trial to run: what the device is told, how it goes, of how many.
 
     ``live``: samples come by a clock, so that silence means a dead link; else it means that there are no more.
+    ``pulses``: of a trial whose settings have a pulse.
     """
 
     trial: Trial
     trials: int
     settings: Settings
     simulated: Simulated | None
-    course: Course
+    course: Course | PulseCourse
     live: bool
+    pulses: Pulses | None = None
+
+    @property
+    def phases(self) -> "TrialPhases | PulsePhases":
+        """What follows it."""
+        if self.pulses is not None and self.settings.pulse is not None:
+            return PulsePhases(self.pulses, self.settings.pulse, self.settings.interval_s)
+        assert isinstance(self.course, Course)
+        return TrialPhases(self.course, self.settings.interval_s)
 
 
 @contextlib.contextmanager
@@ -132,7 +144,7 @@ def run_trial(device: Device, task: Task, keep: Callable[[Block], None], operato
         device.configure(task.settings, task.simulated)
         watch = LimitMonitor(task.settings, device.identity.native_counts, wired=task.live)
         clock = SampleClock(task.settings, simulated=device.identity.simulated)
-        course = TrialPhases(task.course, task.settings.interval_s)
+        course = task.phases
 
         def take(block: Block) -> None:
             keep(block)
@@ -188,7 +200,12 @@ class Bound:
 
 
 def _follow(
-    device: Device, task: Task, course: TrialPhases, take: Callable[[Block], None], bound: Bound, operator: Operator
+    device: Device,
+    task: Task,
+    course: TrialPhases | PulsePhases,
+    take: Callable[[Block], None],
+    bound: Bound,
+    operator: Operator,
 ) -> Ended:
     """Take blocks until the trial has ended."""
     while True:
@@ -221,7 +238,7 @@ def _heed(wish: Wish) -> Wish:
     return wish
 
 
-def _view(task: Task, course: TrialPhases) -> View:
+def _view(task: Task, course: TrialPhases | PulsePhases) -> View:
     return View(
         trial=task.trial,
         trials=task.trials,

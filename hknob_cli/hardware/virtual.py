@@ -12,7 +12,7 @@ happens here while the host is silent.
 
 from enum import IntEnum
 from math import floor, isfinite, tau
-from typing import NoReturn
+from typing import NoReturn, Protocol
 
 import numpy as np
 
@@ -27,7 +27,18 @@ _MOST_COUNTS = 2**31
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
-IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, knows_control=True)
+IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, knows_control=True, knows_pulses=True)
+
+
+class MovingKnob(Protocol):
+    """What moves between samples."""
+
+    @property
+    def angle_counts(self) -> float:
+        """Angle in counts, whole and broken."""
+
+    def move(self, torque_nm: float, push_nm: float, periods: float = 1.0) -> None:
+        """Move for some sample periods under a commanded torque, and a push into the wall, both constant."""
 
 
 class VirtualLoop:
@@ -36,7 +47,7 @@ class VirtualLoop:
     def __init__(self, settings: Settings, simulated: Simulated, nuisances: Nuisances, native_counts: int) -> None:
         self.fault = ""
         self._settings, self._simulated, self._native = settings, simulated, native_counts
-        self._motion = KnobMotion(
+        self._motion: MovingKnob = KnobMotion(
             simulated,
             interval_s=settings.interval_s,
             counts_per_rev=native_counts,
@@ -59,6 +70,7 @@ class VirtualLoop:
         noise = self._disturbances.angle_rad(count) * (self._native / tau)
         pushes, grips = self._person(begins, running)
         grips = grips + self._disturbances.grip_n(count)
+        self._shown(grips)
         angles, torques = np.zeros(count, dtype=np.int64), np.zeros(count)
         on = np.full(count, running)
         taken = count
@@ -79,8 +91,8 @@ class VirtualLoop:
             first=first,
             time_us=self._microseconds(begins[:taken]),
             angle_counts=angles[:taken],
-            torque_nm=_single(torques[:taken]),
-            grip_n=_single(grips[:taken]),
+            torque_nm=as_single(torques[:taken]),
+            grip_n=as_single(grips[:taken]),
             running=on[:taken],
             overruns=self._overruns,
         )
@@ -101,16 +113,16 @@ class VirtualLoop:
                 limit = f"limit {settings.speed_limit_rad_s:g} rad/s"
                 self.fault = f"the knob moved at {speed:.4g} rad/s, {limit}, at sample {index}"
                 return counts, 0.0
-        if not running or (coarse >= 0 and not self._controlled):
-            return counts, 0.0
-        torque = self._torque(coarse, coarse if coarse_before is None else coarse_before)
+        torque = self._commanded(index, coarse, coarse if coarse_before is None else coarse_before, running)
         if not isfinite(torque):
             self.fault = f"the torque is not a number, at sample {index}"
             return counts, 0.0
         return counts, max(-settings.torque_limit_nm, min(settings.torque_limit_nm, torque))
 
-    def _torque(self, coarse: int, before: int) -> float:
-        """Torque of the wall, before the limit, where it acts."""
+    def _commanded(self, _index: int, coarse: int, before: int, running: bool) -> float:
+        """Torque of the wall, before the limit."""
+        if not running or (coarse >= 0 and not self._controlled):
+            return 0.0
         if self._controlled:
             return self._controlled.torque(coarse, before)
         settings = self._settings
@@ -129,6 +141,9 @@ class VirtualLoop:
         risen = -np.expm1(-t / person.grip_rise_s) if person.grip_rise_s > 0.0 else np.ones(t.size)
         push = np.maximum(0.0, person.push_nm + _sum(person.push_sines, t))
         return push, person.grip_n * risen + _sum(person.grip_sines, t) + person.grip_offset_n
+
+    def _shown(self, grips: Array) -> None:
+        """What the grip cell shows at the samples of a block, before any of them: nothing depends on it here."""
 
     def _microseconds(self, begins: Array) -> Counts:
         # Whole periods and the rest apart: a product of floats would round some exact times down by one.
@@ -149,7 +164,8 @@ def _sum(sines: tuple[Sine, ...], t: Array) -> Array:
     return total
 
 
-def _single(values: Array) -> Array:
+def as_single(values: Array) -> Array:
+    """Values to single precision, as they travel."""
     return values.astype(np.float32).astype(np.float64)
 
 
@@ -199,7 +215,14 @@ class VirtualDevice(ComputedDevice):
         if self._settings is None or self._simulated is None:
             missing = "settings" if self._settings is None else "a simulated knob and person"
             raise DeviceError(f"the virtual device cannot be armed: it was given no {missing}")
-        self._trial = VirtualLoop(self._settings, self._simulated, self.nuisances, self._identity.native_counts)
+        loop = VirtualLoop
+        if self._settings.pulse is not None:
+            if not self._simulated.squeeze:
+                raise DeviceError("the virtual device cannot be armed: nobody squeezes its knob")
+            from hknob_cli.hardware.pulse_loop import PulseLoop
+
+            loop = PulseLoop
+        self._trial = loop(self._settings, self._simulated, self.nuisances, self._identity.native_counts)
         self._state = State.ARMED
 
     def start(self) -> None:

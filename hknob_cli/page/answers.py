@@ -11,6 +11,7 @@ from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.large import varying
 from hknob_cli.report.population import describe_people
+from hknob_cli.report.pulses import describe_pulses, pulses_verdict
 from hknob_cli.report.remedies_over import over_the_grid
 from hknob_cli.report.remedies_tried import over_the_trials, tried_verdict
 from hknob_cli.report.table import short
@@ -55,6 +56,8 @@ def _answers(result: Result) -> Iterator[str]:
     kind = result.stage
     if result.has_remedies:
         yield tried_verdict(over_the_trials(result.rows("remedies")), result.reference)
+    elif result.has_pulses:
+        yield pulses_verdict(describe_pulses(result.table("trials"))["pulses"])
     elif kind in ("sweep", CAMPAIGN):
         if PERSON in result.axes and not result.parted("cells"):
             yield people_buzz(describe_people(result.rows("cells"), result.axes))
@@ -173,7 +176,8 @@ def tiles_of(evidence: ResultSet, first: Sequence[str]) -> tuple[Tile, ...]:
     found: list[Tile] = []
     for name in names:
         result = evidence[name]
-        if result.stage in ("sweep", CAMPAIGN) and not result.has_remedies and (buzz := buzz_in(result)) and buzz.cells:
+        cells = result.stage in ("sweep", CAMPAIGN) and not (result.has_remedies or result.has_pulses)
+        if cells and (buzz := buzz_in(result)) and buzz.cells:
             found += _of_buzz(buzz, name)
             break
     for name in names:

@@ -57,7 +57,7 @@ def tables_of(result: Result) -> tuple[TablePlan, ...]:
 
 def _has_rows(result: Result, file: str) -> bool:
     if result.stage == CAMPAIGN and file == "cells":
-        if result.has_remedies:  # whose table has the same cells
+        if result.has_remedies or result.has_pulses:  # whose table has the same cells, or which has none
             return False
         return bool(result.table(file).num_rows)
     if f"{file}.parquet" not in result.files:

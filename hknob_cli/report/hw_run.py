@@ -138,10 +138,15 @@ def _clock(summary: dict[str, Any]) -> list[str]:
         if summary["sustained"] == len(summary["trials"]) or "remedies" in summary
         else ["r in some or all trials the buzz was not sustained; they are in no size or frequency"]
     )
+    return [*quench, *clock_lines(summary)]
+
+
+def clock_lines(summary: dict[str, Any]) -> list[str]:
+    """How many samples there are, and what the sample clock did to them."""
     missed = summary["missed_ticks"]
     skipped = f", which left out {missed} tick{'s' if missed != 1 else ''} of the clock" if missed else ""
     late = f"{summary['overruns']} late in the loop{skipped}"
-    return [*quench, f"{summary['samples']} samples, {summary['gaps']} missing, {late}", *_drift(summary)]
+    return [f"{summary['samples']} samples, {summary['gaps']} missing, {late}", *_drift(summary)]
 
 
 def _drift(summary: dict[str, Any]) -> list[str]:

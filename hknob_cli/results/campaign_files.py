@@ -29,6 +29,8 @@ MORE_SAMPLES = (
     Column("angle_counts", _WHOLE, "count", "angle in counts of the device's own encoder"),
     Column("running", _FLAG, "", "whether the wall was on"),
 )
+# Of a device with an accelerometer.
+ACCELERATION = Column("acceleration_rad_s2", _REAL, "rad/s^2", "measured angular acceleration, at the sample")
 TRIAL_KEYS = (
     Column("order", _WHOLE, "1", "number of the trial, in the order they were run"),
     Column("block", _WHOLE, "1", "how often the grid was gone through, from 1"),

@@ -21,6 +21,7 @@ from hknob_cli.results.provenance import DESIGN, axes_in, record_of
 from hknob_cli.specs.campaign import PLAIN
 from hknob_cli.specs.parquet import why_unreadable
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE, Hand, Scene
+from hknob_cli.specs.pulses import PULSES
 
 Where = dict[str, Any]
 
@@ -131,6 +132,11 @@ class Result:
         return self.stage == CAMPAIGN and bool(self.provenance["spec"].get("remedies"))
 
     @property
+    def has_pulses(self) -> bool:
+        """Whether it is a campaign of pulses, which has no cells. Raises `MissingError`."""
+        return self.stage == CAMPAIGN and self.provenance["spec"].get("what") == PULSES
+
+    @property
     def reference(self) -> str:
         """The remedy that the others of a campaign are compared with. Raises `MissingError`."""
         return str(self.provenance["spec"].get("reference", PLAIN))
@@ -138,6 +144,8 @@ class Result:
     @property
     def axes(self) -> list[str]:
         """Names of its grid axes, in the order of the columns. Raises `MissingError`."""
+        if self.has_pulses:
+            return []
         if self.stage == CAMPAIGN:
             return [RATE, COUNTS]  # whether its spec says so, or leaves them to their defaults
         axes = axes_in(self.provenance["spec"])

@@ -92,6 +92,10 @@ class Course(NamedTuple):
         """Force to hold, N; 0 without a grip cell."""
         return self.grip.target if self.grip else 0.0
 
+    def grip_of(self, _target_n: float) -> Grip | None:
+        """What the person is shown, the same in every trial."""
+        return self.grip
+
     def is_held(self, grip_n: float) -> bool:
         """Whether a grip force, N, is in the band; any is without a grip cell."""
         return self.grip is None or abs(grip_n - self.grip.target) <= self.grip.band

@@ -27,6 +27,8 @@ from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
+from hknob_cli.specs.pulse_plan import plan_pulses
+from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
 from hknob_cli.specs.remedies import Label
 from hknob_cli.specs.source import Source
 from hknob_cli.specs.sweep import Name
@@ -56,6 +58,11 @@ class HwRunSpec(Part):
 
     kind: Literal["hw-run"]
     name: Annotated[Name, Field(description="names the results folder")]
+    what: Annotated[
+        Literal["buzz", "pulses"],
+        Field(description="of trials: a wall that may buzz, or torque pulses that a grip fires, as sysid reads them"),
+    ] = "buzz"
+    pulses: Annotated[Pulses | None, Field(description="with what: pulses; null: the dissertation's")] = None
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
@@ -80,7 +87,9 @@ class HwRunSpec(Part):
     limits: Annotated[Limit, Field(default_factory=Limit)]
     order: Annotated[Literal["random", "grid"], Field(description="in which trials are run")] = "random"
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31, description="of the order and of what is simulated")] = 0
-    repeats: Annotated[int, Field(strict=True, ge=1, le=100, description="times the grid is gone through")] = 1
+    repeats: Annotated[
+        int, Field(strict=True, ge=1, le=100, description="times the grid is gone through; of pulses the blocks")
+    ] = 1
     subject: Annotated[Text, Field(description="who holds the knob")] = "subject"
     experiment: Annotated[Text, Field(description="grasp and knob")] = "simple pinch"
     knob: Knob | None = None
@@ -88,7 +97,7 @@ class HwRunSpec(Part):
     nuisances: Nuisance | None = None
 
 
-def validate_hw_run(source: Source) -> HwRunPlan:
+def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     """A campaign's spec as plain values. Raises `SpecError`."""
     grip = source.value.get("grip", "none")
     if not isinstance(grip, dict) and grip != "none":
@@ -103,7 +112,11 @@ def validate_hw_run(source: Source) -> HwRunPlan:
         # A mapping is no 'none', and what is wrong within it says more.
         wrong = faults_of(source, HwRunSpec, error)
         raise SpecError([fault for fault in wrong if fault.key != "grip" or not isinstance(grip, dict)]) from None
+    if spec.what == PULSES:
+        return plan_pulses(source, spec)
     axes, faults = _axes(source, spec)
+    if spec.pulses is not None:
+        faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
     found = (*_device_faults(spec), *acting, *_faults(spec, axes))

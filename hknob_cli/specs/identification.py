@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any, NamedTuple
 
+CAMPAIGN_SAMPLES = "samples.parquet"  # of a folder of hw-run that is named in place of a file
+
 
 class ColumnPlan(NamedTuple):
     """A column of a recording: its ``source`` in the file, by which ``factor`` its numbers become SI.
@@ -96,6 +98,7 @@ class SysidPlan(NamedTuple):
 
     The experiment "" stands for all that are not named. With a ``study`` there are no recordings. ``columns`` of the
     files by their names here; ``limits`` by column, above which a number is a surprise; ``fixed`` parameters by name.
+    ``against``: folder of a campaign of pulses on a virtual device, whose hands are known; empty for none.
     """
 
     name: str
@@ -114,5 +117,14 @@ class SysidPlan(NamedTuple):
     study: StudyPlan | None = None
     columns: dict[str, ColumnPlan] = {}  # noqa: RUF012  # never changed
     limits: dict[str, float] = {}  # noqa: RUF012
+    against: str = ""
     motion: MotionPlan = MotionPlan()
     fixed: dict[str, float] = {}  # noqa: RUF012
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The recordings, that of its samples in place of a folder of a campaign, which may not be there yet."""
+        return tuple(
+            one / CAMPAIGN_SAMPLES if one.is_dir() or not (one.suffix or one.exists()) else one
+            for one in self.recordings
+        )

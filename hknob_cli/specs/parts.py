@@ -64,7 +64,9 @@ class Encoder(NamedTuple):
         Bounds(strict=True, ge=0, le=1000, allow_inf_nan=False),
         "counts by which the knob turns back until the count does, half of them on each side of an edge; 0: none",
     ] = 0.0
-    backlash: Annotated[Width, "slack between knob and encoder, which adds to the hysteresis; 0: none"] = 0.0
+    backlash: Annotated[Width, "slack before the encoder, as an angle of the knob; adds to the hysteresis; 0: none"] = (
+        0.0
+    )
 
     def width_counts(self, quantum_rad: float) -> float:
         """Hysteresis and slack, counts of ``quantum_rad``: two plays in a row are one of both widths."""

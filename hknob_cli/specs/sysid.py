@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Discriminator, Field, Tag, ValidationError
+from pydantic import BeforeValidator, Discriminator, Field, Tag, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.faults import faults_of
@@ -40,6 +40,11 @@ T = TypeVar("T")
 
 def _how_many(value: Any) -> str:
     return "each" if isinstance(value, dict) else "one"
+
+
+def _folders(value: Any) -> Any:
+    """The folders of other stages, which a pipeline gives by their names, as a list; anything else unchanged."""
+    return list(value.values()) if isinstance(value, dict) else value
 
 
 # A discriminator, so that what is wrong with one is not said to be no mapping, too.
@@ -151,7 +156,8 @@ class SysidSpec(Part):
     what: Annotated[What, Field(description="what is identified")] = "hand"
     recordings: Annotated[
         list[Annotated[str, Field(min_length=1)]] | None,
-        Field(min_length=1, description="CSV or Parquet files, relative to this file"),
+        BeforeValidator(_folders),
+        Field(min_length=1, description="CSV or Parquet files, or folders of hw-run, relative to this file"),
     ] = None
     virtual: Annotated[VirtualSpec | None, Field(description="record on the virtual apparatus instead")] = None
     keep_recordings: Annotated[bool, Field(description="write recordings.parquet, too")] = False
@@ -183,6 +189,13 @@ class SysidSpec(Part):
     estimators: Annotated[
         list[Estimator], Field(min_length=1, default_factory=lambda: ["least_squares", "output_error"])
     ]
+    against: Annotated[
+        str | None,
+        Field(
+            min_length=1,
+            description="results folder of pulses on a virtual device, which knows the hands: errors",
+        ),
+    ] = None
     coulomb_torque: Annotated[Torque, Field(description="friction known of the apparatus, for output_error")] = 0.0
     settling_time_constant: Annotated[Seconds, Field(description="lag known from command to torque")] = 0.0
     subtract_apparatus: Annotated[
@@ -248,6 +261,7 @@ def validate_sysid(source: Source) -> SysidPlan:
             ramps=spec.torque_between_samples == "linear",
         ),
         fixed=spec.fix.plain(),
+        against=spec.against or "",
     )
 
 
@@ -268,6 +282,10 @@ def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
             found.append((("excitation",), "must be continuous where virtual.input is given"))
         if spec.what != "hand":
             found.append((("virtual", "input"), "must be absent where what is no hand"))
+    if spec.against is not None and spec.recordings is None:
+        found.append((("against",), "must be absent without recordings, which must be of that folder"))
+    if spec.against is not None and spec.what in ("motor", "grip_cell"):
+        found.append((("against",), f"must be absent where what is {spec.what}"))
     if prepare.span is not None and prepare.span[0] >= prepare.span[1]:
         found.append((("prepare", "span"), "must rise"))
     linear = spec.torque_between_samples == "linear"

@@ -84,7 +84,7 @@ def _quantities(plan: Any) -> Iterator[tuple[str, float]]:
         yield from ((path, float(value)) for value in (min(values), max(values)))
     for scene in _scenes(plan):
         yield from _numbers(scene, "")
-    if hasattr(plan, "course"):  # of a campaign
+    if hasattr(plan, "tries"):  # of a campaign
         for part, path in (*((one.wall, "wall.") for one in plan.tries), (plan.knob, "knob.")):
             yield from _numbers(part, path)
 

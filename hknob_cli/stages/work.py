@@ -5,6 +5,7 @@ from typing import Any
 
 from hknob_cli.results import provenance
 from hknob_cli.results.versions import grid_versions
+from hknob_cli.stage_table import STAGES
 from hknob_cli.stages.input_files import preset_files
 from hknob_cli.stages.job import Job
 from hknob_cli.terminal import say
@@ -94,6 +95,10 @@ class Work:
     def draw(self, _job: Job, _tables: Tables, _paths: list[Path]) -> list[Path]:
         """Draw the pictures; those drawn, and a message where these results have none."""
         return []
+
+    def then(self, job: Job) -> str:
+        """Kind of spec that a user would write after it."""
+        return STAGES[job.kind].then
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Summary as plain data."""

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.hardware.port import Sine
+from hknob_cli.hardware.port import Settings, Sine
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, Simulate, Zero
@@ -84,10 +84,10 @@ def test_settings_out_of_range_are_refused(target: ScriptedTarget, name: str, va
 
 
 def test_edges_of_the_ranges_are_taken(target: ScriptedTarget) -> None:
-    low = (40_000, 1, 0.0, 0.0, 5e-324, 5e-324, 1000, 1, None)
-    high = (1_000_000_000, NATIVE, 1e3, 1e3, 10.0, 1e4, 50_000, 48, None)
+    low = (40_000, 1, 0.0, 0.0, 5e-324, 5e-324, 1000, 1)
+    high = (1_000_000_000, NATIVE, 1e3, 1e3, 10.0, 1e4, 50_000, 48)
     for nonce, edge in enumerate((low, high), start=1):
-        assert target.command(Configure(nonce, TRIAL._make(edge))).said == TRIAL._make(edge)
+        assert target.command(Configure(nonce, Settings(*edge))).said == Settings(*edge)
 
 
 IMPOSSIBLE: list[dict[str, Any]] = [

@@ -111,7 +111,15 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
 @settings(deadline=None)
-@given(u32, st.builds(Settings, u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1), st.none()))
+@given(
+    u32,
+    st.builds(
+        Settings,
+        *(u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1)),
+        control=st.none(),
+        pulse=st.none(),
+    ),
+)
 def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:
     body = encode(Configure(nonce, settings))
     assert decode(body) == Configure(nonce, settings)

@@ -103,7 +103,7 @@ Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl
 
 def pack_settings(settings: Settings) -> bytes:
     """Settings as they lie in CONFIGURE, and in its ACK; the controller has a command of its own."""
-    return SETTINGS.pack(*settings._replace(control=None)[:-1])
+    return SETTINGS.pack(*settings.numbers)
 
 
 def unpack_settings(data: bytes) -> Settings:
@@ -126,7 +126,7 @@ def unpack_simulated(data: bytes) -> Simulated:
     if max(push_count, grip_count) > MOST_SINES or len(data) != KNOB.size + (push_count + grip_count) * SINE.size:
         raise struct.error("length")
     sines = tuple(Sine(*each) for each in SINE.iter_unpack(data[KNOB.size :]))
-    return Simulated._make((*knob, sines[:push_count], sines[push_count:]))
+    return Simulated._make((*knob, sines[:push_count], sines[push_count:], ()))
 
 
 def pack_control(control: Control) -> bytes:

@@ -41,7 +41,7 @@ def is_finite(message: Message) -> bool:
     """Whether every float of a message is a finite number."""
     match message:
         case Configure(settings=Settings() as values) | Ack(said=Settings() as values):
-            return all(map(math.isfinite, values._replace(control=None)[:-1]))
+            return all(map(math.isfinite, values.numbers))
         case SetControl(control=Control() as control) | Ack(said=Control() as control):
             return all(map(math.isfinite, (*control.numbers, *control.rows)))
         case Simulate(simulated=Simulated() as knob) | Ack(said=Simulated() as knob):

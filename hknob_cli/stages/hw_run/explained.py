@@ -5,11 +5,14 @@ from typing import Any
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.report.table import short
 from hknob_cli.specs.plan import Axes, Bias, Knob, Scene, Wall
+from hknob_cli.specs.pulses import THRESHOLD, PulsePlan
 from hknob_cli.stages.work import counted
 
 
 def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | None, Axes]:
     """The answer, sentences by title, and the scene and axes from which numbers follow."""
+    if isinstance(plan, PulsePlan):
+        return *explained_pulses(plan), None, {}
     trials = plan.repeats * len(plan.tries)
     for values in plan.axes.values():
         trials *= len(values)
@@ -46,6 +49,35 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     under = f" under {counted(len(plan.tries), 'remedy', 'remedies')}" if plan.has_remedies else ""
     answer = f"{counted(trials, 'trial')} {asked} {'measure' if trials > 1 else 'measures'} whether it buzzes{under}."
     return answer, about, scene if simulated else scene._replace(knob=Knob(inertia=0.0)), plan.axes
+
+
+def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:
+    """The answer, and sentences by title, of pulses that a grip fires."""
+    pulses, who = plan.pulses, plan.pulses.person
+    grips = ", ".join(map(short, plan.grips))
+    if pulses.trigger == THRESHOLD:
+        fires = "The pulse fires as the grip reaches its target."
+    else:
+        fires = (
+            f"The pulse fires after the grip was within {pulses.band:.0%} of its target for {short(pulses.dwell)} s."
+        )
+    as_high = "as given for each grip" if plan.torques else "as moves the printed mean hand by 0.09 rad"
+    person = (
+        f"person {who.person}, drawn from table {who.table}" if who.person else f"the mean hand of table {who.table}"
+    )
+    about = {
+        "parts": [f"Person: simulated, {person}, whose hand follows the grip at which the pulse comes."],
+        "device": [f"{plan.device.driver}: computed here, a loop of {short(pulses.sample_rate)} Hz."],
+        "trials": [
+            f"Grips of {grips} N; each {counted(pulses.trials, 'time')} in {counted(plan.repeats, 'block')}.",
+            f"{fires} It lasts {short(1e3 * pulses.width)} ms; its torque is {as_high}.",
+            f"Order: {'shuffled' if plan.shuffled else 'the lightest grip first'}, seed {plan.seed}.",
+        ],
+        "limits": [f"Torque up to {short(plan.limits.torque)} N*m, speed up to {short(plan.limits.speed)} rad/s."],
+        "not proven": ["Trials are recorded, not proven; hknob sysid identifies the hand from them, with error bars."],
+    }
+    count = len(plan.grips) * pulses.trials * plan.repeats
+    return f"{counted(count, 'trial')} on a simulated knob: a grip fires a torque pulse, for hknob sysid.", about
 
 
 def _tried(one: Any, reference: str) -> str:

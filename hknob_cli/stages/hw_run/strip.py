@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from rich.live import Live
 
     from hknob_cli.specs.campaign import Course
+    from hknob_cli.specs.pulses import PulseCourse
 
 REFRESH_S = 0.1
 WIDTH = 41  # of the gauge, odd so that the target is in its middle
@@ -29,6 +30,12 @@ _SAID = {
     "grip": "grip the knob, into the band",
     "buzz": "buzzing: hold it",
     "rest": "at rest: hold it",
+    "relax": "relax the hand",
+    "squeeze": "squeeze slowly",
+    "hold": "hold it",
+    "pulse": "pulse",
+    "release": "relax the hand",
+    "done": "done",
 }
 _WITHOUT_CELL = {"zero": "hands off", "grip": "hold the knob"}
 
@@ -91,7 +98,7 @@ def gauge(grip_n: float | None, target_n: float, band_n: float) -> str:
 class Watching(Operator):
     """Shows the trial at hand, ten times a second at most, and hears keys where there are any."""
 
-    def __init__(self, plan: "Course", live: "Live | None", pressed: Keys, *, attended: bool) -> None:
+    def __init__(self, plan: "Course | PulseCourse", live: "Live | None", pressed: Keys, *, attended: bool) -> None:
         """``live`` draws; None draws nothing."""
         self._plan = plan
         self._live = live
@@ -127,20 +134,23 @@ class Watching(Operator):
         from rich.text import Text
 
         plan, trial = self._plan, view.trial
-        held = view.grip_n is not None and plan.is_held(view.grip_n)
+        shown = plan.grip_of(trial.grip_target_n)
+        held = view.grip_n is not None and (shown is None or abs(view.grip_n - shown.target) <= shown.band)
         force = "   -  " if view.grip_n is None else f"{view.grip_n:6.2f}"
         text = Text()
         text.append(f"trial {trial.number}/{view.trials}", style="bold")
         under = f", {trial.remedy}" if trial.remedy else ""
-        text.append(f"  {trial.sample_rate_hz:g} Hz x {trial.counts_per_rev} counts{under}  ")
-        said = (_SAID if plan.grip else {**_SAID, **_WITHOUT_CELL}).get(view.state, view.state)
+        where = f"{trial.grip_target_n:g} N" if trial.grip_target_n else f"{trial.counts_per_rev} counts{under}"
+        text.append(f"  {trial.sample_rate_hz:g} Hz x {where}  ")
+        said = (_SAID if shown else {**_SAID, **_WITHOUT_CELL}).get(view.state, view.state)
         said += ", then press space" if view.state == HANDS_OFF and self._attended else ""
         text.append(said, style="green" if view.state == "buzz" else "yellow")
-        text.append(f"  {view.state_s:.1f} s of {plan.buzz[1]:g}\n" if view.state == "buzz" else "\n")
-        if plan.grip:
+        buzz = getattr(plan, "buzz", None)
+        text.append(f"  {view.state_s:.1f} s of {buzz[1]:g}\n" if buzz and view.state == "buzz" else "\n")
+        if shown:
             text.append(f"grip {force} N  ")
-            text.append(gauge(view.grip_n, plan.grip.target, plan.grip.band), style="green" if held else "red")
-            text.append(f"  target {plan.grip.target:g} N\n")
+            text.append(gauge(view.grip_n, shown.target, shown.band), style="green" if held else "red")
+            text.append(f"  target {shown.target:g} N\n")
         text.append(f"torque {1e3 * view.torque_nm:7.2f} mN m   time {view.running_s:5.1f} s")
         if self._attended:
             space = "space: begin" if view.state == HANDS_OFF else "space: end   r: again"
@@ -149,7 +159,7 @@ class Watching(Operator):
 
 
 @contextlib.contextmanager
-def watching(plan: "Course", *, attended: bool, show: bool) -> Iterator[Operator]:
+def watching(plan: "Course | PulseCourse", *, attended: bool, show: bool) -> Iterator[Operator]:
     """Who watches: with a strip on stderr where ``show`` and it is a terminal, with keys where ``attended``."""
     if not show or not sys.stderr.isatty():
         yield Hearing()

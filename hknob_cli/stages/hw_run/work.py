@@ -13,13 +13,16 @@ from hknob_cli.errors import UsageError
 from hknob_cli.hardware.archive import Archive
 from hknob_cli.hardware.campaign import Campaign
 from hknob_cli.hardware.drivers import check_persons, opened, who_of
+from hknob_cli.hardware.pulse_tables import pulse_tables
 from hknob_cli.hardware.sources import REMEDIES, RESULTS, move_to_earlier, refuse_other, spec_digest
 from hknob_cli.hardware.tables import campaign_tables
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
+from hknob_cli.report.pulses import describe_pulses, pulses_text
 from hknob_cli.report.remedies_tried import describe_tried
 from hknob_cli.results.versions import source_digest
 from hknob_cli.specs.campaign import REPLAY, SERIAL
 from hknob_cli.specs.named_file import digest_of, inside
+from hknob_cli.specs.pulses import PulsePlan
 from hknob_cli.stages.hw_run import remedies
 from hknob_cli.stages.hw_run.strip import watching
 from hknob_cli.stages.job import Job
@@ -35,29 +38,37 @@ class HwRunWork(Work):
 
     def size(self, plan: Any) -> str:
         """Trials."""
+        if isinstance(plan, PulsePlan):
+            return counted(len(plan.grips) * plan.pulses.trials * plan.repeats, "pulse")
         cells = prod(len(values) for values in plan.axes.values())
         return counted(cells * len(plan.tries) * plan.repeats, "trial")
 
     def files(self, job: Job) -> tuple[str, ...]:
         """Samples, trials, and the audit of the sample clock; remedies where they are tried."""
-        return *RESULTS, *([REMEDIES] if job.plan.has_remedies else [])
+        return *RESULTS, *([REMEDIES] if _has_remedies(job.plan) else [])
 
     def stale_outputs(self, job: Job) -> tuple[str, ...]:
         """Remedies, where none are tried."""
-        return () if job.plan.has_remedies else (REMEDIES,)
+        return () if _has_remedies(job.plan) else (REMEDIES,)
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The campaign, its sample clock, and remedies where they are tried."""
-        return "hw_run.png", "timing.png", *(["remedies.png"] if job.plan.has_remedies else [])
+        return "hw_run.png", "timing.png", *(["remedies.png"] if _has_remedies(job.plan) else [])
 
     def input_files(self, job: Job) -> tuple[Path, ...]:
-        """Recordings to replay, where a folder stands for its samples; and what was computed of remedies."""
+        """Recordings to replay, where a folder stands for its samples; what was computed of remedies; printed hands."""
+        if isinstance(job.plan, PulsePlan):
+            from hknob_cli.printed.tables import file_of
+
+            return file_of(job.plan.pulses.person.table), file_of(10)
         computed = [remedies.computed_path(job.plan.against)] if job.plan.against else []
         return *(inside(path, RESULTS[0]) for path in job.plan.recordings), *computed
 
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name and place in the list."""
         found = {}
+        if isinstance(job.plan, PulsePlan):
+            return {path.name: digest_of(path) for path in self.input_files(job)}
         if job.plan.against:
             remedies.Computed(job.plan)  # which must be of these remedies before the first trial, not after the last
             found["against_sha256"] = remedies.digest(job.plan.against)
@@ -90,7 +101,8 @@ class HwRunWork(Work):
 
     def compute(self, job: Job) -> Tables:
         """Run what is not finished, then measure all."""
-        if job.plan.against and (lacking := remedies.Computed(job.plan).lacking):
+        pulses = isinstance(job.plan, PulsePlan)
+        if not pulses and job.plan.against and (lacking := remedies.Computed(job.plan).lacking):
             note(job, f"{job.plan.name}: not computed in {job.plan.against}: {', '.join(lacking)}")
         archive = self._archive(job)
         if job.force:
@@ -119,6 +131,8 @@ class HwRunWork(Work):
         if job.verbose:
             seconds = time.perf_counter() - begin
             note(job, f"{campaign.recorded} of {len(done)} trials recorded now, {seconds:.2f} s")
+        if pulses:
+            return pulse_tables(done, job.plan)
         tables = campaign_tables(done, job.plan)
         return (*tables, remedies.remedies_table(job.plan, tables[1])) if job.plan.has_remedies else tables
 
@@ -138,7 +152,14 @@ class HwRunWork(Work):
         return Archive(job.out, identity=identity, is_source=source, stamp=stamp)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
-        """Grid, grip and motions, of several remedies those of the reference; the sample clock; the remedies."""
+        """Grid, grip and motions, of several remedies those of the reference; the sample clock; the remedies.
+
+        Of pulses the grip about each, and the motion.
+        """
+        if isinstance(job.plan, PulsePlan):
+            from hknob_cli.figures.grip_pulses import draw_grip_pulses
+
+            return draw_grip_pulses(tables[0], tables[1].to_pylist(), name=job.plan.name, paths=paths)
         from hknob_cli.figures.hw_run_picture import draw_hw_run, draw_timing
 
         plan = job.plan
@@ -153,17 +174,27 @@ class HwRunWork(Work):
         draw_timing(samples, rows, name=plan.name, path=paths[1])
         return drawn
 
+    def then(self, job: Job) -> str:
+        """A page; of pulses, an identification."""
+        return "sysid" if isinstance(job.plan, PulsePlan) else super().then(job)
+
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every trial, the grip over all, and ticks of the sample clock at which none was taken."""
         plan = job.plan
+        if isinstance(plan, PulsePlan):
+            return {**describe_pulses(tables[1]), **describe_clock(tables[2])}
         summary = {**describe_hw_run(tables[1], target_n=plan.course.grip_target_n), **describe_clock(tables[2])}
         if not plan.has_remedies:
             return summary
         return {**summary, **describe_tried(tables[3], reference=plan.reference, against=plan.against)}
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
-        """Tables over sample rate and resolution."""
-        return hw_run_text(summary)
+        """Tables over sample rate and resolution; of pulses, over grip force."""
+        return pulses_text(summary) if "pulses" in summary else hw_run_text(summary)
+
+
+def _has_remedies(plan: Any) -> bool:
+    return not isinstance(plan, PulsePlan) and plan.has_remedies
 
 
 WORK = HwRunWork()

@@ -54,6 +54,17 @@ DIFFER = Column(
     "standard deviation of the averaged trials about their mean beyond noise, over the peak of it; null of one trial",
 )
 APPARATUS = Column("apparatus_inertia_kg_m2", _REAL, "kg*m^2", "inertia subtracted as the apparatus's own; null: none")
+TRUTH = (
+    *TRIAL_KEYS,
+    ESTIMATOR,
+    Column("parameter", _TEXT, "", "what was estimated: inertia, damping or stiffness"),
+    Column("value", _REAL, "", "the estimate, in the column unit"),
+    Column("std", _REAL, "", "its standard error"),
+    Column("truth", _REAL, "", "the simulated value, mean over the trials that the fit rests on"),
+    Column("unit", _TEXT, "", "unit of value, std and truth"),
+    Column("error_percent", _REAL, "%", "estimate less truth, in per cent of the truth"),
+    Column("holds", pa.bool_(), "", "whether the 95 % interval, 1.96 standard errors to either side, holds the truth"),
+)
 CALIBRATION = (
     Column("quantity", _TEXT, "", "what was calibrated"),
     Column("condition", _TEXT, "", "range of torque, or position of the force"),

@@ -49,6 +49,7 @@ class SysidStage:
     def __init__(self, plan: SysidPlan) -> None:
         """Make ready."""
         self.plan = plan
+        self.fitted: list[Fitted] = []
         moved = partial(output_error, lag_s=plan.lag_s, coulomb_nm=plan.coulomb_nm, fixed=plan.fixed)
         self._estimators: dict[str, Callable[[Motion], Fit]] = {
             "least_squares": partial(least_squares, fixed=plan.fixed),
@@ -79,7 +80,7 @@ class SysidStage:
         """
         plan = self.plan
         if plan.virtual is None:
-            return read(plan.recordings, columns=plan.columns, limits=plan.limits, warn=warn)
+            return read(plan.files, columns=plan.columns, limits=plan.limits, warn=warn)
         virtual = plan.virtual
         rig = virtual_rig(plan)
         if plan.what == "apparatus":
@@ -113,7 +114,7 @@ class SysidStage:
         there = list(dict.fromkeys(trial.key.experiment for trial in trials))
         for name, given in (("subtract_apparatus", self.plan.apparatus), ("knob_radius", self.plan.radius)):
             _check_names(name, given, there)
-        fitted = list(self._fitted(trials, progress))
+        fitted = self.fitted = list(self._fitted(trials, progress))
         if not any(
             value.identifiable and name not in self.plan.fixed
             for one in fitted
@@ -167,6 +168,10 @@ class SysidStage:
         moved = {key: parameters[key] for key in columns.SKIN if key in parameters}
         skin = at_the_skin(moved, radius) if radius is not None else {}
         return Fitted(one, trial, fit, parameters, skin, tuple(dict.fromkeys(flags)))
+
+    def apparatus_of(self, one: Prepared) -> float | None:
+        """Inertia (kg·m²) that is subtracted as the apparatus' own; None where none is."""
+        return self._of_experiment(self.plan.apparatus, one)
 
     def _of_experiment(self, given: dict[str, float], one: Prepared) -> float | None:
         return given.get(one.condition.experiment, given.get(""))

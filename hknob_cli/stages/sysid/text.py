@@ -6,6 +6,7 @@ Studies of the estimators on the terminal: bias and spread by cause, and what a 
 import re
 from collections import Counter
 from statistics import median
+from textwrap import wrap
 from typing import Any
 
 import pyarrow as pa
@@ -164,6 +165,8 @@ def sysid_text(summary: dict[str, Any]) -> str:
             f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
             "their mean is not one motion's. prepare: {average: false} fits each trial",
         ]
+    if errors := summary.get("truth"):
+        lines += ["", *_errors(errors)]
     if summary["remarks"]:
         lines += ["", *summary["remarks"][:MOST_REMARKS]]
         left = len(summary["remarks"]) - MOST_REMARKS
@@ -172,6 +175,21 @@ def sysid_text(summary: dict[str, Any]) -> str:
         lines += ["", "* doubtful in some fits; the column flags says which:"]
         lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
     return "\n".join(lines)
+
+
+def _errors(rows: list[Row]) -> list[str]:
+    """How far off each estimator is of the hands that were simulated."""
+    body = [
+        [
+            row["estimator"],
+            row["parameter"],
+            f"{row['bias_percent']:+.2f}" + (f" ± {row['std_percent']:.2f}" if row["std_percent"] is not None else ""),
+            f"{row['hold']} of {row['fits']}",
+        ]
+        for row in rows
+    ]
+    head = "against the simulated hands: error, mean ± standard deviation; 95 % intervals that hold the truth"
+    return [*wrap(head, 79), *table(["estimator", "", "error %", "hold"], body, left={1}, keys=2)]
 
 
 def _calibration_text(summary: dict[str, Any]) -> str:

@@ -9,6 +9,7 @@ import pyarrow as pa
 from hknob_cli.errors import UsageError
 from hknob_cli.specs.named_file import digest_of
 from hknob_cli.stages.job import Job
+from hknob_cli.stages.sysid.against import check_of, describe_truth, truth_path, truth_table
 from hknob_cli.stages.sysid.calibration import calibrate
 from hknob_cli.stages.sysid.run import SysidStage, kept_recordings
 from hknob_cli.stages.sysid.study import levels_of, study_bias, study_hidden
@@ -17,12 +18,14 @@ from hknob_cli.stages.work import Tables, Work, note
 from hknob_cli.terminal import progress_bar
 
 CALIBRATED = ("motor", "grip_cell")
+TRUTHS = "truth.parquet"
 STUDIES = ("bias", "hidden_inertia")
 CALIBRATION = ("calibration.parquet", "calibration_points.parquet")
 EVERYTHING = (
     "trials.parquet",
     "conditions.parquet",
     "recordings.parquet",
+    "truth.parquet",
     "sysid.png",
     *CALIBRATION,
     "calibration.png",
@@ -43,7 +46,12 @@ class SysidWork(Work):
             return tuple(f"{name}.parquet" for name in _studies(job))
         if job.plan.what in CALIBRATED:
             return CALIBRATION
-        return "trials.parquet", "conditions.parquet", *(["recordings.parquet"] if job.plan.keep else [])
+        return (
+            "trials.parquet",
+            "conditions.parquet",
+            *(["recordings.parquet"] if job.plan.keep else []),
+            *([TRUTHS] if job.plan.against else []),
+        )
 
     def pictures(self, job: Job) -> tuple[str, ...]:
         """The hand over grip force, the lines of a calibration, or one of each study."""
@@ -59,7 +67,8 @@ class SysidWork(Work):
     def input_files(self, job: Job) -> tuple[Path, ...]:
         """The recordings, or the printed tables that virtual people are drawn from."""
         if job.plan.virtual is None and not job.plan.study:
-            return tuple(job.plan.recordings)
+            files: tuple[Path, ...] = job.plan.files
+            return (*files, truth_path(job.plan.against)) if job.plan.against else files
         from hknob_cli.printed.tables import NUMBERS, file_of
 
         return tuple(map(file_of, NUMBERS))
@@ -67,6 +76,8 @@ class SysidWork(Work):
     def inputs(self, job: Job) -> dict[str, str]:
         """Digests of the same, by name; files of one name in several folders by their order, too."""
         found: dict[str, str] = {}
+        if job.plan.against:
+            check_of(job.plan)
         for path in self.input_files(job):
             name = path.name if path.name not in found else f"{path.name} ({len(found) + 1})"
             found[name] = _digest(path)
@@ -99,7 +110,8 @@ class SysidWork(Work):
             fits = time.perf_counter() - read
             note(job, f"{len(trials)} trials in {read - begin:.2f} s, {tables[0].num_rows} fits in {fits:.2f} s")
         kept: list[pa.Table] = [kept_recordings(trials)] if job.plan.keep else []
-        return (*tables, *kept)
+        truths = [truth_table(stage)] if job.plan.against else []
+        return (*tables, *kept, *truths)
 
     def draw(self, job: Job, tables: Tables, paths: list[Path]) -> list[Path]:
         """Parameters over grip force, readings with their lines, or what the studies found."""
@@ -127,7 +139,8 @@ class SysidWork(Work):
             return {name: table.to_pylist() for name, table in zip(_studies(job), tables, strict=True)}
         if job.plan.what in CALIBRATED:
             return {"calibration": tables[0].to_pylist()}
-        return describe_sysid(tables[0], tables[1])
+        found = describe_sysid(tables[0], tables[1])
+        return {**found, "truth": describe_truth(tables[-1])} if job.plan.against else found
 
     def text(self, job: Job, summary: dict[str, Any]) -> str:
         """Tables by experiment and estimator, or of the studies."""
