@@ -6,7 +6,7 @@ They are the files of its two tables, in the layout of results: a piece that is 
 """
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 import pyarrow as pa
@@ -109,6 +109,18 @@ def decode(data: bytes) -> tuple[pa.Table, ...]:
     return tuple(pq.ParquetFile(pa.BufferReader(file)).read().replace_schema_metadata() for file in files_of(data))
 
 
+def rows_of(data: bytes, place: int, some: Iterable[Mapping[str, Any]]) -> str:
+    """All numbers that a piece has of ``some`` of its cells, the first at ``place``: by their axes, exact, as a text."""
+    cells, orbits = decode(data)
+    wanted = list(some)
+    rows = cells.slice(place, len(wanted)).to_pylist()
+    names = [name for name in wanted[0] if name in orbits.schema.names]
+    keys = zip(*(orbits[name].to_pylist() for name in names), strict=True)
+    there = {tuple(row[name] for name in names) for row in rows}
+    found = [i for i, key in enumerate(keys) if key in there]
+    return repr((rows, [orbits.slice(i, 1).to_pylist() for i in found]))
+
+
 def finished(staging: Staging, parting: Parting) -> int:
     """Cells that an earlier run has finished, as far as names tell; nothing is read or changed. Raises `OSError`."""
     folders = [staging.folder / name for name in TABLES]
@@ -155,10 +167,19 @@ class Assembly:
         self._finish(start // self.parting.items)
 
     def tables(self) -> tuple[Any, ...]:
-        """Cells and orbits, once all are there: tables, or `Parted` ones. Raises `ComputationError` for damage."""
+        """Cells and orbits, once all are there: tables, or `Parted` ones.
+
+        Raises `ComputationError` for damage, and where the disk fails.
+        """
         if not self.parting.parted:
             return self._joined(0)
-        found = tuple(read_parted(folder, self.parting.provenance) for folder in self._folders)
+        try:
+            found = tuple(read_parted(folder, self.parting.provenance, strict=True) for folder in self._folders)
+        except OSError as error:
+            raise ComputationError(
+                f"{error.filename or self.staging.folder}: cannot be read: {error.strerror or error}; what is finished "
+                "is kept, run the same command again"
+            ) from None
         if not all(found):
             raise ComputationError(
                 f"{self.staging.folder}: something else has changed what was finished here; run the same command again"

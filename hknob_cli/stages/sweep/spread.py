@@ -12,7 +12,7 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Range, Ranges, Workers, gather
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, unit_of
+from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, rows_of, unit_of
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.terminal import heed, spread_progress
 
@@ -49,7 +49,11 @@ def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notif
             heed()
             progress(0)
 
-        gather(_workers(job, stage, finder, notify), left, deliver, tick=tick, name=lambda one: _named(job.plan, one))
+        def part_of(one: Range, data: bytes, some: Range) -> str:
+            return rows_of(data, some.start - one.start, cells_of(job.plan).run(some.start, some.stop))
+
+        workers = _workers(job, stage, finder, notify)
+        gather(workers, left, deliver, tick=tick, name=lambda one: _named(job.plan, one), part_of=part_of)
 
 
 def _workers(job: Job, stage: SweepStage, finder: PieceFinder, notify: Callable[[str], None]) -> Workers:
