@@ -110,7 +110,7 @@ def decode(data: bytes) -> tuple[pa.Table, ...]:
 
 
 def rows_of(data: bytes, place: int, some: Iterable[Mapping[str, Any]]) -> str:
-    """All numbers that a piece has of ``some`` of its cells, the first at ``place``: by their axes, exact, as a text."""
+    """All numbers that a piece has of ``some`` of its cells, the first at ``place``; exact, as a text."""
     cells, orbits = decode(data)
     wanted = list(some)
     rows = cells.slice(place, len(wanted)).to_pylist()
