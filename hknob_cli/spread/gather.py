@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from math import ceil
 from random import Random
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.spread.processes import Done
@@ -147,19 +147,23 @@ class Workers(Protocol):
         """Let them go; ``now``: in the middle of their work."""
 
 
-PartOf = Callable[[Range, bytes, Range], str]  # what the results of items say of some of them, the same of the same
+class Sample(NamedTuple):
+    """How to compare: ``part_of`` says what the results of items say of some of them, ``same`` if that is the same."""
+
+    part_of: Callable[[Range, bytes, Range], Any]
+    same: Callable[[Any, Any], bool]
 
 
 class Again:
-    """A sample of the items that were found, computed once more and compared; where ``part_of`` is None, none."""
+    """A sample of the items that were found, computed once more and compared; where ``sample`` is None, none."""
 
-    def __init__(self, workers: Workers, unit: int, name: Callable[[Range], str], part_of: PartOf | None) -> None:
-        self.pending: dict[Future[Done], tuple[Range, str]] = {}
-        self._workers, self._unit, self._name, self._part_of = workers, unit, name, part_of
+    def __init__(self, workers: Workers, unit: int, name: Callable[[Range], str], sample: Sample | None) -> None:
+        self.pending: dict[Future[Done], tuple[Range, Any]] = {}
+        self._workers, self._unit, self._name, self._sample = workers, unit, name, sample
 
     def ask(self, one: Range, results: bytes) -> None:
         """Hand out a unit of a piece once more, where the piece's numbers draw one; the same of the same piece."""
-        if self._part_of is None:
+        if self._sample is None:
             return
         dice = Random(f"{one.start} {one.stop}")
         if dice.random() * SAMPLED * self._unit >= one.items:
@@ -167,19 +171,21 @@ class Again:
         first = one.start + dice.randrange(-(-one.items // self._unit)) * self._unit
         some = Range(first, min(one.stop, first + self._unit))
         try:
-            self.pending[self._workers.submit(some.start, some.stop)] = some, self._part_of(one, results, some)
+            self.pending[self._workers.submit(some.start, some.stop)] = some, self._sample.part_of(one, results, some)
         except self._workers.lost:
             return  # as of a sample that nobody answers: it is one less
 
     def compare(self, future: "Future[Done]") -> None:
         """Compare an answer with what was found before. Raises `ComputationError` where it is another."""
-        assert self._part_of is not None
+        assert self._sample is not None
         some, before = self.pending.pop(future)
         try:
             answer = future.result()
         except (*self._workers.lost, *self._workers.deadly):
             return
-        if answer.is_of(some.start, some.stop) and self._part_of(some, answer.results, some) != before:
+        if not answer.is_of(some.start, some.stop):
+            return
+        if not self._sample.same(before, self._sample.part_of(some, answer.results, some)):
             raise ComputationError(
                 f"{self._name(some)}: was computed twice, and the results differ: a processor or memory is at fault; "
                 "nothing that this run has found can be trusted; find the worker, then run again with --force"
@@ -194,17 +200,17 @@ def gather(
     tick: Callable[[], None],
     name: Callable[[Range], str] = lambda one: f"items {one.start} to {one.stop - 1}",
     pace: Pace | None = None,
-    part_of: PartOf | None = None,
+    sample: Sample | None = None,
 ) -> None:
     """Do all that is ``left``; ``deliver`` takes in the results of each piece, in any order.
 
-    ``tick`` is called several times a second; ``name`` says what items are; ``part_of`` lets a sample be computed
+    ``tick`` is called several times a second; ``name`` says what items are; with a ``sample`` some are computed
     again. What the work raises is raised here, once nothing more is handed out. Raises `ComputationError` where workers
     die on the same item over and over, and where one item was found twice, and not the same.
     """
     pace = pace or Pace()
     pending: dict[Future[Done], Range] = {}
-    again = Again(workers, left.unit, name, part_of)
+    again = Again(workers, left.unit, name, sample)
     try:
         while left or pending or again.pending:
             gone: list[Range] = []

@@ -13,6 +13,7 @@ LOCK = r"(^|/)\.hknob\.lock$"
 PYTASK = r"(^|/)(\.pytask.*|pytask\.lock.*)$"
 BENCH = r"\.parquet$"  # has run times in it
 SYSID = (CORPUS / "sysid_everything.yaml").read_text()
+TWO_HANDS = SYSID.replace("subjects: 1", "subjects: 2")
 RECORDED = (CORPUS / "sysid_recordings.yaml").read_text().replace("recordings.csv, ", "hands/")
 DFA = (CORPUS / "dfa_against.yaml").read_text()
 
@@ -80,7 +81,7 @@ CASES = {
         ),
         FaultCase(
             "people",
-            {"hands.yaml": SYSID, "spec.yaml": _of("sweep_people")},
+            {"hands.yaml": TWO_HANDS, "spec.yaml": _of("sweep_people")},
             ("sweep", "spec.yaml", "-o", "out"),
             (HANDS,),
         ),

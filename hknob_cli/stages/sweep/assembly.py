@@ -6,7 +6,7 @@ They are the files of its two tables, in the layout of results: a piece that is 
 """
 
 import platform
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pyarrow as pa
@@ -107,18 +107,6 @@ def files_of(data: bytes) -> tuple[memoryview, memoryview]:
 def decode(data: bytes) -> tuple[pa.Table, ...]:
     """Cells and orbits of a piece. Raises `pa.ArrowException` or `OSError` where it is none."""
     return tuple(pq.ParquetFile(pa.BufferReader(file)).read().replace_schema_metadata() for file in files_of(data))
-
-
-def rows_of(data: bytes, place: int, some: Iterable[Mapping[str, Any]]) -> str:
-    """All numbers that a piece has of ``some`` of its cells, the first at ``place``; exact, as a text."""
-    cells, orbits = decode(data)
-    wanted = list(some)
-    rows = cells.slice(place, len(wanted)).to_pylist()
-    names = [name for name in wanted[0] if name in orbits.schema.names]
-    keys = zip(*(orbits[name].to_pylist() for name in names), strict=True)
-    there = {tuple(row[name] for name in names) for row in rows}
-    found = [i for i, key in enumerate(keys) if key in there]
-    return repr((rows, [orbits.slice(i, 1).to_pylist() for i in found]))
 
 
 def finished(staging: Staging, parting: Parting) -> int:
