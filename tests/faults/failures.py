@@ -22,6 +22,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
+from collections.abc import Sequence
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -146,13 +147,14 @@ class Trial:
     def wrong(self, fault: Fault) -> list[str] | None:
         """What is not as it should be when this call fails; None if it was not made this time."""
         ran = self.run(fault)
+        files = [word for word in self.case.words if "." in word]
         if not self.calls.met:
             return None
         about, found = self.calls.about(), []
         if ran.code not in CODES or "Traceback" in ran.said:
             found.append(f"ended with {ran.code}: {ran.said[-3000:]}")
         elif ran.code:
-            found += [f"{what}: {ran.said[-500:]}" for what in unsaid(ran.said, fault, about)]
+            found += [f"{what}: {ran.said[-500:]}" for what in unsaid(ran.said, fault, about, files)]
         elif (now := shown(self.results())) != shown(self.wanted):
             found.append(f"said it was done, and left {differing(now, shown(self.wanted))}: {ran.said[-500:]}")
         again = self.run_again()
@@ -165,8 +167,8 @@ class Trial:
         return [f"({ran.code}) about {about}: {one}" for one in found]
 
 
-def unsaid(said: str, fault: Fault, about: str) -> list[str]:
-    """What a message of a run that failed does not tell."""
+def unsaid(said: str, fault: Fault, about: str, words: Sequence[str]) -> list[str]:
+    """What a message of a run that failed does not tell; a file may be one of the ``words`` of the command."""
     if fault.way == MEMORY:
         return [] if "memory" in said or "died" in said else ["does not speak of memory"]
     found = []
@@ -177,7 +179,7 @@ def unsaid(said: str, fault: Fault, about: str) -> list[str]:
         if what not in said:
             found.append(f"does not say '{what}'")
     path = Path(about)
-    names = {_HIDDEN.sub("", name) for name in (path.name, path.parent.name)} | {OUT}
+    names = {_HIDDEN.sub("", name) for name in (path.name, path.parent.name, *words)} | {OUT}
     inside = {_HIDDEN.sub("", one.name) for one in path.iterdir()} if path.is_dir() else set()
     if about and not any(name and name in said for name in names | inside):
         found.append("names no file")

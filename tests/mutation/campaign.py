@@ -268,12 +268,20 @@ def main() -> int:
         accepted = Accepted(path, options.function)
         begin = time.monotonic()
         survived: list[Mutant] = []
+        killed: list[Mutant] = []
 
-        def hear(mutant: Mutant, verdict: str, accepted: Accepted = accepted, left: list[Mutant] = survived) -> None:
+        def hear(
+            mutant: Mutant,
+            verdict: str,
+            accepted: Accepted = accepted,
+            survived: list[Mutant] = survived,
+            killed: list[Mutant] = killed,
+        ) -> None:
             if verdict not in (SURVIVES, NOT_CALLED, NOT_PLACED):
+                killed.append(mutant)
                 accepted.note_killed(mutant)
             elif accepted.take(mutant) is None:
-                left.append(mutant)
+                survived.append(mutant)
                 print(f"survived ({verdict}): {mutant}", flush=True)
 
         found = run(chosen, hear, Budget())
@@ -283,7 +291,7 @@ def main() -> int:
             print(f"listed, but not a change that survives: {line}")
         counts = ", ".join(f"{count} {kind}" for kind, count in sorted(accepted.counts.items()))
         print(
-            f"{name}: {len(chosen)} changes, {len(chosen) - len(survived) - accepted.counts.total()} killed, "
+            f"{name}: {len(chosen)} changes, {len(killed)} killed, "
             f"{counts or '0 accepted'}, {len(survived)} survived; {time.monotonic() - begin:.0f} s",
             flush=True,
         )

@@ -84,6 +84,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_phases.py": FRICTION,
     "general/sets/convex.py": (f"{GENERAL_SETS}test_convex.py",),
     "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
+    "hardware/safety.py": tuple(
+        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
+    ),
     "controllers/proof.py": (f"{CONTROLLER_SETS}test_captors.py", "tests/controllers/test_contraction.py"),
     "controllers/sets/captors.py": (f"{CONTROLLER_SETS}test_captors.py",),
     "controllers/sets/arcs.py": (f"{CONTROLLER_SETS}test_arcs.py",),
@@ -126,7 +129,7 @@ LEFT_OUT = (f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_
 
 def path_of(name: str) -> Path:
     """File of a name in the table: of the engine, or of a folder beside it that the name begins with."""
-    return (PACKAGE if name.startswith("controllers/") else ENGINE) / name
+    return (PACKAGE if (PACKAGE / name).exists() else ENGINE) / name
 
 
 def name_of(path: Path) -> str:
