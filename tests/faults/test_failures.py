@@ -3,11 +3,11 @@
 import errno
 import json
 import os
-import pickle
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from pickle import dumps, loads  # themselves: what is watched is the module's
 from typing import Any
 
 import pytest
@@ -29,18 +29,21 @@ def fail(cases: list[str], states: int, seed: int, *more: str) -> list[dict[str,
 
 def test_a_few_calls_that_fail() -> None:
     cases = ["sweep", "new", "verify"]
-    found = fail(cases, 10, 3)
+    found = fail(cases, 8, 3)
     assert [(one["case"], one["wrong"]) for one in found] == [(case, 0) for case in cases], found
-    assert sum(one["faults"] for one in found) > 20
+    assert sum(one["faults"] for one in found) > 16
 
 
 @pytest.mark.long
 def test_calls_of_every_command_that_fail() -> None:
-    found = fail(list(CASES), 6, 5)
-    assert [(one["case"], one["wrong"]) for one in found] == [(case, 0) for case in CASES], found
+    """But for a benchmark, whose processes each load everything anew; that is run by hand."""
+    cases = [name for name in CASES if name != "bench"]
+    found = fail(cases, 6, 5)
+    assert [(one["case"], one["wrong"]) for one in found] == [(case, 0) for case in cases], found
     assert {kind for one in found for kind in WAYS if one.get(kind)} == set(WAYS)
 
 
+@pytest.mark.long
 def test_a_program_that_bears_no_fault_is_found() -> None:
     """One that takes every file for written."""
     found = fail(["sweep"], 40, 3, "--careless")
@@ -60,13 +63,13 @@ def in_a_copy(act: Callable[[], Any], calls: Calls, fault: Fault | None) -> Any:
                 found = act()
             except Exception as error:
                 found = (type(error).__name__, getattr(error, "errno", None))
-            os.write(write, pickle.dumps(found))
+            os.write(write, dumps(found))
         finally:
             os._exit(0)
     os.waitpid(child, 0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:
-        return pickle.loads(pipe.read())
+        return loads(pipe.read())
 
 
 def write_and_read(folder: Path) -> bytes:
@@ -110,7 +113,8 @@ def test_the_layer_counts_calls_and_fails_the_one_that_is_asked_for(tmp_path: Pa
             assert calls.met
             wanted = b"0123456789" if way == SHORT else ("OSError", getattr(errno, way, None))
             assert found == wanted or (way in ("EACCES", "EAGAIN") and found[1] == wanted[1]), (kind, way)
-    in_a_copy(lambda: write_and_read(fresh()), calls, Fault(0, "mkdir", 2, "EIO"))
+    folder = fresh()
+    in_a_copy(lambda: write_and_read(folder), calls, Fault(0, "mkdir", 2, "EIO"))
     assert not calls.met
 
 
