@@ -117,7 +117,7 @@ def table(seed: int) -> str:
     lines = [
         "# Which share of changes the tests find",
         "",
-        "Made by `python tests/mutation/sample.py --write`. A sample of the changes of each folder group, drawn by a seed.",
+        "Made by `python tests/mutation/sample.py --write`. A sample of each folder group's changes, drawn by a seed.",
         "The files with proofs that the table in CONTRIBUTING.md lists are tried whole, and `hardware/safety.py`, too.",
         "",
         f"Seed {seed}, {datetime.date.today():%Y-%m-%d}. *Explained* ones are in `accepted.toml`. *Out of time*: no "
