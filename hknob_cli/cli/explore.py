@@ -91,7 +91,7 @@ def _write(path: Path, text: str) -> None:
     Raises `RefusedError` where another file is in its place, `ComputationError` where it cannot be written.
     """
     from hknob_cli.page.explore.sheet import MARK
-    from hknob_cli.results.files import create, put_in_place
+    from hknob_cli.results.files import create, make_folders, put_in_place
 
     half = path.with_name(f".{path.name}.part")
     try:
@@ -99,7 +99,7 @@ def _write(path: Path, text: str) -> None:
             raise UsageError(f"--out: {path} is a folder; must name a file")
         if path.exists() and MARK.encode() not in path.read_bytes()[:200]:
             raise RefusedError(f"{path}: is there already and was not written by explore; name another file with --out")
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folders(path.parent)
         try:
             with create(half) as file:
                 file.write(text.encode())

@@ -1,5 +1,6 @@
 """``hknob new``: write a commented spec to begin from."""
 
+import os
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -95,12 +96,16 @@ def _spec(given: str) -> Path | None:
 
 
 def _write(path: Path, text: str) -> None:
-    """Write a file that is not there yet. Raises `RefusedError` if it is, `ComputationError` if it cannot be."""
+    """Write a file that is not there yet, for good. Raises `RefusedError` if it is, else `ComputationError`."""
+    from hknob_cli.results.files import sync_folder
+
     try:
         with path.open("x", encoding="utf-8") as file:
             try:
                 file.write(text)
                 file.flush()
+                os.fsync(file.fileno())
+                sync_folder(path.parent)
             except OSError:
                 path.unlink(missing_ok=True)
                 raise

@@ -75,11 +75,11 @@ class _Row(NamedTuple):
 
 def lay_out(page: Page) -> str:
     """HTML of the page. A claim's anchor is ``claim-ID``, a chapter's ``chapter-ID``, a figure's its id."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup
 
     environment = Environment(
-        loader=PackageLoader("hknob_cli.page", "template"),
+        loader=FunctionLoader(_packaged),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

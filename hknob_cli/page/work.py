@@ -15,7 +15,7 @@ from hknob_cli.page.contents import read_contents
 from hknob_cli.page.layout import lay_out
 from hknob_cli.printed.tables import NUMBERS, file_of
 from hknob_cli.results import store
-from hknob_cli.results.files import digest
+from hknob_cli.results.files import input_digest
 from hknob_cli.results.provenance import mark
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.results.versions import showing_versions
@@ -81,9 +81,9 @@ class ReportWork(Work):
             if damaged := store.changed_files(tables):
                 what = f"results: {damaged[0]} is not as it was written: damaged, or changed"
                 raise UsageError(f"{what}; run the stage '{name}' again")
-            digests |= {f"{name}/{path.name}": _sha256(path) for path in tables}
+            digests |= {f"{name}/{path.name}": input_digest(path) for path in tables}
         for path in self.input_files(job)[len(job.plan.results) :]:
-            digests[path.name] = _sha256(path)
+            digests[path.name] = input_digest(path)
         return digests
 
     def folders(self, job: Job) -> tuple[str, ...]:
@@ -151,13 +151,6 @@ class ReportWork(Work):
 
 def _evidence(job: Job) -> ResultSet:
     return ResultSet({name: Path(folder) for name, folder in job.plan.results.items()})
-
-
-def _sha256(path: Path) -> str:
-    found = digest(path)
-    if found is None:
-        raise UsageError(f"{path}: cannot be read")
-    return found
 
 
 def _why_missing(path: Path) -> str:

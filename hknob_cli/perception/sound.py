@@ -7,13 +7,12 @@ fixed, so that clips can be compared.
 
 import io
 import wave
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from hknob_cli.errors import ComputationError, UsageError
+from hknob_cli.errors import UsageError
 from hknob_cli.perception.level import Array
 
 RATE_HZ = 44100
@@ -82,19 +81,6 @@ def wav_bytes(sound: Clip) -> bytes:
         out.setframerate(sound.rate_hz)
         out.writeframes(np.rint(FULL_SCALE * sound.samples).astype("<i2").tobytes())
     return stream.getvalue()
-
-
-def write_wav(sound: Clip, path: Path) -> None:
-    """Write a clip, whole or not at all. Raises `ComputationError` if the file cannot be written."""
-    half = path.with_name(path.name + ".part")
-    try:
-        half.unlink(missing_ok=True)
-        with half.open("xb") as stream:  # follows no link
-            stream.write(wav_bytes(sound))
-        half.replace(path)
-    except OSError as error:
-        half.unlink(missing_ok=True)
-        raise ComputationError(f"{path}: cannot be written: {error.strerror or error}") from None
 
 
 def _synthesise(turn: Array, amplitude: Array, count: int, rate_hz: int) -> Array:

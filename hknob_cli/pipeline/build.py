@@ -13,8 +13,10 @@ from hknob_cli.errors import ComputationError
 from hknob_cli.pipeline.fresh import LOCK
 from hknob_cli.pipeline.steps import FileNode, Step
 from hknob_cli.results.files import create
+from hknob_cli.terminal import heed
 
 _CONFIG = ".pytask.toml"
+_WIDE = 10_000  # letters, so that no path is cut by the end of a line
 _VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
 
 
@@ -66,6 +68,12 @@ def build(steps: Sequence[Step], root: Path, *, force: bool = False, dry: bool =
     reports = {report.task.name: report for report in session.execution_reports}
     if not reports and steps:
         raise ComputationError(f"{root}: the record of what was run cannot be used: {_last_line(said.getvalue())}")
+    if len(reports) < len(steps) and not any(report.outcome == pytask.TaskOutcome.FAIL for report in reports.values()):
+        heed()
+        raise ComputationError(
+            f"{root}: the record of what was run cannot be kept: {_last_line(said.getvalue())}; what is finished is "
+            "kept, run the same command again"
+        )
     return [_outcome(step, reports.get(step.name), force=force) for step in steps]
 
 
@@ -117,6 +125,8 @@ def _outcome(step: Step, report: Any, *, force: bool) -> Outcome:
     if report.outcome == kinds.WOULD_BE_EXECUTED:
         return Outcome(step.name, Fate.WOULD_RUN, ("forced",) if force else tuple(_reasons(step)))
     if report.outcome == kinds.FAIL:
+        if isinstance(error, MemoryError):  # which says nothing by itself
+            error = ComputationError("out of memory; run the same command again")
         return Outcome(step.name, Fate.FAILED, error=error)
     return Outcome(step.name, Fate.NOT_REACHED)
 
@@ -150,12 +160,12 @@ def _silence() -> Iterator[io.StringIO]:
     from _pytask.console import console
 
     said = io.StringIO()
-    before = console.file
-    console.file = said
+    before, width = console.file, console.width
+    console.file, console.width = said, _WIDE
     try:
         yield said
     finally:
-        console.file = before
+        console.file, console.width = before, width
 
 
 def _last_line(text: str) -> str:

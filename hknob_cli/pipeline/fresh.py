@@ -12,7 +12,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.results.files import create, digest, put_in_place
+from hknob_cli.results.files import create, digest, input_digest, put_in_place
 from hknob_cli.results.versions import showing_versions
 from hknob_cli.specs.seal import BLANK, State, sealed, state_of
 
@@ -23,7 +23,7 @@ LOCK = "pytask.lock"
 def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     """What a run depends on beside the files of its steps."""
     versions = {**showing_versions(), "scipy": version("scipy")}  # which identifies hands, and draws designs
-    return {"spec": relative(spec, root), "spec_sha256": digest(spec), **options, "versions": versions}
+    return {"spec": relative(spec, root), "spec_sha256": input_digest(spec), **options, "versions": versions}
 
 
 def relative(path: Path, root: Path) -> str:

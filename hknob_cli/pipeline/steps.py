@@ -16,8 +16,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from hknob_cli.errors import Fault, SpecError, UsageError
-from hknob_cli.results.files import digest, refuse_link
+from hknob_cli.errors import ComputationError, Fault, SpecError, UsageError
+from hknob_cli.results.files import read_digest, refuse_link
 from hknob_cli.specs.load import load
 from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.named_file import open_named
@@ -51,8 +51,11 @@ class FileNode:
         return f"file {self.file}"
 
     def state(self) -> str | None:
-        """Digest of the content; None if there is no file."""
-        return digest(self.file)
+        """Digest of the content; None if there is no file. Raises `ComputationError` if it cannot be read."""
+        try:
+            return read_digest(self.file)
+        except OSError as error:
+            raise ComputationError(f"{self.shown}: cannot be read: {error.strerror or error}") from None
 
     def load(self, is_product: bool = False) -> Path:  # noqa: ARG002
         """The path."""

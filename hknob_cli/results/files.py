@@ -9,26 +9,42 @@ import os
 from pathlib import Path
 from typing import BinaryIO
 
-from hknob_cli.errors import RefusedError
+from hknob_cli.errors import RefusedError, UsageError
 
 _RESULTS = (".parquet", ".svg")
 
 
 def digest(path: Path) -> str | None:
-    """SHA-256 of a file's content, or of a folder's results by name and content; None if it is not there."""
+    """SHA-256 of a file's content, or of a folder's results by name and content; None if it cannot be read."""
     try:
-        if path.is_dir():
-            whole = hashlib.sha256()
-            for file in sorted(path.iterdir()):
-                if file.suffix in _RESULTS:
-                    whole.update(f"{file.name} {digest(file)}\n".encode())
-            return whole.hexdigest()
-        if not path.is_file():  # a device or pipe may have no end
-            return None
-        with path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+        return read_digest(path)
     except OSError:
         return None
+
+
+def input_digest(path: Path) -> str:
+    """The same of what results depend on. Raises `UsageError` if it cannot be read."""
+    try:
+        found = read_digest(path)
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read: {error.strerror or error}") from None
+    if found is None:
+        raise UsageError(f"{path}: is not there, or is no file")
+    return found
+
+
+def read_digest(path: Path) -> str | None:
+    """The same; None where nothing is, or a device or pipe, which may have no end. Raises `OSError`."""
+    if path.is_dir():
+        whole = hashlib.sha256()
+        for file in sorted(path.iterdir()):
+            if file.suffix in _RESULTS:
+                whole.update(f"{file.name} {read_digest(file)}\n".encode())
+        return whole.hexdigest()
+    if not path.is_file():
+        return None
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def create(path: Path) -> BinaryIO:

@@ -135,7 +135,7 @@ class Parted(NamedTuple):
 def read_result(path: Path) -> pa.Table:
     """A result table, of one file or of parts, as a whole. Raises `OSError`, `pa.ArrowException`."""
     if path.is_dir():
-        parted = read_parted(path)
+        parted = read_parted(path, strict=True)
         if parted is None:
             raise FileNotFoundError(path)
         return parted.table()
@@ -184,37 +184,46 @@ def put_part(data: bytes | memoryview, folder: Path, number: int) -> None:
         raise
 
 
-def is_written(folder: Path, number: int, count: int, provenance: bytes) -> bool:
-    """Whether a part is there, readable, and of this provenance."""
-    found = _metadata(folder / part_name(number))
+def is_written(folder: Path, number: int, count: int, provenance: bytes, *, strict: bool = False) -> bool:
+    """Whether a part is there, readable, and of this provenance; ``strict``: raises what the disk does."""
+    found = _metadata(folder / part_name(number), strict=strict)
     return found.pop(SEAL, None) is not None and found == part_metadata(number, count, provenance)
 
 
-def _metadata(path: Path) -> dict[bytes, bytes]:
+def _metadata(path: Path, *, strict: bool = False) -> dict[bytes, bytes]:
     """Metadata of a Parquet file; empty if it cannot be read."""
-    return _readable(path) or {}
+    return _readable(path, strict=strict) or {}
 
 
-def _readable(path: Path) -> dict[bytes, bytes] | None:
-    """Metadata of a Parquet file; None if it cannot be read."""
+def _readable(path: Path, *, strict: bool = False) -> dict[bytes, bytes] | None:
+    """Metadata of a Parquet file; None if it cannot be read. ``strict``: raises the `OSError` of one that is there."""
     if is_endless(path):
         return None
     try:
         return schema_of(path).metadata or {}
-    except (OSError, pa.ArrowException):
+    except FileNotFoundError:
+        return None
+    except OSError:
+        if strict:
+            raise
+        return None
+    except pa.ArrowException:
         return None
 
 
-def read_parted(folder: Path, provenance: bytes | None = None) -> Parted | None:
-    """The parted table in ``folder`` if it is whole, and of this provenance if one is given; else None."""
-    first = _metadata(folder / part_name(0))
+def read_parted(folder: Path, provenance: bytes | None = None, *, strict: bool = False) -> Parted | None:
+    """The parted table in ``folder`` if it is whole, and of this provenance if one is given; else None.
+
+    ``strict``: raises the `OSError` of a part that is there and cannot be read.
+    """
+    first = _metadata(folder / part_name(0), strict=strict)
     count = _count(first)
     if not count:
         return None
     wanted = first.get(KEY, b"") if provenance is None else provenance
     rows = 0
     for number in range(count):
-        if not is_written(folder, number, count, wanted):
+        if not is_written(folder, number, count, wanted, strict=strict):
             return None
         with opened(folder / part_name(number)) as part:
             rows += part.metadata.num_rows

@@ -5,6 +5,7 @@ Rows by what is asked of their columns: a value as printed, one of several, or b
 A result in memory, which figures are drawn from as from one in a folder.
 """
 
+import errno
 import json
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
@@ -13,7 +14,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from hknob_cli.errors import UsageError
+from hknob_cli.errors import ComputationError, HknobError, UsageError
 from hknob_cli.results.campaign_files import NEEDED, campaign_cells
 from hknob_cli.results.columns import PEOPLE
 from hknob_cli.results.parted import Parted, read_parted, read_result, result_schema
@@ -33,6 +34,7 @@ _BOUNDS: dict[str, Callable[[float, float], bool]] = {
     "below": lambda value, bound: value < bound * (1.0 - 1e-9),
 }
 
+_ABSENT = (errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG)
 Rows = list[dict[str, Any]]
 CAMPAIGN = "hw-run"
 
@@ -169,9 +171,12 @@ class Result:
         except (OSError, pa.ArrowException) as error:
             raise self._unreadable(file, error) from None
 
-    def _unreadable(self, file: str, error: Exception) -> MissingError:
-        """That there is no such table, or a damaged one."""
+    def _unreadable(self, file: str, error: Exception) -> HknobError:
+        """That there is no such table, or a damaged one; where the disk fails an error after which no page is made."""
         there = file in self.files
+        if there and isinstance(error, OSError) and error.errno not in (None, *_ABSENT):
+            why = error.strerror or error
+            return ComputationError(f"{self.folder / file}: cannot be read: {why}; run the same command again")
         text = f"{file} of '{self.name}' in {self.folder}"
         return MissingError(f"{text} {why_unreadable(error)}" if there else f"no {text}")
 

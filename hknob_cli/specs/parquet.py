@@ -24,7 +24,10 @@ class ChangedError(pa.ArrowInvalid):  # type: ignore[misc]
 
 def why_unreadable(error: Exception) -> str:
     """What to say of a file that raised this."""
-    return "is not as it was written: damaged, or changed" if isinstance(error, ChangedError) else "cannot be read"
+    if isinstance(error, ChangedError):
+        return "is not as it was written: damaged, or changed"
+    why = error.strerror if isinstance(error, OSError) and not isinstance(error, pa.ArrowException) else None
+    return f"cannot be read: {why}" if why else "cannot be read"
 
 
 class NotTextError(pa.ArrowInvalid):  # type: ignore[misc]

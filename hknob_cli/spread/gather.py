@@ -2,6 +2,9 @@
 
 How many items to hand out at once: by what the last ones took.
 
+A sample of what was found is computed again, where the caller can tell what of a piece a part of it would be: a worker
+that computes wrongly, in well-formed answers, is found by nothing else.
+
 What is left to do of numbered items: ranges, from which work is cut in order.
 """
 
@@ -9,7 +12,8 @@ import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from math import ceil
-from typing import NamedTuple, Protocol
+from random import Random
+from typing import Any, NamedTuple, Protocol
 
 from hknob_cli.errors import ComputationError
 from hknob_cli.spread.processes import Done
@@ -23,6 +27,8 @@ DEATHS = 8  # of the worker that has an item, after which it is given up
 # Of them, after which it is done with nothing beside it: it has all the memory then, and no other piece is blamed that
 # was waiting at the same worker of a cluster.
 SUSPECT = 2
+# Items found, of which at most one is computed again: what that costs, as a share of the work.
+SAMPLED = 64
 _SOON = 0.05  # s between two looks at whether somebody has come
 _TICK = 0.2  # s between two looks at whether there was an interruption
 
@@ -141,6 +147,51 @@ class Workers(Protocol):
         """Let them go; ``now``: in the middle of their work."""
 
 
+class Sample(NamedTuple):
+    """How to compare: ``part_of`` says what the results of items say of some of them, ``same`` if that is the same."""
+
+    part_of: Callable[[Range, bytes, Range], Any]
+    same: Callable[[Any, Any], bool]
+
+
+class Again:
+    """A sample of the items that were found, computed once more and compared; where ``sample`` is None, none."""
+
+    def __init__(self, workers: Workers, unit: int, name: Callable[[Range], str], sample: Sample | None) -> None:
+        self.pending: dict[Future[Done], tuple[Range, Any]] = {}
+        self._workers, self._unit, self._name, self._sample = workers, unit, name, sample
+
+    def ask(self, one: Range, results: bytes) -> None:
+        """Hand out a unit of a piece once more, where the piece's numbers draw one; the same of the same piece."""
+        if self._sample is None:
+            return
+        dice = Random(f"{one.start} {one.stop}")
+        if dice.random() * SAMPLED * self._unit >= one.items:
+            return
+        first = one.start + dice.randrange(-(-one.items // self._unit)) * self._unit
+        some = Range(first, min(one.stop, first + self._unit))
+        try:
+            self.pending[self._workers.submit(some.start, some.stop)] = some, self._sample.part_of(one, results, some)
+        except self._workers.lost:
+            return  # as of a sample that nobody answers: it is one less
+
+    def compare(self, future: "Future[Done]") -> None:
+        """Compare an answer with what was found before. Raises `ComputationError` where it is another."""
+        assert self._sample is not None
+        some, before = self.pending.pop(future)
+        try:
+            answer = future.result()
+        except (*self._workers.lost, *self._workers.deadly):
+            return
+        if not answer.is_of(some.start, some.stop):
+            return
+        if not self._sample.same(before, self._sample.part_of(some, answer.results, some)):
+            raise ComputationError(
+                f"{self._name(some)}: was computed twice, and the results differ: a processor or memory is at fault; "
+                "nothing that this run has found can be trusted; find the worker, then run again with --force"
+            )
+
+
 def gather(
     workers: Workers,
     left: Ranges,
@@ -149,16 +200,19 @@ def gather(
     tick: Callable[[], None],
     name: Callable[[Range], str] = lambda one: f"items {one.start} to {one.stop - 1}",
     pace: Pace | None = None,
+    sample: Sample | None = None,
 ) -> None:
     """Do all that is ``left``; ``deliver`` takes in the results of each piece, in any order.
 
-    ``tick`` is called several times a second; ``name`` says what items are. What the work raises is raised here, once
-    nothing more is handed out. Raises `ComputationError` where workers die on the same item over and over.
+    ``tick`` is called several times a second; ``name`` says what items are; with a ``sample`` some are computed
+    again. What the work raises is raised here, once nothing more is handed out. Raises `ComputationError` where workers
+    die on the same item over and over, and where one item was found twice, and not the same.
     """
     pace = pace or Pace()
     pending: dict[Future[Done], Range] = {}
+    again = Again(workers, left.unit, name, sample)
     try:
-        while left or pending:
+        while left or pending or again.pending:
             gone: list[Range] = []
             while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
                 one = left.take(pace.size(len(left), workers.count))
@@ -166,13 +220,17 @@ def gather(
                     pending[workers.submit(one.start, one.stop)] = one
                 except workers.lost:
                     gone.append(one)
-            done, _ = wait(pending, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
-            if not (pending or gone):
+            asked = [*pending, *again.pending]
+            done, _ = wait(asked, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
+            if not (asked or gone):
                 time.sleep(_SOON)  # nobody is there yet
             tick()
             dead: list[Range] = []
             spoilt: list[Range] = []
             for future in done:
+                if future in again.pending:
+                    again.compare(future)
+                    continue
                 one = pending.pop(future)
                 try:
                     answer = future.result()
@@ -186,9 +244,11 @@ def gather(
                         continue
                     pace.learn(one.items, answer.seconds)
                     deliver(one.start, one.stop, answer.results)
-            if gone or ((left or pending) and not workers.reachable()):
+                    again.ask(one, answer.results)
+            if gone or ((left or pending or again.pending) and not workers.reachable()):
                 gone += pending.values()
                 pending.clear()
+                again.pending.clear()
                 workers.renew()
             left.put_back(gone)
             _bury(dead, name, left.unit, "the process that computed this died {} times (out of memory?)")

@@ -14,7 +14,7 @@ import pyarrow as pa
 from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.columns import Column
-from hknob_cli.results.files import digest as file_digest
+from hknob_cli.results.files import input_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import axes_of, origin, scene_of
 from hknob_cli.specs.cells import Cells
@@ -46,8 +46,10 @@ def result_file(folder: str, file: str, stage: str, *, what: str) -> Path:
         found = origin(result_schema(path).metadata)
     except ChangedError as error:
         raise UsageError(f"against: {path} {why_unreadable(error)}; run the {what} again") from None
-    except (OSError, pa.ArrowException):
+    except FileNotFoundError:
         raise UsageError(f"against: {path} is not there or cannot be read; run the {what} first") from None
+    except (OSError, pa.ArrowException) as error:
+        raise UsageError(f"against: {path} {why_unreadable(error)}; run the {what} first") from None
     if found is None or found[0] != stage:
         raise UsageError(f"against: {path} is not the result of a {what}")
     return path
@@ -55,7 +57,7 @@ def result_file(folder: str, file: str, stage: str, *, what: str) -> Path:
 
 def digest(folder: str) -> str:
     """Digest of the sweep's cells, as an input of what is compared with them. Raises `UsageError`."""
-    return file_digest(sweep_file(folder)) or ""
+    return input_digest(sweep_file(folder))
 
 
 def scene_differences(folder: str, scene: Scene, axes: Axes) -> list[str]:

@@ -7,6 +7,8 @@ allowed to survive is listed in `accepted.toml`, with the reason. Exit code 1 if
 """
 
 import argparse
+import importlib
+import inspect
 import os
 import resource
 import select
@@ -15,33 +17,51 @@ import sys
 import time
 import types
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
 from tests.mutation.accepted import Accepted
-from tests.mutation.mutate import Mutant, mutants
+from tests.mutation.mutate import Mutant, mutants, noting
 from tests.mutation.table import LEFT_OUT, ROOT, WATCHED, path_of, watchers_of
 
 SLOWEST_S = 40.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
+# What may come of a change beside a test that fails. The first two count as killed.
+HANGS, CRASHED = "hangs", "crashed"
+SURVIVES = "survives"
+OUT_OF_TIME = "out of time"  # no test failed within the budget
+NOT_CALLED = "not called"  # by any quick test in this process: compiled code and commands run elsewhere
+NOT_PLACED = "not placed"  # the changed code cannot be given to a function that runs
+
+
+class Budget(NamedTuple):
+    """Seconds of a core: ``slowest_s`` that a test may take to be run against each change, ``in_all_s`` for one change.
+
+    ``whole``: whether a test that fails without any change ends it all; else it is left out.
+    """
+
+    slowest_s: float = SLOWEST_S
+    in_all_s: float = float("inf")
+    whole: bool = True
 
 
 def module_of(path: Path) -> types.ModuleType:
-    """The engine's module, which the tests have loaded."""
-    return sys.modules[".".join(path.relative_to(ROOT).with_suffix("").parts)]
+    """The module of a file."""
+    return importlib.import_module(".".join(path.relative_to(ROOT).with_suffix("").parts))
 
 
 def functions_of(module: types.ModuleType) -> Iterator[tuple[str, types.FunctionType]]:
-    """Functions that a module holds, and the methods of its own classes, by name."""
+    """Functions that a module holds, those inside a decorator too, and the methods of its own classes, by name."""
     for name, value in vars(module).items():
-        if isinstance(value, types.FunctionType):
-            yield name, value
+        inner = inspect.unwrap(value) if callable(value) and not isinstance(value, type) else value
+        if isinstance(inner, types.FunctionType):
+            yield name, inner
         elif isinstance(value, type) and value.__module__ == module.__name__:
             for method, one in vars(value).items():
                 if isinstance(one, types.FunctionType):
@@ -49,32 +69,39 @@ def functions_of(module: types.ModuleType) -> Iterator[tuple[str, types.Function
 
 
 def put_in_place(mutant: Mutant) -> None:
-    """Change the running program: a function's code, or a constant wherever it has been imported."""
+    """Change the running program: a function's code, or a constant wherever it has been imported.
+
+    What functions remember of calls before the change is forgotten. Raises `KeyError` or `ValueError` where the code
+    cannot be given to a function that runs.
+    """
     module = module_of(mutant.path)
+    ours = [one for name, one in list(sys.modules.items()) if name.startswith("hknob_cli.")]
     if mutant.function is not None:
         dict(functions_of(module))[mutant.function].__code__ = mutant.code()
-        return
-    old, new = getattr(module, mutant.name), mutant.value()
-    for one in list(sys.modules.values()):
-        if one.__name__.startswith("hknob_cli.") and getattr(one, mutant.name, None) is old:
-            setattr(one, mutant.name, new)
+    else:
+        old, new = getattr(module, mutant.name), mutant.value()
+        for one in ours:
+            if getattr(one, mutant.name, None) is old:
+                setattr(one, mutant.name, new)
+    for one in ours:
+        for value in list(vars(one).values()):
+            if hasattr(value, "cache_clear") and callable(value):
+                value.cache_clear()
 
 
 class Campaign:
     """A plugin of pytest that runs the collected tests once as they are, and then against every change."""
 
-    def __init__(self, chosen: list[Mutant], accepted: Accepted) -> None:
-        self.chosen, self.accepted = chosen, accepted
+    def __init__(self, chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budget) -> None:
+        """``hear`` is told of each change what came of it: a test that fails, or one of `VERDICTS`."""
+        self.chosen, self.hear, self.budget = chosen, hear, budget
         self.failed: list[str] = []
         self.took: dict[str, float] = {}
         self.calls: dict[tuple[Path, str], set[str]] = defaultdict(set)  # tests by function
         self.killers: dict[str, list[str]] = defaultdict(list)  # of a function's changes, the last first
-        self.survived: list[Mutant] = []
-        self.killed = 0
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Note what fails, and how long it took."""
-        self.took[report.nodeid] = self.took.get(report.nodeid, 0.0) + report.duration
+        """Note what fails."""
         if report.failed:
             self.failed.append(f"{report.nodeid}\n{report.longreprtext}")
 
@@ -88,38 +115,40 @@ class Campaign:
         if self.failed:
             return True
         self._run_unchanged(session)
-        if self.failed:
+        if self.failed and self.budget.whole:
             return True
-        items = {item.nodeid: item for item in session.items if self.took[item.nodeid] <= SLOWEST_S}
+        for failure in self.failed:
+            print(f"left out, fails without any change: {failure.splitlines()[0]}", flush=True)
+            self.took.pop(failure.splitlines()[0], None)
+        self.failed.clear()
+        never = float("inf")
+        items = {one.nodeid: one for one in session.items if self.took.get(one.nodeid, never) <= self.budget.slowest_s}
         for nodeid in self.took.keys() - items.keys():
             print(f"too slow to run each time: {nodeid} ({self.took[nodeid]:.1f} s)", flush=True)
         for mutant in self.chosen:
-            if self._survives(mutant, items):
-                reason = self.accepted.take(mutant)
-                if reason is None:
-                    self.survived.append(mutant)
-                    print(f"survived: {mutant}", flush=True)
-            else:
-                self.killed += 1
-                self.accepted.note_killed(mutant)
+            self.hear(mutant, self._judged(mutant, items))
         return True
 
     def _run_unchanged(self, session: pytest.Session) -> None:
         watched = {m.path for m in self.chosen}
-        codes = {value.__code__: (path, name) for path in watched for name, value in functions_of(module_of(path))}
-        for item, following in zip(session.items, [*session.items[1:], None], strict=True):
-            with called(codes) as found:
+        with called(watched) as found:
+            for item, following in zip(session.items, [*session.items[1:], None], strict=True):
+                found.clear()
+                begin = time.process_time()  # of this process alone, however busy the machine is
                 item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
-            for one in found:
-                self.calls[one].add(item.nodeid)
+                self.took[item.nodeid] = time.process_time() - begin
+                for one in found:
+                    self.calls[one].add(item.nodeid)
 
-    def _survives(self, mutant: Mutant, items: dict[str, pytest.Item]) -> bool:
+    def _judged(self, mutant: Mutant, items: dict[str, pytest.Item]) -> str:
         called_by = set(items) if mutant.function is None else self.calls[mutant.path, mutant.function]
         names = called_by & items.keys()
+        if not names:
+            return NOT_CALLED
         recent = self.killers[mutant.name]
         order = [one for one in recent if one in names]
         order += sorted(names - set(order), key=lambda one: (self.took[one], one))
-        limit = 10.0 + 4.0 * sum(self.took[one] for one in order)
+        limit = 10.0 + 10.0 * min(sum(self.took[one] for one in order), self.budget.in_all_s)
         read, write = os.pipe()
         child = os.fork()
         if child == 0:
@@ -131,13 +160,13 @@ class Campaign:
             heard = os.read(read, 4096)
         else:
             os.kill(child, signal.SIGKILL)
-            heard = b"hangs"
+            heard = HANGS.encode()
         os.close(read)
         os.waitpid(child, 0)
-        killer = heard.decode()
+        killer = heard.decode() or CRASHED
         if killer in names:
             recent[:] = [killer, *(one for one in recent if one != killer)][:8]
-        return killer == "survives"
+        return killer
 
     def _try(self, mutant: Mutant, items: list[pytest.Item], write: int) -> None:
         """In a child of its own: change the program, run the tests until one fails, and say which."""
@@ -145,38 +174,64 @@ class Campaign:
         os.dup2(nothing, 1)
         os.dup2(nothing, 2)
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
-        heard = "crashed"
+        heard, begin = NOT_PLACED, time.process_time()
         try:
             put_in_place(mutant)
-            heard = "survives"
+            heard = CRASHED
             for item, following in zip(items, [*items[1:], None], strict=True):
+                if time.process_time() - begin > self.budget.in_all_s:
+                    heard = OUT_OF_TIME
+                    break
                 item.config.hook.pytest_runtest_protocol(item=item, nextitem=following)
                 if self.failed:
                     heard = item.nodeid
                     break
+            else:
+                heard = SURVIVES
         finally:
             os.write(write, heard.encode())
             os._exit(0)
 
 
 @contextmanager
-def called(codes: dict[types.CodeType, tuple[Path, str]]) -> Iterator[set[tuple[Path, str]]]:
-    """Which of these functions are called meanwhile."""
-    found: set[tuple[Path, str]] = set()
-
-    def note(frame: types.FrameType, event: str, _: Any) -> None:
-        if event == "call" and frame.f_code in codes:
-            found.add(codes[frame.f_code])
-
-    sys.setprofile(note)
+def called(watched: set[Path]) -> Iterator["Called"]:
+    """Which functions of these files are called meanwhile: each notes that itself."""
+    found: dict[str, set[str]] = {str(path): set() for path in watched}
+    sys._mutation_calls = found  # type: ignore[attr-defined]
+    before = []
+    for path in watched:
+        functions = dict(functions_of(module_of(path)))
+        for name, code in noting(path, f"__import__('sys')._mutation_calls[{str(path)!r}].add('{{name}}')"):
+            plain = functions.get(name)
+            if plain is not None and plain.__code__.co_freevars == code.co_freevars:
+                before.append((plain, plain.__code__))
+                plain.__code__ = code
     try:
-        yield found
+        yield Called(found)
     finally:
-        sys.setprofile(None)
+        for plain, old in before:
+            plain.__code__ = old
 
 
-def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
-    """Run the tests of the changed files against every change."""
+class Called:
+    """Functions by their file, as they are noted."""
+
+    def __init__(self, by_file: dict[str, set[str]]) -> None:
+        self._by_file = by_file
+
+    def clear(self) -> None:
+        """Begin anew."""
+        for names in self._by_file.values():
+            names.clear()
+
+    def __iter__(self) -> Iterator[tuple[Path, str]]:
+        """Files and names."""
+        for path, names in self._by_file.items():
+            yield from ((Path(path), name) for name in sorted(names))
+
+
+def run(chosen: list[Mutant], hear: Callable[[Mutant, str], None], budget: Budget) -> Campaign:
+    """Run the tests of the changed files against every change; see `Campaign`."""
     from hypothesis import HealthCheck, Phase, settings
 
     # The same examples for every change; a failing one need not be made small; time is not judged.
@@ -192,7 +247,7 @@ def run(chosen: list[Mutant], accepted: Accepted) -> Campaign:
     files = list(
         dict.fromkeys(str(test) for path in dict.fromkeys(m.path for m in chosen) for test in watchers_of(path))
     )
-    campaign = Campaign(chosen, accepted)
+    campaign = Campaign(chosen, hear, budget)
     options = ["-o", "addopts=", "--import-mode=importlib", "-p", "no:cacheprovider", "-p", "no:terminal"]
     options += [option for name in LEFT_OUT for option in ("--deselect", name)]
     options += ["-W", "ignore::pytest.PytestAssertRewriteWarning"]
@@ -212,18 +267,35 @@ def main() -> int:
         chosen = [one for one in mutants(path) if options.function in (None, one.name)]
         accepted = Accepted(path, options.function)
         begin = time.monotonic()
-        found = run(chosen, accepted)
+        survived: list[Mutant] = []
+        killed: list[Mutant] = []
+
+        def hear(
+            mutant: Mutant,
+            verdict: str,
+            accepted: Accepted = accepted,
+            survived: list[Mutant] = survived,
+            killed: list[Mutant] = killed,
+        ) -> None:
+            if verdict not in (SURVIVES, NOT_CALLED, NOT_PLACED):
+                killed.append(mutant)
+                accepted.note_killed(mutant)
+            elif accepted.take(mutant) is None:
+                survived.append(mutant)
+                print(f"survived ({verdict}): {mutant}", flush=True)
+
+        found = run(chosen, hear, Budget())
         for failure in found.failed:
             print(f"fails without any change: {failure}")
         for line in accepted.stale():
             print(f"listed, but not a change that survives: {line}")
         counts = ", ".join(f"{count} {kind}" for kind, count in sorted(accepted.counts.items()))
         print(
-            f"{name}: {len(chosen)} changes, {found.killed} killed, {counts or '0 accepted'}, "
-            f"{len(found.survived)} survived; {time.monotonic() - begin:.0f} s",
+            f"{name}: {len(chosen)} changes, {len(killed)} killed, "
+            f"{counts or '0 accepted'}, {len(survived)} survived; {time.monotonic() - begin:.0f} s",
             flush=True,
         )
-        code |= bool(found.failed or found.survived or accepted.stale())
+        code |= bool(found.failed or survived or accepted.stale())
     return code
 
 

@@ -93,6 +93,16 @@ def mutants(path: Path) -> Iterator[Mutant]:
                 yield Mutant(path, function, node.lineno, lines[node.lineno - 1].strip(), change, changed)
 
 
+def noting(path: Path, note: str) -> Iterator[tuple[str, CodeType]]:
+    """Of each function of a file that may be changed: its code, which first runs ``note`` with its name."""
+    for owner, statement in _statements(ast.parse(path.read_text())):
+        if isinstance(statement, ast.FunctionDef):
+            name = owner + statement.name
+            changed = copy.copy(statement)
+            changed.body = [*ast.parse(note.format(name=name)).body, *statement.body]
+            yield name, Mutant(path, name, 0, "", "", changed).code()
+
+
 Steps = tuple[tuple[str, int | None], ...]
 
 

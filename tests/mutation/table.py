@@ -19,6 +19,29 @@ STANDSTILL = (
     f"{PROOF}test_runs_off.py",
     f"{GENERAL}test_inner_region.py",
 )
+BODIES = (
+    "columns",
+    "controller",
+    "inner_region",
+    "laws",
+    "over_angle",
+    "powers",
+    "proof",
+    "sensed",
+    "slides",
+    "torque_table",
+)
+PLAIN = ("attractors", "bounces", "certificate", "extremes", "rest")
+# Without those that run every pair of parts, and every preset.
+SPEC_TESTS = (
+    *("bounds", "cells", "design", "grid", "hand_from", "hand_of_table", "motor", "over_angle", "parquet", "people"),
+    *("points", "quantity", "remedies", "schema", "seal", "source", "squeeze"),
+)
+WIRED = (
+    *("agreed_wall", "block_order", "campaign", "control", "drivers", "frame", "journal", "knob_motion", "measures"),
+    *("messages", "nuisances", "person", "pump", "replay", "safety", "sample_clock", "serial_device", "session"),
+    *("spoilt_trials", "tables", "trial_run", "virtual"),
+)
 WATCHED: dict[str, tuple[str, ...]] = {
     "certificate.py": ("tests/engine/test_certificate.py", f"{PROOF}test_certificate_margins.py"),
     "rest.py": ("tests/engine/test_rest.py", f"{PROOF}test_rest_margins.py"),
@@ -61,6 +84,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_phases.py": FRICTION,
     "general/sets/convex.py": (f"{GENERAL_SETS}test_convex.py",),
     "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
+    "hardware/safety.py": tuple(
+        f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
+    ),
     "controllers/proof.py": (f"{CONTROLLER_SETS}test_captors.py", "tests/controllers/test_contraction.py"),
     "controllers/sets/captors.py": (f"{CONTROLLER_SETS}test_captors.py",),
     "controllers/sets/arcs.py": (f"{CONTROLLER_SETS}test_arcs.py",),
@@ -68,13 +94,42 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "controllers/sets/follow.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_captors.py"),
     "controllers/sets/front.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_rounding.py"),
 }
+# Which tests watch over a file that the table above does not have, by the first of these that its name begins with: all
+# of them that run in this process and call what is changed. None are for compilers, caches and pages made from specs.
+FOLDERS: dict[str, tuple[str, ...]] = {
+    "engine/general/sets/": (GENERAL_SETS, PROOF),
+    "engine/general/": (*(f"{GENERAL}test_{name}.py" for name in BODIES), PROOF),
+    "engine/sets/": (SETS, PROOF),
+    "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
+    "engine/unsampled/": ("tests/engine/test_state_machine.py", "tests/measure/test_unsampled.py"),
+    "engine/pulse.py": ("tests/identify/",),
+    "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
+    "controllers/": ("tests/controllers/",),
+    "measure/": ("tests/measure/", "tests/engine/orbit/"),
+    "specs/": tuple(f"tests/specs/test_{name}.py" for name in SPEC_TESTS),
+    "hardware/": (*(f"tests/hardware/test_{name}.py" for name in WIRED),),
+}
+# Folder groups, each by what its files' names begin with; a file is in the first that it fits.
+GROUPS: dict[str, tuple[str, ...]] = {
+    "proofs": (
+        *(f"engine/{name}" for name in ("certificate", "rest", "follow", "sets/", "general/sets/", "general/laws/")),
+        *(f"engine/general/{name}" for name in ("standstill", "inner", "powers", "period", "follow", "interval")),
+        "controllers/proof",
+        "controllers/sets/",
+    ),
+    "measures": ("measure/", "engine/orbit/"),
+    "engine": ("engine/", "controllers/"),
+    "specs": ("specs/",),
+    "hardware": ("hardware/",),
+}
+UNTRIED = tuple(f"engine/{name}" for name in ("compiling", "jit", "kept_code", "linking", "own_folder", "alarm"))
 # Of these files, what would take longer than all others together.
 LEFT_OUT = (f"{GENERAL}test_inner_region.py::test_the_share_at_rest_never_falls_with_the_limit",)
 
 
 def path_of(name: str) -> Path:
     """File of a name in the table: of the engine, or of a folder beside it that the name begins with."""
-    return (PACKAGE if name.startswith("controllers/") else ENGINE) / name
+    return (PACKAGE if (PACKAGE / name).exists() else ENGINE) / name
 
 
 def name_of(path: Path) -> str:
@@ -83,5 +138,20 @@ def name_of(path: Path) -> str:
 
 
 def watchers_of(path: Path) -> list[Path]:
-    """Files of tests that watch over a file."""
-    return [ROOT / name for name in WATCHED[name_of(path)]]
+    """Files or folders of tests that watch over a file."""
+    listed = WATCHED.get(name_of(path))
+    if listed is None:
+        name = path.relative_to(PACKAGE).as_posix()
+        listed = next(tests for begin, tests in FOLDERS.items() if name.startswith(begin))
+    return [ROOT / name for name in listed]
+
+
+def files_of(group: str) -> list[Path]:
+    """Files of a folder group, in order."""
+    found = []
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = path.relative_to(PACKAGE).as_posix()
+        first = next((one for one, begins in GROUPS.items() if name.startswith(begins)), None)
+        if first == group and not name.startswith(UNTRIED):
+            found.append(path)
+    return found

@@ -1,6 +1,7 @@
 """Clips: the waveform that the harmonics say, within full scale, always the same bytes."""
 
 import io
+import os
 import wave
 from pathlib import Path
 
@@ -8,7 +9,8 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import ComputationError, UsageError
-from hknob_cli.perception.sound import clip, wav_bytes, write_wav
+from hknob_cli.perception.sound import clip, wav_bytes
+from hknob_cli.results.sound_file import write_wav
 
 FADE = 882  # samples, 20 ms
 
@@ -76,6 +78,15 @@ def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
     with pytest.raises(ComputationError, match="cannot be written"):
         write_wav(clip([100.0], [1.0], duration_s=0.01), tmp_path / "no" / "cycle.wav")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_is_on_the_disk_before_its_name_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = []
+    for name in ("fsync", "replace"):
+        plain = getattr(os, name)
+        monkeypatch.setattr(os, name, lambda *args, name=name, plain=plain: (done.append(name), plain(*args))[1])
+    write_wav(clip([100.0], [1.0], duration_s=0.01), tmp_path / "cycle.wav")
+    assert done == ["fsync", "replace", "fsync"]  # of the file, and of the folder
 
 
 @pytest.mark.parametrize(

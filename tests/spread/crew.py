@@ -2,8 +2,8 @@
 
 Nothing runs beside: a piece is computed when its answer is due. Answers come in any order, late (when somebody else has
 done the piece), from workers that die, that have no memory left, or that are cut off; and well-formed answers that are
-wrong: of other items, of a piece before, with a bit flipped, cut short. A worker whose results are wrong from the begin
-is none of these: nothing but computing them again would tell.
+wrong: of other items, of a piece before, with a bit flipped, cut short. ``lies`` is the share of answers that are wrong
+from the begin, with a digest that fits: nothing but computing some of them again tells.
 """
 
 import contextlib
@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 from hknob_cli.spread import gather
-from hknob_cli.spread.processes import DiedError, Done, Work, timed
+from hknob_cli.spread.processes import DiedError, Done, Work, digest_of, timed
 
 WEIGHTS = {
     "right": 24,
@@ -35,8 +35,9 @@ class Crew:
     lost: tuple[type[BaseException], ...] = (ConnectionError,)
     deadly: tuple[type[BaseException], ...] = (MemoryError, DiedError)
 
-    def __init__(self, work: Work, seed: object, *, most_faults: int = 10**6) -> None:
-        """After ``most_faults`` they answer in any order, and rightly."""
+    def __init__(self, work: Work, seed: object, *, most_faults: int = 10**6, lies: float = 0.0) -> None:
+        """After ``most_faults`` they answer in any order, and rightly except for ``lies``."""
+        self._lies, self.done = lies, 0
         self._work, self._dice, self._most_faults = work, Random(str(seed)), most_faults
         self.count = self._dice.randint(1, MOST)
         self.happened: Counter[str] = Counter()
@@ -111,7 +112,11 @@ class Crew:
                 future.set_result(self._said(how, start, stop))
 
     def _said(self, how: str, start: int, stop: int) -> Done:
+        self.done += stop - start
         right = timed(self._work, start, stop)._replace(seconds=self._dice.expovariate(1.0))
+        if self._dice.random() < self._lies:
+            wrong = bytes(one ^ 1 for one in right.results)
+            return right._replace(results=wrong, digest=digest_of(start, stop, wrong))
         before, self._before = self._before, right
         match how:
             case "other items":

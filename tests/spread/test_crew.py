@@ -8,7 +8,7 @@ from random import Random
 import pytest
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.spread.gather import DEATHS, Pace, Ranges, gather
+from hknob_cli.spread.gather import DEATHS, SAMPLED, Pace, Range, Ranges, Sample, gather
 from tests.spread.crew import WEIGHTS, Crew, at_work
 
 SEEDS = range(400)
@@ -18,6 +18,14 @@ MANY = range(1000, 20_000)
 def work(start: int, stop: int) -> bytes:
     """Three bytes of each item, which tell it from the others."""
     return b"".join(hashlib.sha256(str(item).encode()).digest()[:3] for item in range(start, stop))
+
+
+def part_of(one: Range, results: bytes, some: Range) -> str:
+    """What results say of some of their items."""
+    return results[3 * (some.start - one.start) : 3 * (some.stop - one.start)].hex()
+
+
+SAMPLE = Sample(part_of, str.__eq__)
 
 
 def play(seed: int) -> Crew:
@@ -49,7 +57,7 @@ def play(seed: int) -> Crew:
         left = Ranges(total, done=done, part=part, unit=unit)
         try:
             with at_work(crew):
-                gather(crew, left, take, tick=tick, pace=Pace(first=dice.randint(1, 9), most=20))
+                gather(crew, left, take, tick=tick, pace=Pace(first=dice.randint(1, 9), most=20), sample=SAMPLE)
         except KeyboardInterrupt:
             assert crew.closed
             continue
@@ -62,6 +70,43 @@ def play(seed: int) -> Crew:
     items = [item for start, stop in sorted(done) for item in range(start, stop)]
     assert items == list(range(total)), "an item is missing, or there twice"
     return crew
+
+
+@pytest.fixture
+def many_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of nearly every piece, some is computed again."""
+    monkeypatch.setattr("hknob_cli.spread.gather.SAMPLED", 2)
+
+
+@pytest.mark.usefixtures("many_samples")
+def test_each_item_once_where_much_is_computed_twice() -> None:
+    for seed in SEEDS:
+        play(seed)
+
+
+@pytest.mark.parametrize("unit", [1, 7])
+def test_a_worker_that_computes_wrongly_is_found(unit: int) -> None:
+    """Whoever computes it, a quarter of the answers is wrong."""
+    for seed in range(30):
+        crew = Crew(work, seed, most_faults=20, lies=0.25)
+        said = "was computed twice, and the results differ"
+        with at_work(crew), pytest.raises(ComputationError, match=said):
+            gather(crew, Ranges(8000, unit=unit), lambda *_: None, tick=lambda: None, sample=SAMPLE)
+        assert crew.closed
+
+
+@pytest.mark.parametrize("unit", [1, 7])
+def test_what_the_sample_costs(unit: int) -> None:
+    """No more than its share of the items, to within four deviations; without it nothing."""
+    total, done = 20_000, [0, 0]
+    for k, asked in enumerate((SAMPLE, None)):
+        crew = Crew(work, 1, most_faults=0)
+        with at_work(crew):
+            gather(crew, Ranges(total, unit=unit), lambda *_: None, tick=lambda: None, sample=asked)
+        done[k] = crew.done
+    most = total / SAMPLED
+    assert 0 < done[0] - done[1] <= most + 4 * (most * unit) ** 0.5
+    assert done[1] == total
 
 
 def test_each_item_once_right_and_in_its_place() -> None:

@@ -18,11 +18,11 @@ MARK = "<!-- hknob explore -->"  # in the second line: by it the command knows i
 
 def sheet(knobs: Knobs) -> str:
     """HTML of the page; the same text for the same knobs. Its policy allows only the scripts and the style in it."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup
 
     environment = Environment(
-        loader=PackageLoader("hknob_cli.page", "explore"),
+        loader=FunctionLoader(packaged),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,

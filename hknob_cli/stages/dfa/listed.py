@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from hknob_cli.errors import UsageError
 from hknob_cli.results.columns import Column
-from hknob_cli.results.files import digest as file_digest
+from hknob_cli.results.files import input_digest
 from hknob_cli.results.parted import read_result, result_schema
 from hknob_cli.results.provenance import scene_of
 from hknob_cli.specs.parquet import why_unreadable
@@ -26,8 +26,9 @@ _Cycle = tuple[int, float]  # period in samples, peak to peak in rad
 
 
 def digest(folder: str) -> str | None:
-    """Digest of the sweep's orbits, as an input of what is compared with them; None where there are none."""
-    return file_digest(sweep_file(folder).with_name("orbits.parquet"))
+    """Digest of the sweep's orbits, an input of what is compared with them; None without. Raises `UsageError`."""
+    path = sweep_file(folder).with_name("orbits.parquet")
+    return input_digest(path) if path.exists() else None
 
 
 class Lists:

@@ -12,7 +12,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.results.arrays import build_table
 from hknob_cli.results.campaign_files import CELL, CONTROLLED, REMEDY, TRIED, cell_rows
 from hknob_cli.results.columns import Column
-from hknob_cli.results.files import digest as file_digest
+from hknob_cli.results.files import input_digest
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.stages.compare import key_of, read_table, result_file
@@ -57,7 +57,7 @@ Row = dict[str, Any]
 
 def digest(folder: str) -> str:
     """Digest of the remedies in a results folder, as an input of what is compared with them. Raises `UsageError`."""
-    return file_digest(_file(folder)) or ""
+    return input_digest(_file(folder))
 
 
 def computed_path(folder: str) -> Path:

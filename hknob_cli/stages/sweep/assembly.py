@@ -155,10 +155,19 @@ class Assembly:
         self._finish(start // self.parting.items)
 
     def tables(self) -> tuple[Any, ...]:
-        """Cells and orbits, once all are there: tables, or `Parted` ones. Raises `ComputationError` for damage."""
+        """Cells and orbits, once all are there: tables, or `Parted` ones.
+
+        Raises `ComputationError` for damage, and where the disk fails.
+        """
         if not self.parting.parted:
             return self._joined(0)
-        found = tuple(read_parted(folder, self.parting.provenance) for folder in self._folders)
+        try:
+            found = tuple(read_parted(folder, self.parting.provenance, strict=True) for folder in self._folders)
+        except OSError as error:
+            raise ComputationError(
+                f"{error.filename or self.staging.folder}: cannot be read: {error.strerror or error}; what is finished "
+                "is kept, run the same command again"
+            ) from None
         if not all(found):
             raise ComputationError(
                 f"{self.staging.folder}: something else has changed what was finished here; run the same command again"

@@ -10,10 +10,11 @@ from hknob_cli.results.staging import Staging
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.spread.gather import Range, Ranges, Workers, gather
+from hknob_cli.spread.gather import Range, Ranges, Sample, Workers, gather
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, unit_of
 from hknob_cli.stages.sweep.run import SweepStage
+from hknob_cli.stages.sweep.sampled_rows import Rows, nearly_same, rows_of, same
 from hknob_cli.terminal import heed, spread_progress
 
 
@@ -49,7 +50,12 @@ def _gather(job: Job, stage: SweepStage, assembly: Assembly, left: Ranges, notif
             heed()
             progress(0)
 
-        gather(_workers(job, stage, finder, notify), left, deliver, tick=tick, name=lambda one: _named(job.plan, one))
+        def part_of(one: Range, data: bytes, some: Range) -> Rows:
+            return rows_of(data, some.start - one.start, cells_of(job.plan).run(some.start, some.stop))
+
+        sample = Sample(part_of, nearly_same if job.scheduler else same)
+        workers = _workers(job, stage, finder, notify)
+        gather(workers, left, deliver, tick=tick, name=lambda one: _named(job.plan, one), sample=sample)
 
 
 def _workers(job: Job, stage: SweepStage, finder: PieceFinder, notify: Callable[[str], None]) -> Workers:

@@ -1,0 +1,169 @@
+"""A sample of changes of a folder group, drawn by a seed: how many of them do the group's tests find?
+
+`python tests/mutation/sample.py proofs --count 1000 --seed 1` draws so many of all changes that `mutate.py` makes of
+the group's files (`table.py`), and judges each by the quick tests of its file, as `campaign.py` does. Verdicts are
+appended to a file under results/ as they come: the same command goes on from there. Without a group all are tried, one
+after the other. `--write` puts what is there of all groups into `scores.md`, with a line for each that survives.
+"""
+
+import argparse
+import datetime
+import hashlib
+import json
+import os
+import sys
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).parents[2]))
+
+from tests.mutation.accepted import Accepted
+from tests.mutation.campaign import NOT_CALLED, NOT_PLACED, OUT_OF_TIME, SURVIVES, Budget, run
+from tests.mutation.mutate import Mutant, mutants
+from tests.mutation.table import GROUPS, PACKAGE, ROOT, files_of, watchers_of
+
+BUDGET = Budget(slowest_s=6.0, in_all_s=20.0, whole=False)
+FOLDER = ROOT / "results" / "mutation"
+SCORES = Path(__file__).with_name("scores.md")
+VERDICTS = (SURVIVES, OUT_OF_TIME, NOT_CALLED, NOT_PLACED)  # beside those that count as killed
+
+
+def changes_of(group: str) -> list[tuple[str, Mutant]]:
+    """All changes of a group's files, each with what tells it from others, in a fixed order."""
+    found = []
+    for path in files_of(group):
+        seen: Counter[str] = Counter()
+        for one in mutants(path):
+            key = f"{path.relative_to(PACKAGE).as_posix()} {one.name} | {one.text} | {one.change}"
+            seen[key] += 1
+            found.append((f"{key} | {seen[key]}", one))
+    return found
+
+
+def drawn(group: str, count: int, seed: int) -> dict[str, Mutant]:
+    """A sample of a group's changes; a larger one has the smaller one in it, and an edit changes little of it."""
+    every = changes_of(group)
+    every.sort(key=lambda one: hashlib.sha256(f"{seed} {one[0]}".encode()).digest())
+    return dict(every[:count])
+
+
+def place_of(group: str, seed: int) -> Path:
+    """Where verdicts are kept."""
+    return FOLDER / f"{group}-{seed}.jsonl"
+
+
+def verdicts_in(path: Path) -> dict[str, dict[str, Any]]:
+    """What has been judged so far; a torn last line is none."""
+    found = {}
+    for line in path.read_text().splitlines() if path.exists() else ():
+        try:
+            one = json.loads(line)
+        except ValueError:
+            continue
+        found[one["key"]] = one
+    return found
+
+
+def judge(group: str, count: int, seed: int) -> None:
+    """Judge what of a sample is left, the files that share their tests together."""
+    path = place_of(group, seed)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    there = verdicts_in(path)
+    left = {key: one for key, one in drawn(group, count, seed).items() if key not in there}
+    by_tests: dict[tuple[Path, ...], dict[str, Mutant]] = {}
+    for key, one in left.items():
+        by_tests.setdefault(tuple(sorted(watchers_of(one.path))), {})[key] = one
+    for tests, some in sorted(by_tests.items(), key=lambda pair: -len(pair[1])):
+        print(f"{group}: {len(some)} changes by {', '.join(one.name for one in tests)}", flush=True)
+        keys = {id(one): key for key, one in some.items()}
+        with path.open("a") as stream:
+
+            def hear(mutant: Mutant, verdict: str, keys: dict[int, str] = keys, stream: Any = stream) -> None:
+                line = {"key": keys[id(mutant)], "verdict": verdict, "line": mutant.line}
+                stream.write(json.dumps(line) + "\n")
+                stream.flush()
+
+            found = run(list(some.values()), hear, BUDGET)
+        for failure in found.failed:
+            print(f"cannot be judged: {failure}", flush=True)
+
+
+def reason_of(mutant: Mutant) -> str:
+    """Why a change may survive, as `accepted.toml` has it; empty if nobody has looked yet."""
+    return Accepted(mutant.path).take(mutant) or ""
+
+
+def rows(seed: int) -> Iterator[tuple[str, Counter[str], int, list[tuple[Mutant, str, str]]]]:
+    """Of each group: its counts, how many changes there are, and those that survive with verdict and reason."""
+    for group in GROUPS:
+        there = verdicts_in(place_of(group, seed))
+        sample = dict(changes_of(group))
+        counts: Counter[str] = Counter()
+        survivors = []
+        for key in sample.keys() & there.keys():
+            verdict = there[key]["verdict"]
+            reason = "" if verdict not in (SURVIVES, OUT_OF_TIME) else reason_of(sample[key])
+            counts["explained" if reason else verdict if verdict in VERDICTS else "killed"] += 1
+            if verdict in (SURVIVES, OUT_OF_TIME):
+                survivors.append((sample[key], verdict, reason))
+        yield group, counts, len(sample), sorted(survivors, key=lambda one: (str(one[0].path), one[0].line))
+
+
+def table(seed: int) -> str:
+    """The page `scores.md`."""
+    lines = [
+        "# Which share of changes the tests find",
+        "",
+        "Made by `python tests/mutation/sample.py --write`. A sample of each folder group's changes, drawn by a seed.",
+        "The files with proofs that the table in CONTRIBUTING.md lists are tried whole, and `hardware/safety.py`, too.",
+        "",
+        f"Seed {seed}, {datetime.date.today():%Y-%m-%d}. *Explained* ones are in `accepted.toml`. *Out of time*: no "
+        f"test failed within {BUDGET.in_all_s:g} s. *Not called*: by no test of at most {BUDGET.slowest_s:g} s in this "
+        "process; compiled code, and commands that run as processes of their own, are tested elsewhere. *Score*: "
+        "killed, of those that were called and not explained.",
+        "",
+        "| group | changes | tried | killed | explained | survived | out of time | not called | score |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    listed = ["", "## What survives, and why", ""]
+    for group, counts, size, survivors in rows(seed):
+        tried, killed = counts.total(), counts["killed"]
+        judged = killed + counts[SURVIVES] + counts[OUT_OF_TIME]
+        score = f"{100 * killed / judged:.1f} %" if judged else "-"
+        rest = (counts[one] for one in ("explained", SURVIVES, OUT_OF_TIME))
+        away = counts[NOT_CALLED] + counts[NOT_PLACED]
+        cells = (group, size, tried, killed, *rest, away, score)
+        lines.append(f"| {' | '.join(map(str, cells))} |")
+        listed += [f"### {group}", ""]
+        for one, verdict, reason in survivors:
+            name = one.path.relative_to(PACKAGE).as_posix()
+            listed.append(f"- {name}:{one.line} `{one.name}`: `{one.change}`: {reason or verdict + ', not looked at'}")
+        listed.append("")
+    return "\n".join([*lines, *listed]).rstrip() + "\n"
+
+
+def main() -> int:
+    """Judge, or write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("groups", nargs="*", default=list(GROUPS), help="of %(default)s")
+    parser.add_argument("--count", type=int, default=1000)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--write", action="store_true")
+    options = parser.parse_args()
+    if options.write:
+        SCORES.write_text(table(options.seed))
+        return 0
+    for group in options.groups:
+        child = os.fork()  # what one group's tests have loaded and changed is not another's
+        if child == 0:
+            judge(group, options.count, options.seed)
+            os._exit(0)
+        os.waitpid(child, 0)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
