@@ -3,6 +3,7 @@
 import contextlib
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from types import FrameType
@@ -11,9 +12,12 @@ from hknob_cli import at_once
 from hknob_cli.errors import ExitCode, HknobError, printable
 
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
+LOOK_EVERY = 1.0  # s between looks at whether there has been a word
+SILENT = 15.0  # s without a word, after which a line says how far the work is
 
 _interrupted = False
 _waiting = False
+_spoken = 0.0  # when the last message was said
 
 
 def interrupt(_signal: int, _frame: FrameType | None) -> None:
@@ -50,6 +54,8 @@ def heed() -> None:
 
 def say(text: str) -> None:
     """A message, on stderr; as `tell`. In one write, so that lines of several processes do not mix."""
+    global _spoken
+    _spoken = time.monotonic()
     print(f"{plain(text)}\n", end="", file=sys.stderr)
 
 
@@ -104,15 +110,32 @@ def reporting() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def progress_bar(total: int, *, show: bool, what: str = "cells") -> Iterator[Callable[[int, int], None]]:
-    """Progress on stderr while ``what`` are computed, if ``show`` and stderr is a terminal."""
-    if not show or not sys.stderr.isatty():
+def progress_bar(
+    total: int,
+    *,
+    show: bool,
+    what: str = "cells",
+    long: bool = True,
+    name: str = "",
+    hint: str = "",
+    clock: Callable[[], float] = time.monotonic,
+) -> Iterator[Callable[[int, int], None]]:
+    """Progress on stderr while ``what`` are computed, if ``show``: on a terminal a bar if the work is ``long``.
+
+    Elsewhere a line where there has been no word for a while: how far the work of this ``name`` is, and once the
+    ``hint``, if nothing more is done by the next such line. ``clock``: seconds, without those that are told of.
+    """
+    if not show:
         yield lambda _done, _total: heed()
         return
+    if not (long and sys.stderr.isatty()):
+        with _Murmur(total, what, name, hint, clock) as murmur:
+            yield murmur.update
+        return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(what, total=total)
 
@@ -121,6 +144,45 @@ def progress_bar(total: int, *, show: bool, what: str = "cells") -> Iterator[Cal
             bar.update(task, completed=done, total=total)
 
         yield update
+
+
+class _Murmur:
+    """Says how far some work is where nothing else has been said for a while; from a thread, for work is silent."""
+
+    def __init__(self, total: int, what: str, name: str, hint: str, clock: Callable[[], float]) -> None:
+        self._done, self._total, self._what = 0, total, what
+        self._name, self._hint, self._clock = f"{name}: " if name else "", hint, clock
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._murmur, daemon=True)
+
+    def __enter__(self) -> "_Murmur":
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self._ended.set()
+
+    def update(self, done: int, total: int) -> None:
+        """So much is done."""
+        heed()
+        self._done, self._total = done, total
+
+    def _murmur(self) -> None:
+        begin = mark = self._clock()
+        heard, silent, before = _spoken, SILENT, -1
+        while not self._ended.wait(LOOK_EVERY):
+            now = self._clock()
+            if heard != _spoken:
+                heard, mark = _spoken, now
+            if now - mark < silent:
+                continue
+            done = self._done
+            of = f" of {self._total}" if self._total else ""
+            say(f"{self._name}{done}{of} {self._what}, {now - begin:.0f} s")
+            if self._hint and done == before:
+                say(self._hint)
+                self._hint = ""
+            heard, silent, before, mark = _spoken, LINE_EVERY, done, now
 
 
 @contextlib.contextmanager

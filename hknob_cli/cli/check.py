@@ -53,7 +53,7 @@ def _checked(path: Path, sets: tuple[str, ...], *, quiet: bool) -> str:
         from hknob_cli.pipeline.steps import chosen, jobs_of
 
         pipeline = load_pipeline(path, sets)
-        for job in jobs_of(chosen(pipeline, None), Path("results") / pipeline.name, quiet=quiet).values():
+        for job in jobs_of(chosen(pipeline), Path("results") / pipeline.name, quiet=quiet).values():
             work_of(job.kind).verify(job)
             _warn(path, job)
         return f"pipeline '{pipeline.name}', {counted(len(pipeline.stages), 'stage')}"

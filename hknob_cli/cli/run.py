@@ -25,7 +25,9 @@ from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
     from hknob_cli.pipeline.build import Outcome
+    from hknob_cli.pipeline.one_claim import OneClaim
     from hknob_cli.results.changes import Change
+    from hknob_cli.specs.pipeline_plan import PipelinePlan
     from hknob_cli.stages.job import Job
 
 Stage = dict[str, Any]
@@ -41,6 +43,14 @@ def run(
     until: Annotated[
         str | None, typer.Option("--until", metavar="STAGE", help="Run this stage and what it needs, nothing else.")
     ] = None,
+    claim: Annotated[
+        str | None,
+        typer.Option(
+            "--claim",
+            metavar="ID",
+            help="Judge one claim of the pipeline's page, and run only what it needs. A place or words will do.",
+        ),
+    ] = None,
     jobs: Jobs = None,
     executor: Executor = ExecutorName.local,
     scheduler: Scheduler = None,
@@ -55,6 +65,8 @@ def run(
     with reporting():
         if why := unspreadable("run", executor, scheduler):
             raise UsageError(why)
+        if claim is not None and until is not None:
+            raise UsageError("--claim: names the stages to run itself; leave --until out")
         from hknob_cli.cli.next_step import after_pipeline
         from hknob_cli.pipeline import fresh
 
@@ -69,7 +81,7 @@ def run(
                 if step := after_pipeline(pipeline, root, tuple(sets or ()), name, until, files):
                     tell(f"next: {step}")
 
-        if not (force or dry_run or explain):
+        if not (force or dry_run or explain or claim is not None):
             done = fresh.finished(root, request)
             if done is not None:
                 done_with(done["name"], done["stages"])
@@ -84,7 +96,9 @@ def run(
                 say(f"{stage}: {text or 'started'}")
 
         plan = load_pipeline(pipeline, tuple(sets or ()))
-        stages = chosen(plan, until)
+        one = _find_claim(plan, root, claim, quiet=quiet) if claim is not None else None
+        wanted = one.stages(plan) if one else None if until is None else [until]
+        stages = chosen(plan, wanted)
         work = jobs_of(
             stages, root, jobs=jobs, force=force, quiet=quiet, verbose=verbose, unattended=True, scheduler=scheduler
         )
@@ -106,7 +120,8 @@ def run(
                 }
                 for step, outcome in zip(steps, outcomes, strict=True)
             ]
-            if all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes):
+            done_all = all(outcome.fate in (Fate.COMPUTED, Fate.UP_TO_DATE) for outcome in outcomes)
+            if done_all and not one:
                 up_to_date = [
                     {
                         **row,
@@ -116,7 +131,11 @@ def run(
                     for row in table
                 ]
                 fresh.write_record(root, plan.name, request, up_to_date)
-        done_with(plan.name, table)
+        if one and done_all:
+            step = "" if quiet else after_pipeline(pipeline, root, tuple(sets or ()), plan.name, claim, [])
+            _say_verdict(one, plan.name, table, step, as_json=as_json)
+        else:
+            done_with(plan.name, table)
         _fail(outcomes)
 
 
@@ -125,6 +144,27 @@ def _root(path: Path, overrides: tuple[str, ...]) -> Path:
     from hknob_cli.specs.load import load_pipeline
 
     return Path("results") / load_pipeline(path, overrides).name
+
+
+def _find_claim(plan: "PipelinePlan", root: Path, asked: str, *, quiet: bool) -> "OneClaim":
+    """The claim that was asked for; says what it needs."""
+    from hknob_cli.pipeline.one_claim import find_claim
+
+    found = find_claim(plan, root, asked)
+    if not quiet:
+        needs = ", ".join(found.results)
+        say(f"{found.claim.id}: {f'needs {needs}' if needs else 'needs no results'}")
+    return found
+
+
+def _say_verdict(one: "OneClaim", name: str, stages: list[Stage], step: str, *, as_json: bool) -> None:
+    """The verdict of a claim, where its results are, and the next ``step``."""
+    row, text = one.judge()
+    if as_json:
+        print(json.dumps({"kind": "pipeline", "name": name, "stages": stages, "claim": row}))
+        return
+    lines = [text, "", *(f"results: {one.folders[result]}" for result in one.results)]
+    tell("\n".join([*lines, *([f"next: {step}"] if step else [])]))
 
 
 def _report(name: str, root: Path, stages: list[Stage], *, as_json: bool) -> None:

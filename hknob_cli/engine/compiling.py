@@ -64,6 +64,11 @@ def compiling_s() -> float:
     return _heard[0].seconds if _heard else 0.0
 
 
+def working_clock() -> float:
+    """Seconds on a clock that stands still while the engine is compiled."""
+    return monotonic() - compiling_s()
+
+
 def _is_ours(dispatcher: Any) -> bool:
     return str(dispatcher.py_func.__module__).startswith("hknob_cli.engine.")
 

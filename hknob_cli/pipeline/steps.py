@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -149,13 +149,14 @@ class Step:
         self.computed = self.run()
 
 
-def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
-    """The stages to run, each after those it needs; with ``until`` only that one and what it needs.
+def chosen(plan: PipelinePlan, wanted: Sequence[str] | None = None) -> list[StagePlan]:
+    """The stages to run, each after those it needs; with ``wanted`` only these and what they need.
 
     Raises `UsageError` for a stage that is not in the pipeline.
     """
-    if until is not None and until not in plan.stages:
-        raise UsageError(f"--until: {unknown('stage', until, list(plan.stages))}")
+    for name in wanted or ():
+        if name not in plan.stages:
+            raise UsageError(f"--until: {unknown('stage', name, list(plan.stages))}")
     order: dict[str, StagePlan] = {}
 
     def add(name: str) -> None:
@@ -164,7 +165,7 @@ def chosen(plan: PipelinePlan, until: str | None) -> list[StagePlan]:
                 add(needed)
             order[name] = plan.stages[name]
 
-    for name in [until] if until is not None else plan.stages:
+    for name in plan.stages if wanted is None else wanted:
         add(name)
     return list(order.values())
 
@@ -232,7 +233,7 @@ def _is_hand(path: str) -> bool:
     return path.endswith(("hand.from", "population.from", "people.from"))
 
 
-def _plan(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:
+def plan_of(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:
     """The stage's spec, its inputs the folders of other stages; ``waiting``: those whose results are yet to be made."""
     folders: dict[str, Any] = {
         path: {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
@@ -258,7 +259,7 @@ def _names(stage: StagePlan) -> dict[str, dict[str, Any]]:
 
 def _job(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str], **options: Any) -> Job:
     """The stage as it would be asked for on the command line, its inputs the folders of other stages."""
-    plan = _plan(stage, places, waiting)
+    plan = plan_of(stage, places, waiting)
     linked = tuple(f"{path}={json.dumps(name)}" for path, name in _names(stage).items())
     return Job(
         kind=str(plan.values["kind"]),
@@ -295,7 +296,7 @@ def _step(
     def run() -> bool:
         begin = time.perf_counter()
         said(stage.name, "")
-        now = job._replace(plan=_plan(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
+        now = job._replace(plan=plan_of(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
         computed = make(now, work).computed
         said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
         return computed

@@ -46,10 +46,14 @@ class Names(NamedTuple):
         return np.flatnonzero(np.isin(self.codes, nameless)) if nameless else np.empty(0, dtype=np.int64)
 
 
-def numbers(cells: pa.Array) -> Array:
-    """Reals of a column; NaN where a cell is missing or no number."""
+def numbers(cells: pa.Array, decimal: str = ".") -> Array:
+    """Reals of a column; NaN where a cell is missing or no number. ``decimal``: the mark of fractions in text."""
     if _is_text(cells.type):
-        cells = _parsed(compute.utf8_trim_whitespace(cells.cast(pa.string())))
+        texts = compute.utf8_trim_whitespace(cells.cast(pa.string()))
+        if decimal == ",":
+            points = compute.match_substring(texts, ".")
+            texts = compute.if_else(points, None, compute.replace_substring(texts, ",", "."))
+        cells = _parsed(texts)
     elif pa.types.is_boolean(cells.type) or pa.types.is_temporal(cells.type):
         return np.full(len(cells), np.nan)
     elif cells.type != pa.float64():
@@ -142,24 +146,26 @@ def blocks(
     faults: Faults,
     constants: Mapping[str, str | float],
     factors: Mapping[str, float],
+    decimal: str = ".",
 ) -> Iterator[Block]:
     """Rows of batches as numbers and names; cells that are neither are noted, and keys stay as in the row before.
 
-    ``constants``: keys that are no columns of the file; ``factors``: by which a column's numbers become SI. Raises
-    `NotReadableError` for names of another type.
+    ``constants``: keys that are no columns of the file; ``factors``: by which a column's numbers become SI;
+    ``decimal``: the mark of fractions in cells that are text. Raises `NotReadableError` for names of another type.
     """
     first = 1
+    why = "; this file has decimal commas" if decimal == "," else ""
     for batch in batches:
         count = len(batch["time_s"])
         texts = {name: _names(name, batch[name]) for name in TEXTS if name in batch}
         for name, column in texts.items():
             for index in column.empty()[: MOST + 1]:
                 faults.add(first + int(index), name, "must be text or a whole number, got nothing")
-        reals = {name: numbers(cells) for name, cells in batch.items() if name not in TEXTS}
+        reals = {name: numbers(cells, decimal) for name, cells in batch.items() if name not in TEXTS}
         for name, values in reals.items():
             if not np.isfinite(values).all():
                 for bad in bad_cells(batch[name], values, may_miss=name in MAY_MISS):
-                    faults.add(first + bad.row, name, f"must be a finite number, got {bad.value}")
+                    faults.add(first + bad.row, name, f"must be a finite number, got {bad.value}{why}")
         reals |= {name: factors[name] * reals[name] for name in reals if factors.get(name, 1.0) != 1.0}
         for name in _WHOLE:
             if name in reals:

@@ -2,8 +2,10 @@
 
 import codecs
 import io
+import re
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 import pyarrow.csv as pc
@@ -15,6 +17,9 @@ from hknob_cli.specs.parquet import opened, schema_of, sound
 BLOCK_BYTES = 8_000_000
 BATCH_ROWS = 100_000
 LONGEST_HEADER = 100_000
+CELLS = "commas, semicolons or tabs"
+SEPARATORS = (",", ";", "\t")  # the first that a header has
+_DECIMAL_COMMA = re.compile(rb"(?:^|[;\t\n])[ \"]*[-+]?\d*,\d+(?:[eE][-+]?\d+)?[ \"]*(?=[;\t\n])")
 _CODED = pa.dictionary(pa.int32(), pa.string())
 
 
@@ -25,7 +30,9 @@ class NotReadableError(Exception):
 class RecordingFile:
     """A CSV or Parquet file.
 
-    ``names``: the header as it stands. ``lost``: after `texts`, rows with too many or too few cells, which it leaves
+    ``names``: the header as it stands. Cells are parted by commas, or by the semicolons or tabs of a header without
+    commas; ``decimal`` is then a comma if a number among the first rows has one. ``lost``: after `texts`, rows with
+    too many or too few cells, which it leaves
     out, with their number of cells.
     """
 
@@ -45,6 +52,7 @@ class RecordingFile:
         self.is_parquet = head == b"PAR1"
         if not self.is_parquet and path.suffix.lower() in {".parquet", ".pq"}:
             raise NotReadableError("is not a Parquet file, though its name says so")
+        self.separator, self.decimal = ",", "."
         self.names = self._header()
 
     def _header(self) -> list[str]:
@@ -52,14 +60,21 @@ class RecordingFile:
             if self.is_parquet:
                 return list(schema_of(self.path).names)
             with pa.input_stream(str(self.path)) as stream:
-                line = stream.read(LONGEST_HEADER).lstrip(b"\r\n").replace(b"\r", b"\n").partition(b"\n")[0]
-            with pc.open_csv(io.BytesIO(line + b"\n")) as header:
+                line, _, below = stream.read(LONGEST_HEADER).lstrip(b"\r\n").replace(b"\r", b"\n").partition(b"\n")
+            there = [mark for mark in SEPARATORS if mark.encode() in line]
+            self.separator = there[0] if there else ","
+            if self.separator != "," and _DECIMAL_COMMA.search(below):
+                self.decimal = ","
+            with pc.open_csv(io.BytesIO(line + b"\n"), parse_options=self._parse()) as header:
                 return list(header.schema.names)
         except UnicodeDecodeError:
             raise NotReadableError("is neither Parquet nor CSV in UTF-8") from None
         except (pa.ArrowException, OSError) as error:
             kind = "Parquet" if self.is_parquet else "CSV"
             raise NotReadableError(f"cannot be read as {kind}: {first_line(error)}") from None
+
+    def _parse(self, **options: Any) -> pc.ParseOptions:
+        return pc.ParseOptions(delimiter=self.separator, **options)
 
     def typed(self, raw: dict[str, str]) -> Iterator[dict[str, pa.Array]]:
         """Batches of the columns ``raw`` (name to name in the header): reals and, of the keys that are text, codes.
@@ -71,8 +86,9 @@ class RecordingFile:
             return
         kinds = {there: _CODED if name in TEXTS else pa.float64() for name, there in raw.items()}
         read = pc.ReadOptions(block_size=BLOCK_BYTES)
-        convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()))
-        with pc.open_csv(self.path, read_options=read, convert_options=convert) as stream:
+        convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()), decimal_point=self.decimal)
+        parse = self._parse()
+        with pc.open_csv(self.path, read_options=read, parse_options=parse, convert_options=convert) as stream:
             for batch in stream:
                 yield dict(zip(raw, batch.columns, strict=True))
 
@@ -83,7 +99,7 @@ class RecordingFile:
                 yield from self._parquet(raw)
                 return
             self._check_utf8()
-            parse = pc.ParseOptions(invalid_row_handler=self._lose)
+            parse = self._parse(invalid_row_handler=self._lose)
             kinds = dict.fromkeys(raw.values(), pa.string())
             convert = pc.ConvertOptions(column_types=kinds, include_columns=list(raw.values()))
             # One thread, for only then are rows numbered.

@@ -11,7 +11,7 @@ import pyarrow as pa
 from hknob_cli.recordings.blocks import Block, blocks
 from hknob_cli.recordings.columns import EVERY, MAY_MISS, MEASURED_TORQUE, REQUIRED, SAMPLES, TORQUES, UNNAMED
 from hknob_cli.recordings.faults import Faults, RecordingError, RowFault, check_trial
-from hknob_cli.recordings.files import NotReadableError, RecordingFile
+from hknob_cli.recordings.files import CELLS, NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
 from hknob_cli.specs.identification import ColumnPlan
 from hknob_cli.specs.messages import closest, shown
@@ -44,7 +44,7 @@ def read(
         try:
             file = RecordingFile(Path(path))
             raw = _columns(file, faults, columns)
-            here = _trials_of(file, Layout(raw, columns, number, limits), faults, lost) if raw else []
+            here = _trials_of(file, Layout(raw, columns, number, limits, file.decimal), faults, lost) if raw else []
         except NotReadableError as error:
             faults.add(0, "", str(error))
             here = []
@@ -64,12 +64,13 @@ def read(
 
 
 class Layout(NamedTuple):
-    """How a file is read: names in its header by name of column, what is said of columns, and the file's number."""
+    """How a file is read: names in its header by name of column, what is said of columns, its number and its marks."""
 
     raw: dict[str, str]
     given: Mapping[str, ColumnPlan]
     number: int
     limits: Mapping[str, float]
+    decimal: str = "."
 
     @property
     def factors(self) -> dict[str, float]:
@@ -91,9 +92,7 @@ def _columns(file: RecordingFile, faults: Faults, given: Mapping[str, ColumnPlan
     wanted = {name: given[name].source if name in given else name for name in EVERY}
     found = {name: there for name, there in wanted.items() if there and there in stripped}
     if len(stripped) == 1 and not found:
-        for mark, what in ((";", "semicolons"), ("\t", "tabs")):
-            if mark in stripped[0]:
-                raise NotReadableError(f"has cells separated by {what}; must be by commas")
+        raise NotReadableError(f"has one column, {shown(stripped[0])}; cells must be parted by {CELLS}")
     others = [name for name in stripped if name not in found.values()]
     for name, there in wanted.items():
         if not there or name in found:
@@ -140,7 +139,7 @@ def _gathered(batches: Iterable[dict[str, pa.Array]], layout: Layout, faults: Fa
     trials: list[Trial] = []
     seen: dict[Key, Trial] = {}
     rows = 0
-    for whole in _runs(blocks(batches, faults, layout.constants, layout.factors), faults.file):
+    for whole in _runs(blocks(batches, faults, layout.constants, layout.factors, layout.decimal), faults.file):
         trial = whole if faults.absent >= set(MAY_MISS) else _without_holes(whole, faults)
         rows += trial.time_s.size
         trial = trial._replace(notes=check_trial(trial, faults, layout.limits))

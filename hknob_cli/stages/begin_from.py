@@ -19,6 +19,7 @@ from hknob_cli.theory.bounded_lag import best_keep, slowness
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
 KINDS = ("remedies", "design", "predict", "dfa")  # kinds that can begin so
 _TIME_CONSTANT_S = 0.2
+_FEW = 16  # clock phases
 _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
 
 
@@ -47,6 +48,10 @@ def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[
     given = _given(path, overrides)
     head = f"# The knob of {path.name}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
     made = {"kind": kind, "name": name, **_MADE[kind](given)}
+    if "base" in made and made["base"]["starts"] != given.starts:
+        head += (
+            f"# {_FEW} phases of the sample clock answer soon; every phase, proven, takes minutes: leave phases out.\n"
+        )
     text = head + _text(made)
     try:
         validate(yaml.parse(text, str(beside / "spec.yaml")), kind=kind)
@@ -93,10 +98,18 @@ def _grid(given: _Given) -> dict[str, Any]:
     return {"grid": given.grid} if given.grid else {}
 
 
+def _starts(given: _Given) -> dict[str, Any]:
+    """The starts; a few clock phases of one start, where friction or an actuator makes it long to follow all."""
+    starts = given.starts
+    frictional = given.plan.knob.coulomb_torque > 0.0 or "knob.coulomb_torque" in given.grid
+    every = isinstance(starts, dict) and not isinstance(starts.get("angle"), list) and "phases" not in starts
+    return {**starts, "phases": _FEW} if every and (frictional or "actuator" in given.scene) else starts
+
+
 def _remedies(given: _Given) -> dict[str, Any]:
     cell = {"cases": {"this knob": {RATE: given.rate, COUNTS: given.counts}}} if given.rate and given.counts else {}
     return {
-        "base": {"scene": _without_hand(given), **_grid(given), "starts": given.starts},
+        "base": {"scene": _without_hand(given), **_grid(given), "starts": _starts(given)},
         "hands": {"this hand": given.scene.get("hand", {})},
         **cell,
         **({"perceive": given.perceive} if given.perceive else {}),
@@ -112,7 +125,7 @@ def _design(given: _Given) -> dict[str, Any]:
     people = hand if isinstance(hand, dict) and set(hand) == {"table", "grip_n"} else {"table": 1, "grip_n": 0.71}
     stiffness = given.plan.wall.stiffness
     return {
-        "base": {"scene": _without_hand(given), "starts": given.starts},
+        "base": {"scene": _without_hand(given), "starts": _starts(given)},
         "people": {**people, "people": 3, "seed": 1},
         "perceive": {**(given.perceive or _KNOB_RADIUS), "extrapolate": True},
         "choices": {

@@ -83,7 +83,7 @@ def test_in_the_place_of_a_stage(other, spec_file, tmp_path: Path) -> None:
     name, said = other
     plan = load_pipeline(spec_file(f"kind: pipeline\nname: x\nstages:\n  one: {{spec: {name}}}\n"))
     with pytest.raises(SpecError, match=rf"spec.yaml:4:15: stages.one.spec: .*{said}"):
-        jobs_of(chosen(plan, None), tmp_path)
+        jobs_of(chosen(plan), tmp_path)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,10 @@ from typing import Any
 import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.page.claims.verdict import judge_claim
+from hknob_cli.pipeline.one_claim import claims_of
+from hknob_cli.results.result_set import ResultSet
+from hknob_cli.specs.load import load_pipeline
 from tests.conftest import EXPERIMENTS, HKNOB, ROOT
 from tests.page.opened import PHONE, WIDE, Opened
 
@@ -63,6 +67,16 @@ def test_every_claim_has_a_verdict_and_every_figure_it_names_is_there(paper: Pat
         assert (row["verdict"] == "not testable") == (row["check"] == ""), row["claim"]
         assert (row["computed"] is None) == (row["verdict"] == "not testable"), row["claim"]
         assert not row["figure"] or f'<figure id="{row["figure"]}"' in page, row["claim"]
+
+
+def test_every_claim_names_what_its_check_reads(paper: Path) -> None:
+    """With those results alone that ``--claim`` would make, each claim has the row of the page."""
+    rows = {row["claim"]: row for row in pq.read_table(paper / "report" / "claims.parquet").to_pylist()}
+    claims = claims_of(load_pipeline(PIPELINE), paper)
+    assert {one.claim.id for one in claims} == set(rows)
+    for one in claims:
+        alone = ResultSet({name: one.folders[name] for name in one.results})
+        assert judge_claim(one.claim, alone) == rows[one.claim.id]
 
 
 def test_a_second_run_does_nothing(paper: Path) -> None:

@@ -155,10 +155,37 @@ BROKEN = {
     "split": (ROWS[4], ROWS[0].replace("0.0", "0.3"), "row 5: trial: trial 1 of block 1 of subject 'S1', experiment"),
     "too few cells": (ROWS[3], "S1,pinch", "row 4: has 2 cells; must have 9, as the header"),
     "too many cells": (ROWS[3], ROWS[3] + ",1", "row 4: has 10 cells; must have 9, as the header"),
-    "semicolons": (",", ";", "has cells separated by semicolons; must be by commas"),
+    "bars": (",", "|", "has one column, 'subject|experiment|block|trial|grip_target_n|time_s|torq...; cells must"),
     "no rows": (TEXT, HEADER + "\n", "has no rows below its header"),
     "empty": (TEXT, "", "is empty; must have a header and rows"),
 }  # fmt: skip
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+@pytest.mark.parametrize("decimal", [".", ","])
+def test_other_marks_are_read_as_the_same_numbers(mark: str, decimal: str, file) -> None:
+    """As spreadsheets of many countries write them: semicolons or tabs between cells, and decimal commas."""
+    other = TEXT.replace(",", mark).replace(".", decimal)
+    for one, same in zip(read([file(other, "o.csv")]), read([file()]), strict=True):
+        assert one.key == same.key
+        for name in ("time_s", "torque_nm", "angle_rad", "grip_n"):
+            assert getattr(one, name).tolist() == getattr(same, name).tolist()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("0,2;0,7", "0.2;0,7", "row 3: angle_rad: must be a finite number, got '0.2'; this file has decimal commas"),
+        ("0,2;0,7", "1.000,2;0,7", "row 3: angle_rad: must be a finite number, got '1.000,2'; this file has decimal"),
+        ("0,2;0,7", "0,2", "row 3: has 8 cells; must have 9, as the header"),
+    ],
+)
+def test_a_file_has_one_decimal_mark(old: str, new: str, message: str, file) -> None:
+    text = TEXT.replace(",", ";").replace(".", ",")
+    assert old in text
+    path = file(text.replace(old, new))
+    (line,) = faults_of(path)
+    assert line.startswith(f"{path}: {message}")
 
 
 @pytest.mark.parametrize("name", BROKEN)
@@ -225,7 +252,9 @@ def test_a_trial_in_two_files(file) -> None:
 
 
 def test_faults_of_several_files(file) -> None:
-    lines = faults_of(file("", "a.csv"), file("x\n1\n", "b.csv"), file(name="c.csv"), file(TEXT[:-4] + "z\n", "d.csv"))
+    lines = faults_of(
+        file("", "a.csv"), file("x,y\n1,2\n", "b.csv"), file(name="c.csv"), file(TEXT[:-4] + "z\n", "d.csv")
+    )
     assert [Path(line.split(":")[0]).name for line in lines] == ["a.csv", *["b.csv"] * 3, *["d.csv"] * 4]
 
 

@@ -42,6 +42,24 @@ def without_friction(text: str = SWEEP) -> str:
     return text.replace(", coulomb_torque: 0.3 mN*m", "")
 
 
+@pytest.mark.parametrize("kind", ["remedies", "design"])
+def test_few_phases_where_all_would_take_long(begun, kind: str) -> None:
+    """Friction or an actuator; phases and ranges that the author gave stay, and a plain knob is quick."""
+    every = SWEEP.replace(", phases: 8", "").replace("12 mm", "8.9 mm")
+    plain = without_friction(every).replace("  actuator: {delay_samples: 1}\n", "")
+    ranged = every.replace("{angle: -20 mrad}", "{angle: [-20 mrad, 0], velocity: [-1, 1]}")
+    delayed = without_friction(every)
+    starts = {}
+    for name, text in (("own", SWEEP), ("friction", every), ("delay", delayed), ("plain", plain), ("ranged", ranged)):
+        path = begun(kind, text)
+        starts[name] = load(path).values["base"]["starts"]
+        assert ("16 phases of the sample clock answer soon" in path.read_text()) == (name in ("friction", "delay"))
+    assert starts["own"]["phases"] == 8
+    assert starts["friction"]["phases"] == starts["delay"]["phases"] == 16
+    assert "phases" not in starts["plain"]
+    assert starts["ranged"] == {"angle": ["-20 mrad", 0], "velocity": [-1, 1]}
+
+
 @pytest.mark.parametrize("kind", ["predict", "dfa"])
 def test_an_analysis_has_the_scene_and_grid_of_the_sweep(begun, tmp_path: Path, kind: str) -> None:
     plan = load(begun(kind, without_friction()))

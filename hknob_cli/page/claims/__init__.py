@@ -2,6 +2,7 @@
 
 - `ledger` claims with readings and tolerances
 - `verdict` the rule
+- `text` one claim for the terminal
 - `checks/` the computations, one file a subject, found by being there
 
 Verdicts are computed. A claim names a check and its arguments; checks read results, whose scene supplies every

@@ -54,9 +54,18 @@ def judge(ledger: Ledger, evidence: ResultSet) -> pa.Table:
     return build_table(COLUMNS, [judge_claim(claim, evidence) for claim in ledger.claims])
 
 
+def read_claim(claim: Claim, evidence: ResultSet) -> list[Judged]:
+    """Every reading of a claim, judged. Raises `UsageError` for arguments that its check does not take."""
+    return [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
+
+
 def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:
     """One row of the table."""
-    readings = [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
+    return row_of(claim, read_claim(claim, evidence), evidence)
+
+
+def row_of(claim: Claim, readings: list[Judged], evidence: ResultSet) -> dict[str, Any]:
+    """One row of the table, from its judged readings."""
     allowed = [judged for judged in readings if judged.reading.excluded is None]
     best = min(allowed, key=lambda judged: _rank(claim, judged), default=None)
     missing = best.missing if best else ""
@@ -74,7 +83,7 @@ def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:
         "agreeing": sum(judged.verdict == REPRODUCED for judged in allowed),
         "allowed": len(allowed),
         "data": ", ".join(_data(claim, best, evidence)) if best else "",
-        "readings": "; ".join(_said(claim, judged) for judged in readings) if claim.readings else "",
+        "readings": "; ".join(reading_text(claim, judged) for judged in readings) if claim.readings else "",
         "finding": claim.finding or "",
         "check": claim.check or "",
         "figure": claim.figure or "",
@@ -126,7 +135,8 @@ def _tolerance(claim: Claim) -> str:
     return "; ".join(parts)
 
 
-def _said(claim: Claim, judged: Judged) -> str:
+def reading_text(claim: Claim, judged: Judged) -> str:
+    """A reading in words: its value, what follows from it, and why it does not count where it does not."""
     value = judged.missing or "no value" if judged.computed is None else f"{judged.computed:.4g} {claim.unit}".strip()
     excluded = f" (not allowed: {judged.reading.excluded})" if judged.reading.excluded else ""
     return f"{judged.reading.name}: {value}, {judged.verdict}{excluded}"

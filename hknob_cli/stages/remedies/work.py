@@ -1,8 +1,10 @@
 """The work of ``hknob remedies``."""
 
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.engine.compiling import tell_compiling, working_clock
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
@@ -37,7 +39,9 @@ class RemediesWork(KeepingWork):
                     note(job, warning)
                     break
         stage = RemediesStage(job.plan, jobs=job.jobs)
-        bar = progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps")
+        if stage.jobs == 1:
+            tell_compiling(partial(note, job))
+        bar = progress_bar(len(stage.tasks), show=not job.quiet, what="sweeps", name=job.plan.name, clock=working_clock)
         with stage, keeping(job, self) as kept, bar as progress:
             return stage.run(progress, kept)
 

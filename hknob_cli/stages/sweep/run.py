@@ -45,9 +45,9 @@ class SweepStage:
     """A sweep that is ready to run."""
 
     def __init__(
-        self, plan: SweepPlan, *, jobs: int | None = None, notify: Callable[[str], None] = lambda _text: None
+        self, plan: SweepPlan, *, jobs: int | None = None, notify: Callable[[str], None] | None = None
     ) -> None:
-        """Make ready; ``jobs`` threads, all cores if None; ``notify`` is told of waits."""
+        """Make ready; ``jobs`` threads, all cores if None; ``notify``, else whoever was before, is told of waits."""
         self.plan = plan
         self.notify = notify
         self.jobs = jobs or usable_cores()
@@ -210,14 +210,15 @@ class SweepStage:
         )
 
     def _compile(self, group: str) -> None:
-        from hknob_cli.engine.compiling import tell_compiling
+        from hknob_cli.engine.compiling import tell, tell_compiling
         from hknob_cli.engine.jit import compiled, waiting
 
         if group in self._functions:
             return
-        tell_compiling(self.notify)
+        if self.notify:
+            tell_compiling(self.notify)
         if text := waiting(group):
-            self.notify(text)
+            tell(text)
         self._functions = {**self._functions, group: compiled(group)}
 
     def _finder(self) -> CellFinder:

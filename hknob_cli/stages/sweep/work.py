@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from hknob_cli.engine.compiling import working_clock
 from hknob_cli.results.parted import Parted
 from hknob_cli.results.staging import Staging, clear_staged, staged
 from hknob_cli.specs.plan import COUNTS, PERSON, knob_counts, scene_at
@@ -16,6 +17,10 @@ from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import PerceivingWork, Tables, Work, note
 from hknob_cli.terminal import progress_bar
 
+LIMITED = (
+    "a limit ends each cell that takes longer, and says what is known by then: --set limits.seconds_per_cell=20"
+    " (results then depend on the machine)"
+)
 UNPUSHED = "the knob is not pushed into the wall (no bias is given); where it rests, it may buzz under a push"
 
 
@@ -47,7 +52,16 @@ class SweepWork(PerceivingWork):
             from hknob_cli.stages.sweep.spread import spread_sweep
 
             return (*spread_sweep(job, stage, stamp_of(job, self), partial(note, job)), *_recorded(job))
-        with progress_bar(stage.cell_count, show=not job.quiet and stage.long) as progress:
+        hint = "" if job.plan.seconds_per_cell else LIMITED
+        bar = progress_bar(
+            stage.cell_count,
+            show=not job.quiet,
+            long=stage.long,
+            name=job.plan.name,
+            hint=hint,
+            clock=working_clock,
+        )
+        with bar as progress:
             result = stage.run(progress)
         if job.verbose:
             seconds = time.perf_counter() - begin
