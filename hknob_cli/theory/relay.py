@@ -102,7 +102,7 @@ def describing_function(relay: Relay, harmonics: int) -> list[RelayCycle]:
     The relay switches where its input is zero, sum of Im[W(jhw)]/h = 0 over odd h, falling there, sum of Re[W(jhw)]
     below 0; the peak to peak is that of the waveform with the same harmonics. One harmonic is the classic describing
     function 4M/(pi A) (Slotine & Li 1991, sec. 5.4). With hysteresis the sum is -pi d/(4M), d the ``turn``: one
-    harmonic is then 4M/(pi A) (sqrt(1 - (d/A)^2) - j d/A) (Gelb & Vander Velde 1968, sec. 2.3).
+    harmonic is then 4M/(pi A) (sqrt(1 - (d/A)^2) - j d/A) (Gelb & Vander Velde 1968).
     """
     odd = np.arange(1, 2 * harmonics, 2, dtype=float)
     low = lowest_omega(relay, harmonics)

@@ -92,6 +92,8 @@ ORBITS = [
     (case("half a count", encoder={"hysteresis_counts": 0.5}, bias=HALF), 600),
     (case("two counts", encoder={"hysteresis_counts": 2.0}, bias=HALF, rate_hz=2000.0), 1200),
     (case("off the middle", encoder={"hysteresis_counts": 0.3}), 600),
+    # A turning point between two samples is nearer to a change of the count than any sample.
+    (case("at a turning point", encoder={"hysteresis_counts": 0.05}, rate_hz=150.0), 300),
     (case("slow", encoder={"hysteresis_counts": 0.5}, rate_hz=200.0), 300),
     (case("friction", encoder={"hysteresis_counts": 0.5}, bias=HALF, knob={"coulomb_torque": 2e-4}), 600),
     (case("heavy", encoder={"hysteresis_counts": 0.5}, bias=HALF, knob={"inertia": 1e-5}), 3000),

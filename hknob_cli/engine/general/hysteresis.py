@@ -1,7 +1,7 @@
 """The count between samples, where an encoder has hysteresis: a turning point there can change it for good.
 
 A count that only the samples could change would miss what the motion does between them. The extremes of a motion
-decide (its count goes by them alone, as all rate-independent memory does: Brokate & Sprekels 1996, sec. 2.2), so that
+decide (its count goes by them alone, as all rate-independent memory does: Brokate & Sprekels 1996), so that
 the count is taken at each of its turning points, which are exact.
 """
 

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
+from hknob_cli.engine.general.follow import FIELDS, captured
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
@@ -84,6 +86,17 @@ def test_a_trial_within_the_margin_keeps_the_readings() -> None:
         near = engine.chart(knob.body, knob.wall, orbit._replace(x=float(x), v=float(v)))
         assert near is not None
         assert commands_at_samples(near) == commands_at_samples(chart)
+
+
+def test_a_trial_with_another_count_is_not_captured() -> None:
+    """The state alone does not say what the next reading is."""
+    knob = sample_general(loaded(TEXT).scene, sample_rate_hz=1000.0, counts_per_rev=1024)
+    row = [float(CYCLE_PROVEN), 20.0, 0.1, 0.1, 0.0, 1e-12, 1.0, 0.0, 0.0, -1.0]
+    assert len(row) == FIELDS
+    state = [-0.1, 0.01]
+    for before, expected in ((-1.0, 0), (0.0, -1), (-2.0, -1)):
+        found = captured(state, before, [], 0, knob.body, knob.wall, [0.0, 0.0], 1, row, state, [0.0])
+        assert found == expected
 
 
 def commands_at_samples(chart: Any) -> list[float]:
