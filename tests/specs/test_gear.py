@@ -146,7 +146,10 @@ FINGER = {
     [
         ((GEARED, {"scene": {"gear": {"ratio": 0.0}}}), "scene.gear.ratio: must be > 0, got 0.0"),
         ((GEARED, {"scene": {"gear": {"mesh_damping": 1e-3}}}), "mesh_damping: must be absent where the gear has no"),
-        ((GEARED, {"scene": {"gear": {"backlash": 0.01}}}), "scene.gear.backlash: unknown key"),
+        (
+            (GEARED, {"scene": {"gear": {"backlash": 0.01}}}),
+            "scene.gear.backlash: unknown key; a backlash is not followed, a sweep's mesh_least_nm tells",
+        ),
         ((GEARED, {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}}), "scene.detents: must be absent"),
         ((GEARED, {"grid": {"gear.mesh_damping": [1e-3]}}), 'grid["gear.mesh_damping"]: must be absent where the gear'),
         ((STIFF, {"scene": {"gear": {"motor_inertia": 0.0}}}), "scene.gear: must have a motor_inertia > 0"),
