@@ -184,9 +184,10 @@ def _lines(found: list[Row]) -> Iterator[str]:
     yield _HEAD
     counts = {key: sum(row.lacks == key for row in found) for key in _ANSWERS}
     there = len(found) - counts["nothing"] - counts["not_built"]
+    absent = f" {counts['not_built']} are not built." if counts["not_built"] else ""
     yield (
-        f"Of {len(found)} places {there} are there, {counts['missing']} of these in part, {counts['not_built']} are\n"
-        f"not built, and in {counts['nothing']} there is nothing to compute.\n"
+        f"Of {len(found)} places {there} are there, {counts['missing']} of these in part.{absent} In the other\n"
+        f"{counts['nothing']} there is nothing to compute.\n"
     )
     for chapter in (row for row in found if row.id == row.section and "." not in row.id):
         yield f"## {_chapter(chapter)}\n"
