@@ -238,7 +238,8 @@ def _draw_one(job: Job, cells: Any, orbits: Any, path: Path) -> None:
 
     rows = orbits.to_pylist()
     cell = cells.to_pylist()[0]
-    counts = knob_counts(scene_at(job.plan.scene, cell), cell) if COUNTS in cell else None
+    at = {name: cell[name] for name in job.plan.axes}
+    counts = knob_counts(scene_at(job.plan.scene, at), at) if COUNTS in at else None
     draw_one_cell(
         record_one(job.plan, rows), rows, 2.0 * pi / counts if counts else None, title=job.plan.name, path=path
     )
