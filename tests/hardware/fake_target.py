@@ -44,6 +44,7 @@ class Manners:
     mute: bool = False
     simulated: bool = True
     outside: bool = False  # the wall, where the made-up angles are: it has no torque there, as was agreed
+    own_time: bool = False  # it says that its clock is made up, too: nobody holds it against this computer's
     late_s: float = 0.0
     version: int = 1
     trip: tuple[int, Trip] | None = None  # once this block is made
@@ -148,7 +149,9 @@ class FakeTarget:
         out = b""
         match message.kind, self.state:
             case Kind.HELLO, _:
-                return out, About(10_000, 20_000, simulated=self.manners.simulated, name="made up", knows_control=True)
+                manners = self.manners
+                about = About(10_000, 20_000, simulated=manners.simulated, name="made up", knows_control=True)
+                return out, about._replace(own_time=manners.own_time)
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None
