@@ -45,7 +45,7 @@ class Recording:
     def quantum(self) -> float:
         """One encoder count, rad; 0 with a continuous sensor."""
         counted = self.cell.get(COUNTS) and self.scene.encoder
-        return 2.0 * pi / knob_counts(scene_at(self.scene, self.cell), self.cell) if counted else 0.0
+        return 2.0 * pi / knob_counts(self.scene, self.cell) if counted else 0.0
 
     @property
     def steps(self) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,6 @@
 """What a valid identification spec says, as plain values."""
 
+from os.path import exists, isdir  # which raise no error, as those of pathlib do where a name is too long
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -125,6 +126,6 @@ class SysidPlan(NamedTuple):
     def files(self) -> tuple[Path, ...]:
         """The recordings, that of its samples in place of a folder of a campaign, which may not be there yet."""
         return tuple(
-            one / CAMPAIGN_SAMPLES if one.is_dir() or not (one.suffix or one.exists()) else one
+            one / CAMPAIGN_SAMPLES if isdir(one) or not (one.suffix or exists(one)) else one  # noqa: PTH110, PTH112
             for one in self.recordings
         )
