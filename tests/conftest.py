@@ -104,9 +104,11 @@ def main_grid() -> dict[str, list[dict[str, Any]]]:
     }
 
 
-# What the first run on a machine says besides, whichever test that is.
-COMPILES = re.compile(
-    r"^(the engine is compiled once .*|compiling( the engine for this machine)?: .*|compiled \d+ .*)\n", re.MULTILINE
+# What the first run on a machine says besides, whichever test that is, and what a slow machine does.
+BESIDES = re.compile(
+    r"^(the engine is compiled once .*|compiling( the engine for this machine)?: .*|compiled \d+ .*"
+    r"|(\S+: )?\d+( of \d+)? \w+, \d+ s|a limit ends each cell that takes longer, .*)\n",
+    re.MULTILINE,
 )
 
 
@@ -122,7 +124,7 @@ class Command:
         words = [str(arg) for arg in args]
         here = {**os.environ, "COLUMNS": "120"}
         code, out, err = self._forks.run(words, cwd=self._folder, env=here, timeout=LONGEST_S)
-        return subprocess.CompletedProcess([HKNOB, *words], code, out, COMPILES.sub("", err))
+        return subprocess.CompletedProcess([HKNOB, *words], code, out, BESIDES.sub("", err))
 
     def anew(self, *args: object, **env: str) -> subprocess.CompletedProcess[str]:
         """From its start, as a user runs it."""
