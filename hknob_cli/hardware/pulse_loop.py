@@ -112,7 +112,7 @@ class PulseLoop(VirtualLoop):
         return block
 
     def _person(self, begins: Array, running: bool) -> tuple[Array, Array]:
-        """No push (N·m), and what the grip cell shows (N), but for its noise."""
+        """No push (N·m), and what the grip cell shows (N), without its noise."""
         if running and self._began is None:
             self._began = float(begins[0])
         self._times = (begins - (self._began or 0.0)) * self._settings.interval_s
