@@ -156,8 +156,8 @@ class SysidSpec(Part):
     what: Annotated[What, Field(description="what is identified")] = "hand"
     recordings: Annotated[
         list[Annotated[str, Field(min_length=1)]] | None,
-        BeforeValidator(_folders),
         Field(min_length=1, description="CSV or Parquet files, or folders of hw-run, relative to this file"),
+        BeforeValidator(_folders),  # the last, so that the length is asked of lists alone
     ] = None
     virtual: Annotated[VirtualSpec | None, Field(description="record on the virtual apparatus instead")] = None
     keep_recordings: Annotated[bool, Field(description="write recordings.parquet, too")] = False

@@ -99,3 +99,10 @@ def test_a_knob_lighter_than_the_hand_takes_off_is_a_fault_of_the_grips() -> Non
     plan = planned(BARE + "pulses: {grips: [1]}\nknob: {inertia: 1 g*cm^2}\n")
     with pytest.raises(SpecError, match=r"p.yaml:4:\d+: pulses.grips: .*no inertia together"):
         check_persons(plan)
+
+
+@pytest.mark.parametrize("written", ["null", "~"])
+def test_no_recordings_at_all_are_a_fault_of_the_spec(written: str) -> None:
+    """Their length is asked of a list alone."""
+    text = f"kind: sysid\nname: x\nrecordings: {written}\n"
+    assert faults(text) == ["p.yaml:1:7: kind: needs recordings, or virtual to make some, or a study"]
