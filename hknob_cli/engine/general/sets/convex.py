@@ -27,6 +27,16 @@ def radius_of(corners, count, beta):
     return sqrt(square)
 
 
+def area_of(corners, count):
+    """Area of a polygon, by the triangles from its first corner."""
+    total = 0.0
+    for k in range(1, count - 1):
+        ax, av = corners[2 * k] - corners[0], corners[2 * k + 1] - corners[1]
+        bx, bv = corners[2 * k + 2] - corners[0], corners[2 * k + 3] - corners[1]
+        total += ax * bv - av * bx
+    return 0.5 * abs(total)
+
+
 def recentre(corners, count):
     """Tell a polygon from the middle of the rectangle around it, which lies in it: by how much the centre moves."""
     low_x, high_x, low_v, high_v = extent(corners, count)

@@ -5,12 +5,13 @@ As `box`, but that pieces are moved sample by sample: what friction does to thei
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import GREW, UNSETTLED
+from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
 from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
 from hknob_cli.engine.general.sets.lattice import keep
-from hknob_cli.engine.general.sets.memory import watched
+from hknob_cli.engine.general.sets.memory import begin_memory, watched
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     COUNT,
@@ -77,6 +78,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 level,
                 high,
                 drift,
+                body,
                 watch,
             )
             if parted < 0:
@@ -136,18 +138,36 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
 def follow_friction(room, work, waiting, delay, width, patience, budget, limit, samples, drift, known, body, wall):
     """Follow pieces until none waits or ``samples`` are taken: ``(waiting, pieces, undecided, samples)``.
 
-    As `box.follow_generation`.
+    As `box.follow_generation`. Without friction the measures of pieces are areas, which their ends take.
     """
     ended, undecided, taken = 0, 0.0, 0
     size = piece_size(2, delay)
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         weight = room.stack[(waiting - 1) * size + WEIGHT]
-        waiting, fate, _, steps = follow_piece(
+        waiting, fate, row, steps = follow_piece(
             room, work, waiting, delay, width, patience, budget, limit, drift, known, body, wall
         )
         taken += steps
         if fate == UNPROVEN:
             undecided += weight
+        if fate == ENDED and body.friction == 0.0:
+            known.table[row * FIELDS + 6] += weight
         if fate != PARTED:
             ended += 1
     return waiting, ended, undecided, taken
+
+
+def sample_with_law(starts, first, stop, _patience, budget, limit, ends, room, drift, known, body, wall):
+    """Count where the trials from single states end under a law: as `box.sample_box`."""
+    taken, unproven = 0, 0
+    for k in range(first, stop):
+        room.own_z[0], room.own_z[1] = starts[2 * k], starts[2 * k + 1]
+        begin_memory(known.law, acting(room.own_z[0], drift.bottom, known.law.watch), room.own_ring)
+        row, used = seek(room.own_z, 0.0, room.own_ring, 0, budget, limit, known, body, wall)
+        taken += used
+        ends[k] = row
+        if row < 0:
+            unproven += 1
+        else:
+            known.table[row * FIELDS + 6] += 1.0
+    return taken, unproven

@@ -2,24 +2,27 @@
 
 The states at the first sample are a curve over the phase. That of an interval of phases lies near its chord: what it
 may bulge is known from the rates of the free flight. So it is followed as a piece. Where the piece ends in more than
-one attractor, the interval is halved, and both halves are followed from the beginning.
+one attractor, the interval is halved, and both halves are followed from the beginning. Without friction, under a law,
+an interval that is nearly straight needs no more halving: its attractors share it as the areas of the piece do.
 """
 
 from math import sqrt
 
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, PARTED
-from hknob_cli.engine.general.sets.convex import widen
+from hknob_cli.engine.general.sets.convex import area_of, widen
 from hknob_cli.engine.general.sets.friction_box import follow_piece
+from hknob_cli.engine.general.sets.friction_piece import part_weight
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame
 from hknob_cli.engine.general.sets.memory import begin_memory, watched
-from hknob_cli.engine.general.sets.piece import piece_size, put, within
+from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size, put, within
 from hknob_cli.engine.general.sets.readings import acting, highest, lowest, remembered
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
 FIRST = 16  # intervals to begin with
 HALVINGS = 28
 NARROWEST = 2.0**-HALVINGS / FIRST  # interval of phases that is not halved any more
+STRAIGHT = 2.0**-16  # the same without friction
 UNPROVEN = 2.0**-10  # interval that is not halved any more where it has no proven end
 TOO_MANY = 4096  # pieces of one interval
 
@@ -28,6 +31,11 @@ def fly(angle, velocity, phase, body):
     """State after ``phase`` of a period of free flight, no torque commanded."""
     s, g, f = coefficients(phase, body)
     return step_with_friction(angle, velocity, 0.0, phase, s, g, f, body)
+
+
+def is_narrow(low, high, body):
+    """Whether an interval of phases is not halved any more."""
+    return high - low <= (STRAIGHT if body.friction == 0.0 else NARROWEST)
 
 
 def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):
@@ -58,7 +66,7 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
     for k in range(1, count):
         least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
     reach = body.reach * error
-    level, last, waiting = 0.0, 0.0, 0
+    level, last, waiting, whole = 0.0, 0.0, 0, area_of(work.corners, count)
     if watch.damping > 0.0:
         level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
     while level <= last:
@@ -80,7 +88,7 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
                 error,
                 0.0,
                 0.0,
-                weight,
+                part_weight(weight, whole, room.halves, kept, body),
                 room.halves,
                 kept,
                 room.middle,
@@ -93,18 +101,21 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
 
 
 def follow_interval(angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall):
-    """Where an interval of phases ends: ``(row, other, proven, pieces, samples)``.
+    """Where an interval of phases ends: ``(row, other, proven, pieces, lost, samples)``.
 
     ``row`` of one attractor, ``other`` of a second, -1 where none; given up at the second unless the interval is one of
-    the narrowest. ``proven``: whether all that was followed ended in attractors.
+    the narrowest. ``proven``: whether all that was followed ended in attractors; ``lost``: the measure that did not. Of
+    the narrowest without friction the shares are entered.
     """
-    row, other, proven, pieces, taken = -1, -1, True, 0, 0
-    narrow = high - low <= NARROWEST
+    row, other, proven, pieces, lost, taken = -1, -1, True, 0, 0.0, 0
+    narrow = is_narrow(low, high, body)
+    shared = narrow and body.friction == 0.0
     waiting = put_chord(
         angle, velocity, low, high, high - low if high - low <= UNPROVEN else 0.0, room, work, drift, body, wall
     )
     delay = len(work.ring)
     while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
+        weight = room.stack[(waiting - 1) * piece_size(2, delay) + WEIGHT]
         waiting, fate, found, used = follow_piece(
             room, work, waiting, delay, 0.0, patience, budget, limit, drift, known, body, wall
         )
@@ -116,11 +127,15 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
             blame(NO_ROOM, high - low if high - low <= UNPROVEN else 0.0, known)
         if fate != ENDED or pieces > TOO_MANY:
             proven = False
-        elif row < 0:
+            lost += weight
+            continue
+        if shared:
+            known.table[found * FIELDS + 6] += weight
+        if row < 0:
             row = found
         elif found != row:
             other = found
-    return row, other, proven, pieces, taken
+    return row, other, proven, pieces, lost, taken
 
 
 def follow_phases(
@@ -151,13 +166,13 @@ def follow_phases(
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         waiting -= 1
         low, high = stack[2 * waiting], stack[2 * waiting + 1]
-        row, other, proven, pieces, used = follow_interval(
+        row, other, proven, pieces, lost, used = follow_interval(
             angle, velocity, low, high, patience, budget, limit, room, work, drift, known, body, wall
         )
         taken += used
         if body.halt[0] > 0.0:
             return waiting + 1, ended, undecided, shortest, taken  # as it was, among those that wait
-        narrow = high - low <= NARROWEST
+        narrow = is_narrow(low, high, body)
         given_up = narrow or (not proven and high - low <= UNPROVEN)
         if (other >= 0 or not proven) and not given_up:
             middle = 0.5 * (low + high)
@@ -167,7 +182,9 @@ def follow_phases(
             continue
         ended += pieces
         shortest = min(shortest, high - low)
-        if not proven or row < 0:
+        if narrow and body.friction == 0.0:
+            undecided += lost
+        elif not proven or row < 0:
             undecided += high - low
         else:
             known.table[row * FIELDS + 6] += high - low

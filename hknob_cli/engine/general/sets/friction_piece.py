@@ -1,21 +1,25 @@
-"""Pieces of second order with Coulomb friction: moved over one interval, and cut where a sample meets a count edge.
+"""Pieces of second order with Coulomb friction: moved over one interval, and cut where a reading meets a count edge.
 
 A piece is as in `piece`. Where all its corners have the velocity 0, all its states have exactly that, with no error:
-friction holds them.
+friction holds them. Under a law that reads its encoder within an interval, too, a piece is cut there as well, and each
+part remembers what it read.
 """
 
-from hknob_cli.engine.general.sets.convex import MOST_CORNERS, drop_edge, keep_side, widen
+from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.general.sets.convex import MOST_CORNERS, area_of, drop_edge, keep_side, widen
 from hknob_cli.engine.general.sets.friction_step import CUT, HELD, MOST_CUTS, move_set
-from hknob_cli.engine.general.sets.memory import command_all
-from hknob_cli.engine.general.sets.piece import largest_norm, piece_size, put, within
-from hknob_cli.engine.general.sets.readings import highest, lowest, next_level, remembered
+from hknob_cli.engine.general.sets.memory import command_all, first_look, looks_of, watched
+from hknob_cli.engine.general.sets.piece import halve, largest_norm, piece_size, put, within
+from hknob_cli.engine.general.sets.readings import acting, highest, lowest, next_level, remembered
 
-PART, CUTS, X, V, COUNT, CORNERS = range(6)  # numbers of a set within an interval
+PART, CUTS, X, V, WEIGHT, COUNT, CORNERS = range(7)  # numbers of a set within an interval
 MOST = MOST_CORNERS + 2 + MOST_CUTS + 2  # corners of one
-SET = CORNERS + 2 * MOST
+SET = CORNERS + 2 * MOST  # numbers of one; then the readings of its looks into the interval so far
 SETS = 256  # of one piece within an interval, at most
-TORQUE, SPAN, S, G, F = range(5)  # numbers of a part of an interval: which of the torques acts, and the plant
-LEG = 5
+SETS_LOOKED = 2048  # the same where it is cut within the interval, too
+# Numbers of a part of an interval: which of the torques acts, the plant, and which look is at its end, or -1.
+TORQUE, SPAN, S, G, F, LOOK = range(6)
+LEG = 6
 TINY = 1e-290  # a velocity that is not 0
 
 
@@ -27,16 +31,71 @@ def stands(v, corners, count):
     return True
 
 
-def begin_set(work, at, part, cuts, x, v, corners, count):
-    """Enter a set that is ``part`` parts into the interval, and is cut so often already in this one."""
-    base = at * SET
+def part_weight(weight, whole, corners, count, body):
+    """Measure of the starts of a part of a set with this ``weight`` and the area ``whole``; or a bound on it.
+
+    Without friction the differences of all states go by one matrix, which keeps ratios of areas.
+    """
+    if body.friction > 0.0 or not whole > 0.0:
+        return weight
+    return weight * min(area_of(corners, count) / whole, 1.0)
+
+
+def begin_set(work, at, part, cuts, x, v, weight, corners, count):
+    """Enter a set that is ``part`` parts into the interval, is cut so often in this one, and has read ``work.seen``."""
+    looks = looks_of(work.law)
+    base = at * (SET + looks)
     work.sets[base + PART], work.sets[base + CUTS], work.sets[base + COUNT] = float(part), float(cuts), float(count)
-    work.sets[base + X], work.sets[base + V] = x, v
+    work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT] = x, v, weight
     for k in range(2 * count):
         work.sets[base + CORNERS + k] = corners[k]
+    for k in range(looks):
+        work.sets[base + SET + k] = work.seen[k]
 
 
-def cut_set(work, at, part, cuts, x, v, count):
+def begin_halves(room, work, at, part, x, v, weight, count, body):
+    """Enter the set in ``room.halves``, simpler if it has too many corners; how many sets there are then.
+
+    With friction the simpler one is around it. Without, where measures are areas, it is in two halves.
+    """
+    if count > MOST_CORNERS and body.friction == 0.0:
+        whole = area_of(room.halves, count)
+        count, other = halve(room, count, 2)
+        begin_set(work, at, part, 0, x, v, part_weight(weight, whole, room.parts, other, body), room.parts, other)
+        weight = part_weight(weight, whole, room.halves, count, body)
+        at += 1
+    while count > MOST_CORNERS:
+        count = drop_edge(room.halves, count)
+    begin_set(work, at, part, 0, x, v, weight, room.halves, count)
+    return at + 1
+
+
+def look_at_set(room, work, at, part, x, v, weight, count, error, look, body, drift, wall):
+    """Cut the set in ``work.corners`` where a look into the interval tells readings apart; how many sets there are.
+
+    As `part_piece` does at a sample: each part goes beyond its edges by what ``error`` may come to. -1: no room.
+    """
+    watch = watched(work.law, wall)
+    least, most = work.corners[0], work.corners[0]
+    for k in range(1, count):
+        least, most = min(least, work.corners[2 * k]), max(most, work.corners[2 * k])
+    reach = body.reach * error + 8.0 * EPSILON * abs(x)
+    level, last = acting(x + least - reach, drift.bottom, watch), acting(x + most + reach, drift.bottom, watch)
+    whole, room_for = area_of(work.corners, count), len(work.sets) // (SET + looks_of(work.law))
+    while level <= last:
+        bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
+        kept = within(room, work.corners, count, bottom, top, 2)
+        if kept > 0:
+            if at + 2 > room_for:
+                return -1
+            work.seen[look] = level
+            share = part_weight(weight, whole, room.halves, kept, body)
+            at = begin_halves(room, work, at, part, x, v, share, kept, body)
+        level = next_level(level, watch)
+    return at
+
+
+def cut_set(work, at, part, cuts, x, v, weight, count):
     """Put both sides of a set that is cut by ``work.line`` in its place; how many sets there are then, 0: one side.
 
     The set itself is in ``work.corners``, and is left there.
@@ -46,8 +105,8 @@ def cut_set(work, at, part, cuts, x, v, count):
     under = keep_side(work.corners, count, -a, -b, -c, work.other)
     if over == 0 or under == 0:
         return 0
-    begin_set(work, at, part, cuts + 1, x, v, work.one, over)
-    begin_set(work, at + 1, part, cuts + 1, x, v, work.other, under)
+    begin_set(work, at, part, cuts + 1, x, v, weight, work.one, over)
+    begin_set(work, at + 1, part, cuts + 1, x, v, weight, work.other, under)
     return at + 2
 
 
@@ -64,20 +123,26 @@ def move_piece(
     to, largest = command_all(work.law, level, before, work.ring, wall, work.torques)
     error += drift.once[0] + drift.once[1] * largest + drift.once[2] * abs(z[0]) + drift.once[3] * abs(z[1])
     error += drift.blur * largest_norm(corners, 0, count, body)
-    legs, size = len(work.course) // LEG, piece_size(2, delay)
-    begin_set(work, 0, 0, 0, z[0], z[1], corners, count)
+    legs, looks, size = len(work.course) // LEG, looks_of(work.law), piece_size(2, delay)
+    wide = SET + looks
+    most = len(work.sets) // wide
+    begin_set(work, 0, 0, 0, z[0], z[1], weight, corners, count)
     sets = 1
     while sets > 0:
         sets -= 1
-        base = sets * SET
+        base = sets * wide
         part, cuts, kept = int(work.sets[base + PART]), int(work.sets[base + CUTS]), int(work.sets[base + COUNT])
-        x, v = work.sets[base + X], work.sets[base + V]
+        x, v, weight = work.sets[base + X], work.sets[base + V], work.sets[base + WEIGHT]
         for k in range(2 * kept):
             work.corners[k] = work.sets[base + CORNERS + k]
+        for k in range(looks):
+            work.seen[k] = work.sets[base + SET + k]
         if part == legs:
             if (waiting + 1) * size > len(room.stack):
                 return -1
             work.z[0], work.z[1] = x, v
+            for k in range(looks):
+                work.ring[first_look(work.law) + k] = work.seen[k]
             put(
                 room.stack,
                 waiting * size,
@@ -98,32 +163,42 @@ def move_piece(
             waiting += 1
             continue
         leg = part * LEG
-        acting = work.torques[int(work.course[leg + TORQUE])]
+        acts = work.torques[int(work.course[leg + TORQUE])]
         span, s, g, f = work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]
-        least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= SETS else float("inf")
+        least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= most else float("inf")
         fate, to_x, to_v, after = move_set(
-            x, v, acting, span, s, g, f, work.corners, kept, least, body, work.space, work.line
+            x, v, acts, span, s, g, f, work.corners, kept, least, body, work.space, work.line
         )
         if fate == CUT:
-            more = cut_set(work, sets, part, cuts, x, v, kept)
+            more = cut_set(work, sets, part, cuts, x, v, weight, kept)
             if more > 0:
                 sets = more
                 continue
             # Within rounding of the line: the enclosure is taken as it is.
             fate, to_x, to_v, after = move_set(
-                x, v, acting, span, s, g, f, work.corners, kept, float("inf"), body, work.space, work.line
+                x, v, acts, span, s, g, f, work.corners, kept, float("inf"), body, work.space, work.line
             )
-        while after > MOST_CORNERS:
-            after = drop_edge(work.corners, after)
+        if body.friction > 0.0:
+            while after > MOST_CORNERS:
+                after = drop_edge(work.corners, after)
         if fate != HELD and stands(to_v, work.corners, after):
             after = widen(work.corners, after, 0.0, TINY, work.space)
-        begin_set(work, sets, part + 1, 0, to_x, to_v, work.corners, after)
-        sets += 1
+        look = int(work.course[leg + LOOK])
+        if look >= 0:
+            sets = look_at_set(room, work, sets, part + 1, to_x, to_v, weight, after, error, look, body, drift, wall)
+            if sets < 0:
+                return -1
+            continue
+        if sets + 2 > most:
+            return -1
+        for k in range(2 * after):
+            room.halves[k] = work.corners[k]
+        sets = begin_halves(room, work, sets, part + 1, to_x, to_v, weight, after, body)
     return waiting
 
 
 def part_piece(
-    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, wall
+    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
 ):
     """Cut a piece at the edges that change the command, and let the parts wait; how many pieces wait then, -1: no room.
 
@@ -131,7 +206,7 @@ def part_piece(
     a state truly reads, a part that acts as this reading holds the state. A part waits at the same sample: half a
     sample more says that how it acts is settled.
     """
-    size, level = piece_size(2, len(ring)), low
+    size, level, whole = piece_size(2, len(ring)), low, area_of(corners, count)
     while level <= high:
         bottom, top = lowest(level, drift.bottom, wall) - reach - z[0], highest(level, wall) + reach - z[0]
         kept = within(room, corners, count, bottom, top, 2)
@@ -148,7 +223,7 @@ def part_piece(
                 error,
                 level,
                 sample + 0.5,
-                weight,
+                part_weight(weight, whole, room.halves, kept, body),
                 room.halves,
                 kept,
                 room.middle,

@@ -40,7 +40,7 @@ class FrictionSetEngine(GeneralSetEngine):
         """Samples that a cell may take when no time is set."""
         return LONGEST
 
-    def longest_phases(self) -> int:
+    def longest_phases(self, _body: Body) -> int:
         """The same of all clock phases of one start."""
         return LONGEST
 
@@ -91,7 +91,7 @@ class FrictionSetEngine(GeneralSetEngine):
         rest = scope.patience, scope.budget, scope.limit, room, work, drift, known, body, wall
         waiting, pieces, undecided, narrowest, taken = FIRST, 0, 0.0, 1.0, 0
         with Alarm(time_allowed(seconds, self.patience, compiled=self.compiled), body.halt) as alarm:
-            while waiting and not alarm.over and taken <= self.longest_phases():
+            while waiting and not alarm.over and taken <= self.longest_phases(body):
                 if self.stopped():
                     raise StoppedError
                 waiting, ended, lost, shortest, used = follow(
@@ -102,7 +102,7 @@ class FrictionSetEngine(GeneralSetEngine):
         left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
         found, why = ends_of(known, 2, delay_line), why_not(known)
         if left > 0.0:
-            given_up = self._given_up(left, seconds, over=taken > self.longest_phases())
+            given_up = self._given_up(left, seconds, over=taken > self.longest_phases(body))
             found.append(given_up)
             why = given_up.reason
         if undecided > 0.0:

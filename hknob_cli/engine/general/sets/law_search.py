@@ -1,29 +1,30 @@
 """All starts of a cell under a controller's law at once: as with friction, which may be there or not.
 
-A law that reads its encoder once a sample is a program of readings. So sets that had the same readings have the same
-memory and torques, and go from sample to sample as those of a wall do, cut where the law tells readings apart.
+A law that reads an encoder is a program of readings. So sets that had the same readings have the same memory and
+torques, and go from sample to sample as those of a wall do, cut where the law tells readings apart: at samples, and at
+its looks into an interval. Without friction pieces are not merged, so that each has its own area of starts.
 """
 
 from collections.abc import Callable
 from typing import Any
 
+from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
-from hknob_cli.engine.general.sets import box, known
+from hknob_cli.engine.general.sets import box, friction_box
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
-from hknob_cli.engine.general.sets.readings import acting
 from hknob_cli.engine.general.sets.room import Known
-from hknob_cli.engine.sets.search import Box
+from hknob_cli.engine.general.sets.search import Scope
+from hknob_cli.engine.sets.search import SAMPLED, Box
 
-PHASES = (
-    LONGEST // 5
-)  # samples that all phases of one start may take: some ten seconds, after which trials are followed
+PHASES = LONGEST // 5  # samples that all phases of one start may take beside friction: some ten seconds
+PHASES_ALONE = LONGEST // 2  # without friction, after which trials are followed, too
 
 
 class LawSetEngine(FrictionSetEngine):
@@ -43,9 +44,9 @@ class LawSetEngine(FrictionSetEngine):
         super().__init__(functions, stopped, patience)
         self.law = law
 
-    def longest_phases(self) -> int:
+    def longest_phases(self, body: Body) -> int:
         """Samples that all clock phases of one start may take when no time is set."""
-        return PHASES
+        return PHASES if body.friction > 0.0 else PHASES_ALONE
 
     def _fill(
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, _wall: Controller
@@ -62,35 +63,21 @@ class LawSetEngine(FrictionSetEngine):
         return waiting
 
     def sampler(self) -> Callable[..., Any]:
-        """What counts the ends of single states: of a motion each, under the law."""
-        seek, law = self._function(known, "seek"), self.law
+        """What counts the ends of single states, `friction_box.sample_with_law`."""
+        return self._function(friction_box, "sample_with_law")
 
-        def sample(
-            starts: Any,
-            first: int,
-            stop: int,
-            _patience: int,
-            budget: int,
-            limit: float,
-            ends: Any,
-            room: Any,
-            drift: Drift,
-            ends_known: Known,
-            body: Body,
-            wall: Controller,
-        ) -> tuple[int, int]:
-            taken, unproven = 0, 0
-            for k in range(first, stop):
-                room.own_z[0], room.own_z[1] = starts[2 * k], starts[2 * k + 1]
-                level = acting(room.own_z[0], drift.bottom, law.watch)
-                begin_past(room.own_ring, level, law)
-                row, used = seek(room.own_z, 0.0, room.own_ring, 0, budget, limit, ends_known, body, wall)
-                ends[k] = row
-                if row < 0:
-                    unproven += 1
-                else:
-                    ends_known.table[int(row) * FIELDS + 6] += 1.0
-                taken += int(used)
-            return taken, unproven
+    def by_area(self, body: Body) -> bool:
+        """Whether shares of ranges are areas, which friction does not keep."""
+        return body.friction == 0.0
 
-        return sample
+    def _sample(
+        self, states: Box, scope: Scope, room: Any, cell: tuple[Any, ...], alarm: Alarm
+    ) -> tuple[int, int, int]:
+        """As that of `GeneralSetEngine`. Where shares are areas, random starts only find ends to compare with."""
+        taken, unproven, followed = super()._sample(states, scope, room, cell, alarm)
+        _, known, body, _ = cell
+        if not self.by_area(body):
+            return taken, unproven, followed
+        for row in range(int(known.counts[0])):
+            known.table[row * FIELDS + 6] = 0.0
+        return taken, 0, SAMPLED

@@ -25,6 +25,20 @@ def watched(law, wall):
     return law.watch
 
 
+def looks_of(law):
+    """How often the encoder is read within an interval, beside its samples."""
+    if law is None:
+        return 0
+    return law.looks
+
+
+def first_look(law):
+    """Where in what is remembered the readings of these looks are."""
+    if law is None:
+        return 0
+    return law.rows + 1
+
+
 def begin_memory(law, level, ring):
     """Leave in ``ring`` what is remembered before a first sample that acts as ``level``: no command is under way."""
     if law is None:
@@ -66,14 +80,15 @@ def advance_memory(law, z, before, ring, head, body, wall, pad):
 
 
 def store_memory(law, ring, head, points, at):
-    """Enter what is remembered to ``points[at:]``; a reading that no law tells from others as what stands for them."""
+    """Enter what is remembered to ``points[at:]``; readings that no law tells from others as what stands for them."""
     delay = len(ring)
     for j in range(delay):
         points[at + j] = ring[(head + j) % delay]
     if law is None:
         return
     if law.watch.damping == 0.0:
-        points[at + law.rows] = min(points[at + law.rows], 0.0)
+        for j in range(law.rows, law.line):
+            points[at + j] = min(points[at + j], 0.0)
 
 
 def memory_apart(law, before, ring, head, points, base, room, body, wall):

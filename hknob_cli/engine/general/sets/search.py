@@ -115,6 +115,10 @@ class GeneralSetEngine:
         """What counts the ends of single states, `box.sample_box`."""
         return self._function(box, "sample_box")
 
+    def by_area(self, _body: Body) -> bool:
+        """Whether shares of a box are those of its area, whose pieces are not merged, and not of random starts."""
+        return False
+
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
         drift = make_drift(body, wall)
@@ -234,7 +238,9 @@ class GeneralSetEngine:
             if waiting < 0:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
-            width = across / WIDEST if n == 2 else 0.0  # pieces of more states are not merged
+            width = (
+                across / WIDEST if n == 2 and not self.by_area(body) else 0.0
+            )  # pieces of more states are not merged
             for generation in range(GENERATIONS):
                 while waiting and not alarm.over and taken <= self.longest(body):
                     if self.stopped():
@@ -250,7 +256,7 @@ class GeneralSetEngine:
                 taken += self._function(box, "seek_some")(room, waiting, delay_line, SEEN, *rest, known, body, wall)
             left = self._left(room, waiting, n, delay_line)
             over = taken > self.longest(body) or not alarm.over
-        found = ends_of(known, n, delay_line)
+        found, by_area = ends_of(known, n, delay_line), self.by_area(body)
         if followed < SAMPLED:
             found.append(self._given_up(float(SAMPLED - followed), seconds, over=False))
         if unproven:
@@ -260,6 +266,9 @@ class GeneralSetEngine:
         elif undecided > 0.0 and why is Reason.NONE:
             why = why_not(known)
         undecided = min(1.0, undecided + left)
+        if by_area:
+            found = [one for one in found if one.trials > 0.0 or one.certified]
+            found += [whole(Outcome.UNDECIDED, why, undecided)] if undecided > 0.0 else []
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
 
     def _fill(

@@ -1,7 +1,6 @@
 """Tests of `engine.general.sets.law_search`: complete lists under a controller, those that many trials find.
 
-Random scenes have a controller beside friction, delay, limit, step or virtual damping. Without these, the list is that
-of `controllers.sets`, which shares the controller's law with it and nothing else.
+Random scenes have a controller beside friction, delay, limit, step or virtual damping, or alone.
 """
 
 from typing import Any
@@ -11,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
-from hknob_cli.controllers.sets.starts import follow_starts
 from hknob_cli.engine.attractors import Attractor, Patience, Search
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import Law
@@ -23,7 +21,6 @@ from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
-from tests.controllers.sets.cells import PHASES, make_cell
 
 LONG = Patience(samples=10**9, seconds=300.0)
 SCENE: dict[str, Any] = {
@@ -42,6 +39,9 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("damping, differenced", RUBS | {"actuator": {"torque_limit": 4e-3}}),
     ("impulse, short", RUBS | {"actuator": {"delay_samples": 0.5}}),
     ("phase, 90", LATE),
+    ("first-order hold", {}),
+    ("first-order hold, fitted", {"encoder": {"rounding": "nearest", "offset_counts": 0.3}}),
+    ("first-order hold, fitted, in steps", RUBS),
 ]
 
 
@@ -100,34 +100,11 @@ def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
         assert abs(one.trials - count / 24) < 6 / 24
 
 
-@pytest.mark.parametrize("name", ["half sample", "matched wall", "first-order hold", "impulse, whole", "bounded lag"])
-def test_the_list_is_that_of_the_array_programs(name: str) -> None:
-    """Without friction and delay: periods, positions and shares."""
-    control, batch, scene = make_cell(name, PHASES, rate=464.2, counts=512)
-    (ends,) = follow_starts(control, batch.lanes, batch.knobs, PHASES)
-    assert ends.undecided == 0.0
-    made = make_law(SceneSpec.model_validate(scene).plain(), sample_rate_hz=464.2, counts_per_rev=512)
-    engine = LawEngine(made.law, patience=LONG)
-    knob, sets = made.knob, LawSetEngine(engine.law, patience=LONG)
-    start = knob.start(PHASES.angle, PHASES.velocity)
-    found = sets.search_phases(
-        knob.body, knob.wall, start, rate=made.rate, delay_line=engine.past_length, max_samples=None
-    )
-    assert found is not None
-    assert found.complete
-    theirs = sorted((one.period, float(one.x.min()), one.trials) for one in ends.ends if one.trials > 1e-6)
-    ours = sorted((one.period, one.x, one.trials) for one in found.attractors if one.trials > 1e-6)
-    assert [one[0] for one in ours] == [one[0] for one in theirs]
-    for one, other in zip(ours, theirs, strict=True):
-        assert one[1:] == pytest.approx(other[1:], abs=1e-6)
-
-
 def test_what_is_not_followed() -> None:
-    """What reads a velocity sensor, or its encoder within an interval; and without a hand's spring."""
-    for name in ("half sample, sensor", "impulse, timed"):
-        made, law, length = cell(name)
-        assert not can_rub(made.knob.body, made.knob.wall, law)
-        assert search(made, law, length) is None
+    """What reads a velocity sensor; and without a hand's spring."""
+    made, law, length = cell("half sample, sensor")
+    assert not can_rub(made.knob.body, made.knob.wall, law)
+    assert search(made, law, length) is None
     made, law, length = cell("bounded lag", hand={"inertia": 3e-7, "damping": 3.45e-4})
     assert search(made, law, length) is None
 
