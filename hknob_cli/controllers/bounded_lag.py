@@ -7,16 +7,28 @@ a relay oscillation of that step, shrinks with it, and its frequency, which does
 count's step, and not at all once the knob is still: at rest the wall is as stiff as before.
 """
 
+from math import inf
+from typing import Any
+
 import numpy as np
 
-from hknob_cli.controllers.controller import Action, Plain, Reading
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.controllers.controller import LONGEST, ControlLaw, Fading, Plant
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
 
-class BoundedLag(Plain):
+def bounded_lag(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: the wall's running mean. Fixed: offset, its part of the way, what of a step acts at once."""
+    w = depth_of(shown, fixed[0])
+    past[0] = past[0] + fixed[1] * (w - past[0])
+    out[0] = w - (1.0 - fixed[2]) * min(max(w - past[0], -1.0), 1.0)
+    return inf
+
+
+class BoundedLag(ControlLaw):
     """``keep`` of a step at once, the rest over ``time_constant`` (s)."""
 
+    act = staticmethod(bounded_lag)
     rows = 1
 
     def __init__(self, keep: float, time_constant: float) -> None:
@@ -28,18 +40,14 @@ class BoundedLag(Plain):
         """With the numbers of a spec."""
         return cls(plan.keep, plan.time_constant)
 
-    def settling(self, lanes: PlantBatch) -> Array:
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, the part of the way that the mean goes in an interval, and what acts at once."""
+        return [plant.offset, float(-np.expm1(-plant.period_s / self.time_constant)), self.keep]
+
+    def settling(self, plant: Plant) -> float:
         """The mean's time constant."""
-        return self.time_constant / lanes.period_s
+        return self.time_constant / plant.period_s
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Part of the way that the mean goes in an interval."""
-        return (-np.expm1(-lanes.period_s / self.time_constant),)
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """The step's part, and the mean."""
-        w = reading.depth
-        mean = memory[0] + fixed[0] * (w - memory[0])
-        off = w - mean
-        torque = w - (1.0 - self.keep) * np.minimum(np.maximum(off, -1.0), 1.0)
-        return Action((torque,), mean[None], (1.0 - np.abs(off),))
+    def fading(self, plant: Plant) -> Fading:
+        """The mean."""
+        return Fading(0, min(float(np.exp(-plant.period_s / self.time_constant)), LONGEST), 1.0 - self.keep)

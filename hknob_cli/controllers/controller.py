@@ -1,111 +1,83 @@
-"""What a controller is to the lanes: what it reads, when its torque may change, and what it remembers."""
+"""What a controller is: the function that decides, when it reads and acts, and its numbers for a cell."""
 
 from importlib import import_module
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
-import numpy as np
-
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
 from hknob_cli.specs.controller import KINDS, Controller
 
 
-class Reading(NamedTuple):
-    """What a controller knows at a sample, arrays (lanes,).
+class Plant(NamedTuple):
+    """What a controller may know of a cell, dimensionless as in `engine.propagator`: counts and sample periods.
 
-    ``level``: count of the encoder; ``depth``: the plain wall's torque for it, in steps; ``speed``: of a velocity
-    sensor, counts per sample, None where there is none; ``seen``: counts at the controller's ``looks`` into the
-    interval that ends here, (looks, lanes), None without any.
+    ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``offset`` of the encoder, counts; ``period_s``;
+    ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad.
     """
 
-    level: Array
-    depth: Array
-    speed: Array | None
-    seen: Array | None
+    alpha: float
+    beta: float
+    kappa: float
+    offset: float
+    period_s: float
+    quantum_rad: float
+    stiffness: float
 
 
-class Action(NamedTuple):
-    """Torques in steps of the wall, one array a part of the interval; what is remembered (rows, lanes).
+class Fading(NamedTuple):
+    """What fades: its first row, the factor in a sample, steps of the wall by it, guards on it, and numbers of two."""
 
-    ``guards`` (any number, lanes): numbers whose sign decides how the controller acts, beside the counts.
+    row: int = -1
+    fade: float = 0.0
+    weight: float = 0.0
+    guarded: bool = False
+    pair: tuple[float, ...] = ()
+
+
+LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
+LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
+
+
+class ControlLaw:
+    """A controller; what is here is one that has one torque an interval, reads counts at samples, and forgets.
+
+    ``act``: the function that decides, as `engine.general.laws` says; ``parts``: lengths of the parts of an interval
+    in which the torque is constant, their sum 1; ``looks``: instants in it at which the encoder is read as well;
+    ``senses_speed``: whether it has a velocity sensor; ``reads_outside``: whether it tells counts outside the wall from
+    one another; ``rows``: how many numbers it remembers, of which the first ``places`` begin with the place that the
+    encoder shows; ``anchor`` and ``drifts``: as `engine.general.laws.law.Law` has them.
     """
 
-    torques: tuple[Array, ...]
-    memory: Array
-    guards: tuple[Array, ...] = ()
-
-
-class ControlLaw(Protocol):
-    """A controller.
-
-    ``parts``: lengths of the parts of an interval in which the torque is constant, their sum 1; ``looks``: instants
-    in an interval at which the encoder is read as well; ``senses_speed``: whether it has a velocity sensor;
-    ``reads_outside``: whether it tells counts outside the wall from one another;
-    ``settling``: the longest time constant of its memory, sample periods; ``provable``: whether it is piecewise
-    affine; ``counted``: rows of its memory that hold what was counted, a place or a time, so that no guard tells when
-    they change.
-    """
-
-    parts: tuple[float, ...]
-    looks: tuple[float, ...]
-    senses_speed: bool
-    reads_outside: bool
-    provable: bool
-    counted: tuple[int, ...]
-
-    def settling(self, lanes: PlantBatch) -> Array:
-        """Longest time constant of what it remembers, in sample periods, a lane."""
-
-    def recall(self, lanes: PlantBatch, count: Array) -> Array:
-        """Memory before the first sample, at which the encoder shows ``count``, (rows, lanes)."""
-
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Numbers of each lane that it needs again and again, each (lanes,)."""
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """Torques from this sample on, to the next; ``fixed``: its `constants`."""
-
-
-class Plain:
-    """What most controllers share: one torque an interval, counts alone, no memory that lasts."""
-
+    act: Any = None
     parts: tuple[float, ...] = (1.0,)
     looks: tuple[float, ...] = ()
     senses_speed: bool = False
     reads_outside: bool = False
-    provable: bool = True
-    counted: tuple[int, ...] = ()
     rows: int = 0
+    places: int = 0
+    anchor: int = -1
+    drifts: int = -1
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Where the encoder's counts lie."""
-        return (lanes.offset,)
+    def numbers(self, plant: Plant) -> list[float]:
+        """Numbers that its function takes, the offset of the counts first."""
+        return [plant.offset]
 
-    def settling(self, lanes: PlantBatch) -> Array:
-        """Nothing lasts."""
-        return np.zeros(len(lanes.alpha))
+    def first(self) -> list[float]:
+        """Memory before the first sample, without the places: nothing has happened."""
+        return [0.0] * self.rows
 
-    def recall(self, lanes: PlantBatch, count: Array) -> Array:
-        """Nothing has happened: no torque, as outside the wall."""
-        del count
-        return np.zeros((self.rows, len(lanes.alpha)))
+    def settling(self, plant: Plant) -> float:
+        """Longest time constant of what it remembers, in sample periods; 0 where nothing fades."""
+        del plant
+        return 0.0
 
+    def fading(self, plant: Plant) -> Fading:
+        """What of its memory fades."""
+        del plant
+        return Fading()
 
-class Differencing(Plain):
-    """What those share that remember, first of all, places at the last samples; at the first the difference is 0.
-
-    ``places``: how many.
-    """
-
-    rows = 1
-    places: int = 1
-    reads_outside: bool = True
-    counted: tuple[int, ...] = (0,)
-
-    def recall(self, lanes: PlantBatch, count: Array) -> Array:
-        """The knob was where it is."""
-        memory = np.zeros((self.rows, len(lanes.alpha)))
-        memory[: self.places] = count + lanes.offset
-        return memory
+    def coarseness(self, plant: Plant) -> float:
+        """By how much its numbers enlarge what they are multiplied with, before terms may cancel."""
+        del plant
+        return 1.0
 
 
 def make_control_law(plan: Controller) -> ControlLaw:
@@ -113,3 +85,12 @@ def make_control_law(plan: Controller) -> ControlLaw:
     module, _, name = KINDS[plan.kind].law.partition(":")
     law: ControlLaw = getattr(import_module(f"hknob_cli.controllers.{module}"), name).of(plan)
     return law
+
+
+def act_named(name: str) -> Any:
+    """The function of this name of a controller. Raises `KeyError` where there is none."""
+    for module in (*(kind.law.partition(":")[0] for kind in KINDS.values()), "estimated_velocity"):
+        found = getattr(import_module(f"hknob_cli.controllers.{module}"), name, None)
+        if found is not None:
+            return found
+    raise KeyError(name)

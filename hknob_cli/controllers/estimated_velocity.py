@@ -6,29 +6,124 @@ Encoder.cpp. Adaptive: the longest line that is within a count of all readings t
 (Janabi-Sharifi, Hayward & Chen 2000, end-fit-FOAW). Tracking: a second-order filter, critically damped, that predicts
 the angle by its speed and corrects both, as moteus (aux_port and motor_position.h) has it; an ODrive compares with its
 own angle in whole counts, which is not linear. Kalman: the same filter with the gains of a stationary Kalman filter,
-as Belanger (1992) proposed for shaft encoders; in closed form by Kalata (1984). The laws are in
-`engine.general.laws.speeds`.
+as Belanger (1992) proposed for shaft encoders; in closed form by Kalata (1984).
+
+The laws' memory is in counts and samples, and begins with zeros: the knob has stood where it is. Fixed numbers of all:
+offset, gain of the damper in steps of the wall per count a sample, outside the wall too, the low-pass's part of the way
+or 0, the pace above which there is no torque, the spring at the filtered angle, where the last reading is in ``past``,
+and from `OWN` on those of the estimate.
 """
 
 from math import exp, expm1, inf, log, sqrt
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.controller import Plain
+from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant
 from hknob_cli.controllers.fading_pair import make_pair
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
-LONGEST = 1.0 - 2.0**-50  # part of a mean that stays in a sample: beyond it a double knows none that goes
-LEAST = 2.0**-100  # of what fades: a weight of 0 would mean that its guards cannot matter at rest
-# Functions of `engine.general.laws.speeds`.
-LAWS = {
-    "timed": "timed_velocity",
-    "adaptive": "adaptive_velocity",
-    "tracking": "tracked_velocity",
-    "kalman": "tracked_velocity",
-}
+OFFSET, GAIN, EVERYWHERE, GOES, MOST, FILTERED, LAST, OWN, NEXT = range(9)  # of the fixed numbers
+
+
+def spring_and_damper(shown: float, pace: float, behind: float, room: float, fixed: Any, out: Any) -> float:
+    """Set the torque for a pace; ``behind``: filtered angle less the count's; ``room``: to the nearest guard so far."""
+    deep, inside = depth_of(shown, fixed[OFFSET]), shown < 0.0
+    if fixed[FILTERED] > 0.0:
+        at = shown + fixed[OFFSET] + behind
+        deep, inside = max(-at, 0.0), at < 0.0
+        if fixed[GAIN] != 0.0 and fixed[EVERYWHERE] == 0.0:
+            room = min(room, abs(at))
+    if fixed[EVERYWHERE] > 0.0 or inside:
+        deep = deep + fixed[GAIN] * pace
+    out[0] = 0.0 if abs(pace) > fixed[MOST] else deep
+    return room
+
+
+def filter_and_act(shown: float, pace: float, moved: float, past: Any, row: int, fixed: Any, out: Any) -> float:
+    """Pass a pace, and the angle if the spring acts on it, through the low-pass, whose memory begins at ``row``."""
+    if fixed[GOES] == 0.0:
+        return spring_and_damper(shown, pace, 0.0, inf, fixed, out)
+    pace = past[row] + fixed[GOES] * (pace - past[row])
+    past[row] = pace
+    behind = 0.0
+    if fixed[FILTERED] > 0.0:
+        behind = (1.0 - fixed[GOES]) * (past[row + 1] - moved)
+        past[row + 1] = behind
+    return spring_and_damper(shown, pace, behind, abs(fixed[MOST] - abs(pace)), fixed, out)
+
+
+def differenced_velocity(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Counts moved over a window. Memory: counts moved in the last samples, the newest first; then the low-pass's.
+
+    Own: samples of the window.
+    """
+    moved = shown - past[int(fixed[LAST])]
+    window = int(fixed[OWN])
+    total = moved
+    for j in range(window - 2, -1, -1):
+        total += past[j]
+        past[j] = past[j - 1] if j > 0 else moved
+    return filter_and_act(shown, total / window, moved, past, window - 1, fixed, out)
+
+
+def timed_velocity(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Counts over the time between changes. Memory: time since the last change, pace; then the low-pass's.
+
+    Own: encoder readings an interval, and the time after which nothing moves, in these.
+    """
+    last = int(fixed[LAST])
+    ticks = int(fixed[OWN])
+    before, time, changed = past[last], past[0], 0.0
+    moved = shown - before
+    for i in range(ticks):
+        now = past[last + 1 + i] if i < ticks - 1 else shown
+        time = min(time + 1.0, fixed[NEXT])
+        if now != before:
+            changed += time
+            time = 0.0
+        before = now
+    if changed > 0.0:
+        past[1] = moved * ticks / min(changed, fixed[NEXT])
+    past[0] = time
+    if time > 0.0:  # a count more would have been seen
+        past[1] = min(max(past[1], -ticks / time), ticks / time)
+    if time >= fixed[NEXT]:
+        past[1] = 0.0
+    return filter_and_act(shown, past[1], moved, past, 2, fixed, out)
+
+
+def adaptive_velocity(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Slope of the longest line, to the newest reading, that is within a count of all readings that it passes.
+
+    Memory: counts moved in the last samples, the newest first; then the low-pass's. Own: samples of the longest line.
+    """
+    moved = shown - past[int(fixed[LAST])]
+    longest = int(fixed[OWN])
+    total = pace = moved
+    # Slopes that pass within a count of the readings so far: bounds as fractions of whole numbers, which are exact.
+    low, low_over, high, high_over = -1.0, 0.0, 1.0, 0.0
+    for n in range(2, longest + 1):
+        if (total - 1.0) * low_over > low * (n - 1):
+            low, low_over = total - 1.0, n - 1.0
+        if (total + 1.0) * high_over < high * (n - 1):
+            high, high_over = total + 1.0, n - 1.0
+        total += past[n - 2]
+        if total * low_over < low * n or total * high_over > high * n:
+            break
+        pace = total / n
+    for j in range(longest - 2, -1, -1):
+        past[j] = past[j - 1] if j > 0 else moved
+    return filter_and_act(shown, pace, moved, past, longest - 1, fixed, out)
+
+
+def tracked_velocity(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Pace of an angle that follows the count. Memory: that angle less the count, its pace. Own: gains on both."""
+    ahead = past[0] + past[1] - (shown - past[int(fixed[LAST])])
+    past[0] = (1.0 - fixed[OWN]) * ahead
+    past[1] = past[1] - fixed[NEXT] * ahead
+    return spring_and_damper(shown, past[1], past[0], abs(fixed[MOST] - abs(past[1])), fixed, out)
 
 
 def kalman_gains(acceleration: float, period_s: float, quantum_rad: float) -> tuple[float, float]:
@@ -44,24 +139,22 @@ def kalman_gains(acceleration: float, period_s: float, quantum_rad: float) -> tu
     return way * (2.0 - way), 2.0 * way * way
 
 
-class Fading(NamedTuple):
-    """What fades: its first row, the factor in a sample, steps of the wall by it, guards on it, and numbers of two."""
-
-    row: int = -1
-    fade: float = 0.0
-    weight: float = 0.0
-    guarded: bool = False
-    pair: tuple[float, ...] = ()
+LAWS = {
+    "timed": timed_velocity,
+    "adaptive": adaptive_velocity,
+    "tracking": tracked_velocity,
+    "kalman": tracked_velocity,
+}
 
 
-class EstimatedVelocity(Plain):
-    """The controller ``plan``, of kind velocity_damping, as the compiled general loop alone has it."""
+class EstimatedVelocity(ControlLaw):
+    """The controller ``plan``, of kind velocity_damping, on an estimated speed."""
 
     reads_outside = True
 
     def __init__(self, plan: Controller) -> None:
         self.plan = plan
-        self.law = LAWS.get(plan.velocity, "differenced_velocity")
+        self.act = LAWS.get(plan.velocity, differenced_velocity)
         timed = plan.velocity == "timed"
         self.looks = tuple(k / plan.detections for k in range(1, plan.detections)) if timed else ()
         self.filtered = plan.angle == "filtered"
@@ -71,33 +164,39 @@ class EstimatedVelocity(Plain):
     @property
     def tracks(self) -> bool:
         """Whether the estimate is a tracking filter's, Kalman's or another."""
-        return self.law == "tracked_velocity"
+        return bool(self.act is tracked_velocity)
 
-    def settling(self, lanes: PlantBatch) -> Array:
+    def settling(self, plant: Plant) -> float:
         """Time constant of the filter."""
-        fade = self.fading(lanes).fade
-        return np.full(len(lanes.alpha), -1.0 / log(fade) if 0.0 < fade < 1.0 else 0.0)
+        fade = self.fading(plant).fade
+        return -1.0 / log(fade) if 0.0 < fade < 1.0 else 0.0
 
-    def numbers(self, lanes: PlantBatch) -> list[float]:
-        """The law's numbers, of the first lane."""
-        plan, period = self.plan, float(lanes.period_s[0])
+    def coarseness(self, plant: Plant) -> float:
+        """The gain; a filter adds up what its updates round."""
+        fading = self.fading(plant)
+        return 1.0 + abs(self._gain(plant)) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)
+
+    def numbers(self, plant: Plant) -> list[float]:
+        """The law's numbers."""
+        plan, period = self.plan, plant.period_s
         goes = -expm1(-period / plan.low_pass) if plan.low_pass > 0.0 else 0.0
-        most = inf if plan.cut_off is None else plan.cut_off * period / float(lanes.quantum_rad[0])
-        shared = [float(lanes.offset[0]), self._gain(lanes), float(plan.everywhere), goes, most, float(self.filtered)]
+        most = inf if plan.cut_off is None else plan.cut_off * period / plant.quantum_rad
+        shared = [plant.offset, self._gain(plant), float(plan.everywhere), goes, most, float(self.filtered)]
         turn = plan.bandwidth * period
         gains = (2.0 * turn, turn * turn)
         if plan.velocity == "kalman":
-            gains = kalman_gains(plan.acceleration, period, float(lanes.quantum_rad[0]))
+            gains = kalman_gains(plan.acceleration, period, plant.quantum_rad)
         still = float(plan.detections * max(1, round(plan.time_out / period)))
-        own = {
-            "timed_velocity": [float(plan.detections), still],
-            "tracked_velocity": [*gains],
-        }.get(self.law, [float(plan.window)])
+        own = [float(plan.window)]
+        if self.tracks:
+            own = [*gains]
+        elif plan.velocity == "timed":
+            own = [float(plan.detections), still]
         return [*shared, float(self.rows), *own]
 
-    def fading(self, lanes: PlantBatch) -> Fading:
+    def fading(self, plant: Plant) -> Fading:
         """What of the memory fades; ``fade`` is not below 1 where no norm is known in which it does."""
-        plan, gain = self.plan, abs(self._gain(lanes))
+        plan, gain = self.plan, abs(self._gain(plant))
         if not self.tracks and plan.low_pass == 0.0:
             return Fading()
         weight = gain + self.filtered
@@ -106,15 +205,15 @@ class EstimatedVelocity(Plain):
         if guarded:
             weight = max(weight, LEAST)
         if self.tracks:
-            one, two = self.numbers(lanes)[-2:]
+            one, two = self.numbers(plant)[-2:]
             pair = make_pair(np.array([[1.0 - one, 1.0 - one], [-two, 1.0 - two]]), (0, 1) if self.filtered else (1,))
             return Fading(0, pair.fade, weight, guarded, pair.numbers)
-        stays = min(exp(-float(lanes.period_s[0]) / plan.low_pass), LONGEST)
+        stays = min(exp(-plant.period_s / plan.low_pass), LONGEST)
         if not self.filtered:
             return Fading(self.counted_rows, stays, weight, guarded)
         pair = make_pair(np.diag([stays, stays]), (0, 1))
         return Fading(self.counted_rows, pair.fade, weight, guarded, pair.numbers)
 
-    def _gain(self, lanes: PlantBatch) -> float:
+    def _gain(self, plant: Plant) -> float:
         """Steps of the wall per count a sample."""
-        return -self.plan.damping / float(lanes.stiffness[0] * lanes.period_s[0])
+        return -self.plan.damping / (plant.stiffness * plant.period_s)

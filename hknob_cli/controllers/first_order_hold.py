@@ -6,18 +6,45 @@ Where the encoder is read faster than torque goes out, ``detections`` times an i
 that fits all of these best. Where torque goes out faster, in ``steps``, they follow the line from now to then.
 """
 
-import numpy as np
+from math import inf
+from typing import Any
 
-from hknob_cli.controllers.controller import Action, Plain, Reading
-from hknob_cli.controllers.plant_batch import Array, wall_depth
+from hknob_cli.controllers.controller import ControlLaw, Plant
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
+LINE = 8.0  # sum of the weights of torques on a line that is fitted, drawn out and corrected, at most
 
-class FirstOrderHold(Plain):
+
+def first_order_hold(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: the wall's last torque, the last mean. Fixed: offset, whether to correct, looks, steps."""
+    now, before = depth_of(shown, fixed[0]), past[0]
+    mean, acted = 1.5 * now - 0.5 * before, 0.5 * (now + before)
+    count, steps = int(fixed[2]) + 1, int(fixed[3])
+    if count > 1:
+        total, moment = 0.0, 0.0
+        for k in range(count + 1):
+            w = before if k == 0 else now if k == count else depth_of(past[2 + k], fixed[0])
+            total = total + w
+            moment = moment + (k - 0.5 * count) * w
+        slope = moment * (12.0 / ((count + 1) * (count + 2)))
+        mean = 0.5 * (now + (total / (count + 1) + 1.5 * slope))
+        acted = (total - 0.5 * (before + now)) / count
+    missed = acted - past[1] if fixed[1] > 0.0 else 0.0
+    past[0], past[1] = now, mean
+    out[0] = mean + missed
+    if steps > 1:
+        rise = 2.0 * (mean - now)
+        for k in range(steps):
+            out[k] = now + (k + 0.5) / steps * rise + missed
+    return inf
+
+
+class FirstOrderHold(ControlLaw):
     """Mean of this torque and the next one extrapolated; ``correct``: what the last prediction missed is added."""
 
+    act = staticmethod(first_order_hold)
     rows = 2
-    counted: tuple[int, ...] = (0, 1)
 
     def __init__(self, *, correct: bool, detections: int = 1, steps: int = 1) -> None:
         self.correct = correct
@@ -29,27 +56,11 @@ class FirstOrderHold(Plain):
         """With the numbers of a spec."""
         return cls(correct=plan.correct, detections=plan.detections, steps=plan.steps)
 
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """Torques from those of the wall at this sample, the last one and between; remembers torque and mean."""
-        now, before, foretold = reading.depth, memory[0], memory[1]
-        mean, acted = 1.5 * now - 0.5 * before, 0.5 * (now + before)
-        if reading.seen is not None:
-            ahead, acted = _fitted(np.array([before, *wall_depth(reading.seen, fixed[0]), now]))
-            mean = 0.5 * (now + ahead)
-        missed = acted - foretold if self.correct else np.zeros_like(now)
-        steps = len(self.parts)
-        rise = 2.0 * (mean - now)
-        ramp = [now + (k + 0.5) / steps * rise + missed for k in range(steps)] if steps > 1 else [mean + missed]
-        return Action(tuple(ramp), np.array([now, mean]))
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, whether to correct, looks, and steps."""
+        return [plant.offset, float(self.correct), float(len(self.looks)), float(len(self.parts))]
 
-
-def _fitted(torques: Array) -> tuple[Array, Array]:
-    """The torque an interval after the last, on the best line, and their mean over the interval by trapezoids."""
-    count = len(torques) - 1
-    total, moment = np.zeros_like(torques[0]), np.zeros_like(torques[0])
-    for k in range(count + 1):
-        total = total + torques[k]
-        moment = moment + (k - 0.5 * count) * torques[k]
-    slope = moment * (12.0 / ((count + 1) * (count + 2)))
-    ahead = total / (count + 1) + 1.5 * slope
-    return ahead, (total - 0.5 * (torques[0] + torques[count])) / count
+    def coarseness(self, plant: Plant) -> float:
+        """The weights on a line, where there is one."""
+        del plant
+        return LINE if self.looks or len(self.parts) > 1 else 1.0

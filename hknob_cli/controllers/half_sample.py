@@ -6,15 +6,31 @@ know; the torque u = max(0, -x) at the place x = (A x0 + S v0 + G kappa u) is so
 velocity. The velocity is the difference of two counts, or a sensor's.
 """
 
-import numpy as np
+from typing import Any
 
-from hknob_cli.controllers.controller import Action, Differencing, Reading
-from hknob_cli.controllers.plant_batch import Array, PlantBatch, flow_over
+from hknob_cli.controllers.controller import ControlLaw, Plant
+from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.specs.controller import Controller
 
 
-class HalfSample(Differencing):
+def half_sample(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: the place. Fixed: offset, S of half an interval, the part of a place left, the yielding, a sensor."""
+    at = shown + fixed[0]
+    pace = speed if fixed[4] > 0.0 else at - past[0]
+    middle: float = (fixed[2] * at + fixed[1] * pace) * fixed[3]
+    past[0] = at
+    slope: float = fixed[1] * fixed[3]
+    out[0] = max(-middle, 0.0)
+    out[1] = -slope if middle < 0.0 else 0.0
+    return abs(middle) / slope
+
+
+class HalfSample(ControlLaw):
     """``sensor``: the velocity is sensed, not differenced."""
+
+    act = staticmethod(half_sample)
+    rows = places = 1
+    reads_outside = True
 
     def __init__(self, *, sensor: bool) -> None:
         self.senses_speed = sensor
@@ -24,15 +40,7 @@ class HalfSample(Differencing):
         """With the numbers of a spec."""
         return cls(sensor=plan.velocity == "sensor")
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Where counts lie, the plant over half an interval, and what of a torque is left by the way it goes in it."""
-        s, g, _ = flow_over(lanes, 0.5)
-        return lanes.offset, s, 1.0 - g * lanes.beta, 1.0 / (1.0 + g * lanes.kappa)
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """The plain wall's torque at the predicted place."""
-        offset, s, a, yielding = fixed
-        at = reading.level + offset
-        speed = at - memory[0] if reading.speed is None else reading.speed
-        middle = (a * at + s * speed) * yielding
-        return Action((np.maximum(-middle, 0.0),), at[None], (middle,))
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, the plant over half an interval, what is left of a torque by the way, and the sensor."""
+        s, g, _ = hold_coefficients(plant.alpha, plant.beta, 0.5)
+        return [plant.offset, s, 1.0 - g * plant.beta, 1.0 / (1.0 + g * plant.kappa), float(self.senses_speed)]

@@ -6,20 +6,42 @@ largest one, without which the one count that a slow knob moves would take back 
 acts wherever energy is owed, outside the wall too.
 """
 
-import numpy as np
+from math import inf
+from typing import Any
 
-from hknob_cli.controllers.controller import Action, Differencing, Reading
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.controllers.controller import ControlLaw, Plant
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
 
-class PassivityControl(Differencing):
+def passivity(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: place, torque, energy, and 1 where the energy begins anew. Fixed: offset, most damping, reset."""
+    now, at = depth_of(shown, fixed[0]), shown + fixed[0]
+    travel = at - past[0]
+    energy = owed = past[2] - past[1] * travel
+    torque = now
+    if energy < 0.0 and travel != 0.0:
+        torque = now - min(-energy / (travel * travel), fixed[1]) * travel
+    past[3] = 0.0
+    if fixed[2] > 0.0 and now == 0.0 and travel == 0.0:
+        energy = 0.0
+        past[3] = 1.0
+    past[0], past[1], past[2] = at, torque, energy
+    out[0] = torque
+    return -owed - fixed[1] * travel * travel if travel != 0.0 else inf
+
+
+class PassivityControl(ControlLaw):
     """``damping`` (N·m·s/rad): the most that the controller adds; ``reset``: the sum begins anew outside the wall.
 
-    That is at a sample outside at which no count has been moved since the last one.
+    That is at a sample outside at which no count has been moved since the last one. It remembers place, torque, the sum
+    of energy, which drifts, and whether that has just begun anew.
     """
 
-    rows = 3
+    act = staticmethod(passivity)
+    rows, places = 4, 1
+    drifts, anchor = 2, 3
+    reads_outside = True
 
     def __init__(self, damping: float, *, reset: bool) -> None:
         self.damping = damping
@@ -30,21 +52,6 @@ class PassivityControl(Differencing):
         """With the numbers of a spec."""
         return cls(plan.damping, reset=plan.reset)
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Where counts lie, and the largest damping, in steps of the wall per count a sample."""
-        return lanes.offset, self.damping / (lanes.stiffness * lanes.period_s)
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """The wall's torque, and the damper's while energy is owed."""
-        offset, most = fixed
-        at = reading.level + offset
-        before, torque_held, energy = memory
-        travel = at - before
-        energy = energy - torque_held * travel
-        owed = (energy < 0.0) & (travel != 0.0)
-        wanted = -energy / np.where(travel == 0.0, 1.0, travel * travel)
-        torque = reading.depth - np.where(owed, np.minimum(wanted, most) * travel, 0.0)
-        if self.reset:
-            energy = np.where((reading.depth == 0.0) & (travel == 0.0), 0.0, energy)
-        guards = (np.where(travel != 0.0, energy, 1.0), wanted - most)
-        return Action((torque,), np.stack([at, torque, energy]), guards)
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, the largest damping, in steps of the wall per count a sample, and whether sums end."""
+        return [plant.offset, self.damping / (plant.stiffness * plant.period_s), float(self.reset)]

@@ -7,90 +7,114 @@ of a constant with drift; otherwise the last is taken. The edge is where the wal
 mean, so that the knob may buzz on any count.
 """
 
-from math import pi
+from math import cos, pi
+from typing import Any
 
-import numpy as np
-
-from hknob_cli.controllers.controller import Action, Plain, Reading
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.controllers.controller import ControlLaw, Fading, Plant
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
 MEAN_SAMPLES = 64.0  # of the running mean
-LONGEST = 4096.0  # samples of a cycle
+LONGEST = 4096.0  # samples of a cycle that is timed
 UNSURE = 1.0 / 6.0  # variance of a time between two crossings that are seen at samples
 DRIFT = 0.05  # variance by which a time changes from cycle to cycle
+KALMAN = 4.0  # units in the last place of an estimate, at most, by the roundings of its updates, times a turn
+MEAN, SINCE, VAR_IN, VAR_OUT = 1, 2, 5, 6  # rows of its memory
 
-BEFORE, MEAN, SINCE, INSIDE, OUTSIDE, VAR_IN, VAR_OUT, WAY = range(8)
+
+def take_time(past: Any, row: int, variance: int, time: float, kalman: float) -> None:
+    """Take a time between crossings into its estimate."""
+    if not time < LONGEST:
+        return
+    if kalman == 0.0:
+        past[row] = time
+        return
+    spread = past[variance] + DRIFT
+    gain = spread / (spread + UNSURE)
+    past[row] = past[row] + gain * (time - past[row])
+    past[variance] = (1.0 - gain) * spread
 
 
-class PhaseDamping(Plain):
+def phase_damping(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: torque, its mean, samples since a crossing, estimates inside and outside, their variances, the way.
+
+    Fixed: offset, height, part of a turn, both crossings, Kalman filter.
+    """
+    before: float = past[0]
+    last_mean: float = past[1]
+    now: float = depth_of(shown, fixed[0])
+    mean = last_mean + (now - last_mean) / MEAN_SAMPLES
+    since = min(past[2] + 1.0, LONGEST)
+    entered = now > mean and before <= last_mean
+    left = now <= mean and before > last_mean
+    way = 1.0
+    if fixed[3] > 0.0:
+        if entered:
+            take_time(past, 4, 6, since, fixed[4])
+            past[7] = 1.0
+        if left:
+            take_time(past, 3, 5, since, fixed[4])
+            past[7] = -1.0
+        if entered or left:
+            since = 0.0
+        way = past[7]
+        half = past[3] if way > 0.0 else past[4]
+        known = half > 0.0 and way != 0.0
+        turn = 0.5 * (since + 0.5) / half if known else 0.0
+    else:
+        if entered:
+            take_time(past, 3, 5, since, fixed[4])
+            past[7] = 1.0
+            since = 0.0
+        known = past[3] > 0.0 and past[7] != 0.0
+        turn = (since + 0.5) / past[3] if known else 0.0
+    torque = now
+    if known and turn <= fixed[2]:
+        torque = now + fixed[1] * way * cos(2.0 * pi * turn)
+    past[0], past[1], past[2] = now, mean, since
+    out[0] = torque
+    return min(abs(now - mean), abs(before - last_mean))
+
+
+class PhaseDamping(ControlLaw):
     """``torque``: height in steps of the wall; over ``degrees`` of phase after a crossing."""
 
+    act = staticmethod(phase_damping)
     rows = 8
-    counted: tuple[int, ...] = (BEFORE, SINCE, INSIDE, OUTSIDE, VAR_IN, VAR_OUT, WAY)
 
     def __init__(self, torque: float, degrees: float, *, both: bool, kalman: bool) -> None:
         self.torque = torque
         self.reach = degrees / 360.0
         self.both = both
         self.kalman = kalman
-        self.provable = not kalman
 
     @classmethod
     def of(cls, plan: Controller) -> "PhaseDamping":
         """With the numbers of a spec."""
         return cls(plan.height, plan.degrees, both=plan.crossings == "both", kalman=plan.estimate == "kalman")
 
-    def settling(self, lanes: PlantBatch) -> Array:
-        """The running mean's."""
-        return np.full(len(lanes.alpha), MEAN_SAMPLES)
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, height, part of a turn, both crossings, Kalman filter."""
+        return [plant.offset, self.torque, self.reach, float(self.both), float(self.kalman)]
 
-    def recall(self, lanes: PlantBatch, count: Array) -> Array:
+    def first(self) -> list[float]:
         """Nothing crossed yet."""
-        del count
-        memory = np.zeros((8, len(lanes.alpha)))
+        memory = [0.0] * self.rows
         memory[SINCE] = LONGEST
-        memory[[VAR_IN, VAR_OUT]] = 1e3
+        memory[VAR_IN] = memory[VAR_OUT] = 1e3
         return memory
 
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """The wall, and a cosine of the guessed phase against the guessed velocity."""
-        del fixed
-        now = reading.depth
-        m = memory.copy()
-        mean = m[MEAN] + (now - m[MEAN]) / MEAN_SAMPLES
-        since = np.minimum(m[SINCE] + 1.0, LONGEST)
-        entered = (now > mean) & (m[BEFORE] <= m[MEAN])
-        left = (now <= mean) & (m[BEFORE] > m[MEAN])
-        if self.both:
-            self._time(m, OUTSIDE, VAR_OUT, since, entered)
-            self._time(m, INSIDE, VAR_IN, since, left)
-            m[WAY] = np.where(entered, 1.0, np.where(left, -1.0, m[WAY]))
-            since = np.where(entered | left, 0.0, since)
-            half = np.where(m[WAY] > 0.0, m[INSIDE], m[OUTSIDE])
-            known = (half > 0.0) & (m[WAY] != 0.0)
-            turn = 0.5 * (since + 0.5) / np.where(known, half, 1.0)
-            way = m[WAY]
-        else:
-            self._time(m, INSIDE, VAR_IN, since, entered)
-            m[WAY] = np.where(entered, 1.0, m[WAY])
-            since = np.where(entered, 0.0, since)
-            known = (m[INSIDE] > 0.0) & (m[WAY] != 0.0)
-            turn = (since + 0.5) / np.where(known, m[INSIDE], 1.0)
-            way = np.ones_like(now)
-        acts = known & (turn <= self.reach)
-        torque = now + np.where(acts, self.torque * way * np.cos(2.0 * pi * turn), 0.0)
-        guards = (now - mean, m[BEFORE] - m[MEAN])
-        m[BEFORE], m[MEAN], m[SINCE] = now, mean, since
-        return Action((torque,), m, guards)
+    def settling(self, plant: Plant) -> float:
+        """The running mean's."""
+        del plant
+        return MEAN_SAMPLES
 
-    def _time(self, m: Array, row: int, variance: int, time: Array, when: np.ndarray) -> None:
-        """Take a time between crossings into its estimate."""
-        usable = when & (time < LONGEST)
-        if not self.kalman:
-            m[row] = np.where(usable, time, m[row])
-            return
-        spread = m[variance] + DRIFT
-        gain = spread / (spread + UNSURE)
-        m[row] = np.where(usable, m[row] + gain * (time - m[row]), m[row])
-        m[variance] = np.where(usable, (1.0 - gain) * spread, m[variance])
+    def fading(self, plant: Plant) -> Fading:
+        """The running mean."""
+        del plant
+        return Fading(MEAN, (MEAN_SAMPLES - 1.0) / MEAN_SAMPLES, 0.0, guarded=True)
+
+    def coarseness(self, plant: Plant) -> float:
+        """A phase is as wrong as an estimate."""
+        del plant
+        return 1.0 + KALMAN * self.torque if self.kalman else 1.0

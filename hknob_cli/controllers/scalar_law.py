@@ -1,27 +1,18 @@
-"""A controller of a spec as the compiled general loop runs it: its function by name, and the numbers of one cell.
-
-The numbers, the memory and the parts of an interval are those of the controller's own file in `controllers`.
-"""
+"""A controller of a spec as the compiled general loop runs it: its function by name, and the numbers of one cell."""
 
 from itertools import pairwise
-from math import inf
 from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.controllers.controller import ControlLaw, Differencing, make_control_law
-from hknob_cli.controllers.estimated_velocity import LEAST, LONGEST, EstimatedVelocity, Fading
-from hknob_cli.controllers.plant_batch import PlantBatch
+from hknob_cli.controllers.controller import ControlLaw, Plant, make_control_law
 from hknob_cli.engine.general.body import ADDED
 from hknob_cli.engine.general.follow import CYCLE_EXPANDS
 from hknob_cli.engine.general.laws.law import BLOCK, CYCLE_NOT_AFFINE, PIECE, Law
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
-from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Scene
 
-LINE = 8.0  # sum of the weights of torques on a line that is fitted, drawn out and corrected, at most
-KALMAN = 4.0  # units in the last place of an estimate, at most, by the roundings of its updates, times a turn
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -36,39 +27,13 @@ class LawKnob(NamedTuple):
     rate: float
 
 
-class ReducedLaw(NamedTuple):
-    """A controller's function by name, its numbers, its memory before the first sample, and what of that fades.
-
-    The first ``places`` rows of the memory begin with the place that the encoder shows.
-    """
-
-    act: str
-    fixed: list[float]
-    first: list[float]
-    places: int
-    fading: Fading
-
-
-def reduce_law(plan: Controller, control: ControlLaw, lane: PlantBatch) -> ReducedLaw:
-    """Reduce a controller to the numbers of one lane."""
-    fixed, fading = _numbers(plan, control, lane)
-    first = [float(one) for one in control.recall(lane, np.zeros(1))[:, 0]]
-    places = control.places if isinstance(control, Differencing) else 0
-    first[:places] = [0.0] * places
-    if plan.kind == "passivity":
-        first = [*first, 0.0]
-    act = control.law if isinstance(control, EstimatedVelocity) else plan.kind
-    return ReducedLaw(act, [float(one) for one in fixed], first, places, fading)
-
-
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
     """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
     assert scene.controller
     knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
-    plan, stiffness = scene.controller, scene.wall.stiffness
-    control = make_control_law(plan)
-    lane = _lane(knob, stiffness)
-    act, fixed, first, places, fading = reduce_law(plan, control, lane)
+    control = make_control_law(scene.controller)
+    plant = _plant(knob, scene.wall.stiffness)
+    fixed, first, fading = control.numbers(plant), control.first(), control.fading(plant)
     rows = len(first)
     split = knob.wall.split
     whole = int(scene.actuator.delay_samples) if scene.actuator else 0
@@ -81,11 +46,11 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     stepped = (knob.wall.step > 0.0 or knob.wall.band > 0.0) and fading.weight > 0.0
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
-        act=act,
+        act=control.act,
         fixed=fixed,
         first=first,
         rows=rows,
-        places=places,
+        places=control.places,
         looks=looks,
         line=line,
         parts=parts,
@@ -95,10 +60,10 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         fading=fading.row,
         fade=float(fading.fade),
         weight=float(fading.weight * knob.wall.kappa),
-        coarse=_coarseness(plan, fixed, fading),
+        coarse=control.coarseness(plant),
         guarded=fading.guarded or stepped,
-        anchor=3 if plan.kind == "passivity" else -1,
-        drifts=2 if plan.kind == "passivity" else -1,
+        anchor=control.anchor,
+        drifts=control.drifts,
         senses=control.senses_speed,
         provable=fading.fade < 1.0 and not (control.senses_speed and body.friction > 0.0),
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
@@ -112,76 +77,15 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         noise=[0.0] * (3 * known),
         pair=list(fading.pair),
     )
-    settling = float(control.settling(lane)[0])
+    settling = control.settling(plant)
     rate = min(knob.rate, 1.0 / settling) if settling > 0.0 else knob.rate
     return LawKnob(knob._replace(body=body), law, rate)
 
 
-def _lane(knob: GeneralKnob, stiffness: float) -> PlantBatch:
+def _plant(knob: GeneralKnob, stiffness: float) -> Plant:
     """The knob as the controller's model of it: one body."""
     body, wall = knob.body, knob.wall
-    sense = 0.0 if wall.truncate > 0.0 else wall.sense
-    numbers = (
-        body.alpha,
-        body.beta,
-        wall.kappa,
-        body.push,
-        sense,
-        wall.offset,
-        inf,
-        knob.period_s,
-        knob.quantum_rad,
-        stiffness,
-    )
-    return PlantBatch(*(np.array([one]) for one in numbers))
-
-
-def _numbers(plan: Controller, control: ControlLaw, lane: PlantBatch) -> tuple[list[float], Fading]:
-    """Numbers that a kind's function takes, the offset first, and what of its memory fades."""
-    if isinstance(control, EstimatedVelocity):
-        return control.numbers(lane), control.fading(lane)
-    offset = float(lane.offset[0])
-    own = [float(one[0]) for one in control.constants(lane)]
-    sensor = 1.0 if control.senses_speed else 0.0
-    if plan.kind == "bounded_lag":
-        stays = min(float(np.exp(-lane.period_s[0] / plan.time_constant)), LONGEST)
-        return [offset, own[0], plan.keep], Fading(0, stays, 1.0 - plan.keep)
-    if plan.kind == "first_order_hold":
-        return [offset, float(plan.correct), float(len(control.looks)), float(plan.steps)], Fading()
-    if plan.kind == "impulse_damping":
-        return [offset, plan.pulse, plan.gain, float(len(control.looks))], Fading()
-    if plan.kind == "passivity":
-        return [*own, float(plan.reset)], Fading()
-    if plan.kind == "phase_damping":
-        fading = Fading(1, 63.0 / 64.0, 0.0, guarded=True)
-        kalman = 1.0 if plan.estimate == "kalman" else 0.0
-        both = 1.0 if plan.crossings == "both" else 0.0
-        return [offset, plan.height, plan.degrees / 360.0, both, kalman], fading
-    if plan.kind == "stiffening":
-        return [offset, *own, plan.surface], Fading()
-    if plan.kind == "velocity_damping":
-        _, gain, goes, most = own
-        numbers = [offset, gain, sensor, float(plan.everywhere), float(plan.window), goes, most]
-        if plan.low_pass == 0.0:
-            return numbers, Fading()
-        stays = min(float(np.exp(-lane.period_s[0] / plan.low_pass)), LONGEST)
-        if plan.cut_off is None:
-            return numbers, Fading(plan.window, stays, abs(gain))
-        return numbers, Fading(plan.window, stays, max(abs(gain), LEAST), guarded=True)
-    return [*own, sensor], Fading()  # half_sample, matched_wall
-
-
-def _coarseness(plan: Controller, fixed: list[float], fading: Fading) -> float:
-    """By how much a kind's numbers enlarge what they are multiplied with, before terms may cancel."""
-    if plan.kind == "impulse_damping":
-        return 1.0 + abs(plan.gain) * plan.detections / plan.pulse
-    if plan.kind == "first_order_hold" and (plan.detections > 1 or plan.steps > 1):
-        return LINE
-    if plan.kind == "phase_damping" and plan.estimate == "kalman":
-        return 1.0 + KALMAN * plan.height
-    if plan.kind == "velocity_damping":  # a filter adds up what its updates round
-        return 1.0 + abs(fixed[1]) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)
-    return 1.0 + abs(fixed[1]) + abs(fixed[2]) if plan.kind == "matched_wall" else 1.0
+    return Plant(body.alpha, body.beta, wall.kappa, wall.offset, knob.period_s, knob.quantum_rad, stiffness)
 
 
 def _pieces(

@@ -1,14 +1,24 @@
 """A wall that stiffens with depth: soft at its surface, as stiff as asked for at a depth and beyond (Section 11)."""
 
-import numpy as np
+from math import inf
+from typing import Any
 
-from hknob_cli.controllers.controller import Action, Plain, Reading
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.controllers.controller import ControlLaw, Plant
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
 
-class StiffeningWall(Plain):
+def stiffening(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """No memory. Fixed: offset, a count in parts of the depth, part of the stiffness at the surface."""
+    now = depth_of(shown, fixed[0])
+    out[0] = now * (fixed[2] + (1.0 - fixed[2]) * min(now * fixed[1], 1.0))
+    return inf
+
+
+class StiffeningWall(ControlLaw):
     """``surface``: part of the stiffness at the surface; all of it from ``depth`` (rad) on, linearly between."""
+
+    act = staticmethod(stiffening)
 
     def __init__(self, surface: float, depth: float) -> None:
         self.surface = surface
@@ -19,11 +29,6 @@ class StiffeningWall(Plain):
         """With the numbers of a spec."""
         return cls(plan.surface, plan.depth)
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """A count, in parts of the depth."""
-        return (lanes.quantum_rad / self.depth,)
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """Torque of a secant stiffness that rises with depth."""
-        risen = np.minimum(reading.depth * fixed[0], 1.0)
-        return Action((reading.depth * (self.surface + (1.0 - self.surface) * risen),), memory)
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, a count in parts of the depth, and the surface."""
+        return [plant.offset, plant.quantum_rad / self.depth, self.surface]

@@ -7,19 +7,51 @@ Firmware differences over several samples, or filters: y += a (x - y), a = 1 - e
 are in `estimated_velocity`.
 """
 
+from math import inf
+from typing import Any
+
 import numpy as np
 
-from hknob_cli.controllers.controller import Action, Differencing, Reading
+from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant
 from hknob_cli.controllers.estimated_velocity import EstimatedVelocity
-from hknob_cli.controllers.plant_batch import Array, PlantBatch
+from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
 
 
-class VelocityDamping(Differencing):
+def velocity_damping(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
+    """Memory: the last places, the newest first, and the filtered pace if there is a filter.
+
+    Fixed: offset, steps of the wall per count a sample, a sensor, outside the wall too, samples of the window, the
+    filter's part of the way or 0, the pace above which there is no torque.
+    """
+    at = shown + fixed[0]
+    window = int(fixed[4])
+    pace = speed if fixed[2] > 0.0 else (at - past[window - 1]) / window
+    for j in range(window - 1, 0, -1):
+        past[j] = past[j - 1]
+    past[0] = at
+    room = inf
+    if fixed[5] > 0.0:
+        pace = past[window] + fixed[5] * (pace - past[window])
+        past[window] = pace
+    if fixed[5] > 0.0 or fixed[2] > 0.0:
+        room = abs(fixed[6] - abs(pace))
+    out[0], out[1] = depth_of(shown, fixed[0]), 0.0
+    if fixed[3] > 0.0 or shown < 0.0:
+        out[0], out[1] = out[0] + fixed[1] * pace, fixed[1]
+    if abs(pace) > fixed[6]:
+        out[0], out[1] = 0.0, 0.0
+    return room
+
+
+class VelocityDamping(ControlLaw):
     """``damping`` in N·m·s/rad; ``sensor``: the velocity is sensed; ``everywhere``: outside the wall, too.
 
-    ``window`` in samples, ``low_pass`` in s, 0 for none, ``cut_off`` in rad/s.
+    ``window`` in samples, ``low_pass`` in s, 0 for none, ``cut_off`` in rad/s, infinite for none.
     """
+
+    act = staticmethod(velocity_damping)
+    reads_outside = True
 
     def __init__(
         self,
@@ -38,7 +70,6 @@ class VelocityDamping(Differencing):
         self.cut_off = np.inf if cut_off is None else cut_off
         self.places = window
         self.rows = window + (low_pass > 0.0)
-        self.counted = tuple(range(window))
 
     @classmethod
     def of(cls, plan: Controller) -> "VelocityDamping | EstimatedVelocity":
@@ -54,30 +85,31 @@ class VelocityDamping(Differencing):
             cut_off=plan.cut_off,
         )
 
-    def settling(self, lanes: PlantBatch) -> Array:
+    def _gain(self, plant: Plant) -> float:
+        """Steps of the wall per count a sample."""
+        return -self.damping / (plant.stiffness * plant.period_s)
+
+    def numbers(self, plant: Plant) -> list[float]:
+        """Where counts lie, gain, sensor, everywhere, window, the low-pass's part of the way, and the cut-off."""
+        goes = float(-np.expm1(-plant.period_s / self.low_pass)) if self.low_pass > 0.0 else 0.0
+        most = self.cut_off * plant.period_s / plant.quantum_rad
+        shared = [plant.offset, self._gain(plant), float(self.senses_speed), float(self.everywhere)]
+        return [*shared, float(self.places), goes, most]
+
+    def settling(self, plant: Plant) -> float:
         """The low-pass's time constant."""
-        return self.low_pass / lanes.period_s
+        return self.low_pass / plant.period_s
 
-    def constants(self, lanes: PlantBatch) -> tuple[Array, ...]:
-        """Offset of the counts, steps of the wall per count a sample, the low-pass's part of the way, the cut-off."""
-        goes = -np.expm1(-lanes.period_s / self.low_pass) if self.low_pass > 0.0 else np.zeros(len(lanes.alpha))
-        gain = -self.damping / (lanes.stiffness * lanes.period_s)
-        return lanes.offset, gain, goes, self.cut_off * lanes.period_s / lanes.quantum_rad
-
-    def act(self, reading: Reading, memory: Array, fixed: tuple[Array, ...]) -> Action:
-        """The wall's torque and the damper's."""
-        offset, gain, goes, most = fixed
-        at = reading.level + offset
-        speed = (at - memory[self.places - 1]) / self.places if reading.speed is None else reading.speed
-        kept = [at[None], memory[: self.places - 1]]
-        if self.low_pass > 0.0:
-            speed = memory[-1] + goes * (speed - memory[-1])
-            kept.append(speed[None])
-        damper = gain * speed
-        acts = damper if self.everywhere else np.where(reading.level < 0.0, damper, 0.0)
-        torque = reading.depth + acts
-        memory = np.concatenate(kept)
+    def fading(self, plant: Plant) -> Fading:
+        """The filtered speed."""
+        if self.low_pass == 0.0:
+            return Fading()
+        stays, gain = min(float(np.exp(-plant.period_s / self.low_pass)), LONGEST), abs(self._gain(plant))
         if self.cut_off == np.inf:
-            return Action((torque,), memory)
-        guards = () if self.low_pass == 0.0 and not self.senses_speed else (most - np.abs(speed),)
-        return Action((np.where(np.abs(speed) > most, 0.0, torque),), memory, guards)
+            return Fading(self.places, stays, gain)
+        return Fading(self.places, stays, max(gain, LEAST), guarded=True)
+
+    def coarseness(self, plant: Plant) -> float:
+        """The gain; a filter adds up what its updates round."""
+        fading = self.fading(plant)
+        return 1.0 + abs(self._gain(plant)) * (1.0 / (1.0 - fading.fade) if fading.row >= 0 else 1.0)

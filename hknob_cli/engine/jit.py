@@ -47,10 +47,7 @@ GENERAL = (
 # The general loop under a controller; the law itself is compiled by itself (`compiled_law`).
 LAWS = (
     *GENERAL,
-    *(
-        f"general.laws.{name}"
-        for name in ("kinds", "speeds", "step", "cascade", "sensed", "period", "rest", "follow", "trials")
-    ),
+    *(f"general.laws.{name}" for name in ("step", "cascade", "sensed", "period", "rest", "follow", "trials")),
 )
 SETS = (
     *MOTION,
@@ -216,15 +213,25 @@ def _compilable(function: types.FunctionType, seen: tuple[tuple[str, Any], ...],
     return part, entry
 
 
+def _law_part(function: types.FunctionType) -> tuple[Any, Any]:
+    """A law, or what it calls, as `_compilable` makes it; what it calls is compiled before."""
+    names = [(name, function.__globals__.get(name)) for name in function.__code__.co_names]
+    seen = tuple((name, _law_part(value)[0]) for name, value in names if isinstance(value, types.FunctionType))
+    return _compilable(function, seen, not _not_kept())
+
+
 @cache
-def compiled_law(name: str) -> Any:
-    """The address of a law of `general.laws`, compiled by itself: what calls it need not be compiled for it."""
-    functions = compiled("laws")  # which loads numba
+def compiled_law(act: types.FunctionType) -> Any:
+    """The address of a law, compiled by itself: what calls it need not be compiled for it.
+
+    Its helpers are in its own file, or in the engine's: a change of either is another law.
+    """
+    compiled("laws")  # which loads numba
     from numba.core.ccallback import CFunc
     from numba.core.types import float64
 
     numbers = float64[::1]
-    source: Any = functions[f"general.laws.{name}"]
+    source: Any = _law_part(act)[1]
     takes = (float64, float64, numbers, numbers, numbers)
     # numba.cfunc would not let it be sealed
     law = CFunc(source.py_func, (takes, float64), locals={}, options={"_nrt": False}, pipeline_class=kinds().pipeline)

@@ -1,6 +1,6 @@
 """Controllers of the wall on a target: from a spec's to what the wire carries, and what they give, sample by sample.
 
-A target runs the laws of `engine.general.laws` that take one reading and give one torque an interval. The functions
+A target runs the laws of `controllers` that take one reading and give one torque an interval. The functions
 here are those of the engine itself; `firmware/law.c` has the same operations in the same order.
 """
 
@@ -20,34 +20,26 @@ def control_of(plan: Controller, settings: Settings) -> Control:
 
     Raises `ValueError` for one that is not in `wire.codes.Law`.
     """
-    from hknob_cli.controllers.controller import make_control_law
-    from hknob_cli.controllers.plant_batch import PlantBatch
-    from hknob_cli.controllers.scalar_law import reduce_law
+    from hknob_cli.controllers.controller import Plant, make_control_law
 
-    unknown = dict.fromkeys(PlantBatch._fields, nan)  # knob and hand: no law of a target asks for them
-    known = {
-        "offset": 0.0,
-        "period_s": settings.interval_s,
-        "quantum_rad": tau / settings.counts_per_rev,
-        "stiffness": settings.wall_stiffness,
-    }
-    lane = PlantBatch(**{name: np.array([value]) for name, value in (unknown | known).items()})
-    law = reduce_law(plan, make_control_law(plan), lane)
+    # Knob and hand are unknown: no law of a target asks for them.
+    quantum = tau / settings.counts_per_rev
+    plant = Plant(nan, nan, nan, 0.0, settings.interval_s, quantum, settings.wall_stiffness)
+    law = make_control_law(plan)
     try:
-        code = Law[law.act.upper()]
+        code = Law[law.act.__name__.upper()]
     except KeyError:
-        raise ValueError(f"no target runs {law.act}") from None
+        raise ValueError(f"no target runs {law.act.__name__}") from None
     # Floats of the wire are finite; a pace that nothing is above is the largest of them.
-    numbers = (min(one, sys.float_info.max) for one in law.fixed)
-    return Control(int(code), law.places, tuple(numbers), tuple(law.first))
+    numbers = (min(one, sys.float_info.max) for one in law.numbers(plant))
+    return Control(int(code), law.places, tuple(numbers), tuple(law.first()))
 
 
 def _function_of(control: Control) -> Any:
     """The engine's own."""
-    from hknob_cli.engine.general.laws import kinds, speeds
+    from hknob_cli.controllers.controller import act_named
 
-    name = Law(control.law).name.lower()
-    return getattr(kinds, name, None) or getattr(speeds, name)
+    return act_named(Law(control.law).name.lower())
 
 
 class ControlledWall:

@@ -2,7 +2,7 @@
 
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
-_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets", "controller_sets")
+_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets")
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
@@ -47,11 +47,8 @@ WHY = {
     ("people", "relay"): "its spec has no population",
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
-    ("speed_sensor", "controller_sets"): "the torque depends on the velocity itself",
-    ("kalman", "controller_sets"): "a Kalman filter is not piecewise affine",
     ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
     ("kalman", "friction_sets"): "a Kalman filter is not piecewise affine",
-    ("several_readings", "friction_sets"): "sets are cut at samples alone",
     ("speed_sensor", "device"): "a target reads an encoder, not the velocity",
     ("several_readings", "device"): "a target reads its encoder once a sample",
     ("pulses", "device"): "a target holds one torque from sample to sample",

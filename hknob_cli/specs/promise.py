@@ -17,7 +17,7 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
 
 OF_CONTROLLERS = {"controller", "speed_sensor", "estimated_speed", "kalman"}
-SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets", "controller_sets")  # engines of sets of starts
+SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets")  # engines of sets of starts
 
 
 def not_proven(plan: SweepPlan) -> list[str]:
@@ -40,7 +40,7 @@ def _of_scene(scene: Scene, starts: Starts) -> Iterator[str]:
 
 def _hindrance(parts: frozenset[str], kind: str) -> str:
     """The parts for which no sets of starts are followed: those that the engine refuses which refuses the fewest."""
-    others = ("controller_sets",) if "controller" not in parts else ("phases", "ranges", "anywhere", "general_sets")
+    others = ("phases", "ranges", "anywhere", "general_sets") if "controller" in parts else ()
     engines = [one for one in STARTS[kind] if one in SETS and one not in others]
     refused = [[part for part in PARTS if part in parts and VERDICTS[part, one] == REFUSED] for one in engines]
     fewest = min(refused, key=len)

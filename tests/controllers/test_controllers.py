@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.controller import make_control_law
-from hknob_cli.specs.plan import Starts
+from hknob_cli.controllers.scalar_law import make_law
+from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
+from hknob_cli.engine.general.sets.friction_phases import fly
 from hknob_cli.specs.scene import SceneSpec
 from tests import digits as mp
-from tests.controllers.batches import make_batch
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of
 
@@ -38,32 +38,30 @@ def test_motion_and_torque_are_the_references(name: str, cell: str) -> None:
     change, rate, counts, velocity = CELLS[cell]
     scene = {**BASE, **change, "controller": CONTROLLERS[name]}
     plan = SceneSpec.model_validate(scene).plain()
-    assert plan.controller
-    remedy = make_control_law(plan.controller)
-    key = {"sample_rate_hz": rate, "counts_per_rev": counts}
-    batch = make_batch(plan, [key], Starts(angle=0.02, velocity=velocity, phases=PHASES))
-    mover = BatchStepper(remedy, batch.lanes)
-    state = mover.start(batch.x, batch.v)
-    rig = Rig(scene, rate, counts, mp.mpf)
-    trials = [rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, (i + 0.5) / PHASES) for i in range(PHASES)]
-    knob = batch.knobs[0]
-    largest = 0.0
+    made = make_law(plan, sample_rate_hz=rate, counts_per_rev=counts)
+    knob, law, rig = made.knob, made.law, Rig(scene, rate, counts, mp.mpf)
+    largest, acts = 0.0, 0
     # Each hold rounds by some 20 units in the last place of the largest position; a plant that is damped, with memory,
     # carries it on by a factor below 20.
     bound = 20 * 20 * SAMPLES * np.finfo(float).eps
-    for theirs in islice(zip(*trials, strict=True), SAMPLES):
-        step = mover.step(state)
-        for i, (theta, omega, pieces) in enumerate(theirs):
+    for phase in ((i + 0.5) / PHASES for i in range(PHASES)):
+        z, past = list(fly(*knob.start(0.02, velocity), phase, knob.body)), [0.0] * len(law.beside)
+        begin_past(past, read(z[0], knob.wall), law)
+        trial = rig.trial(law_of(rig, CONTROLLERS[name]), 0.02, velocity, phase)
+        for theta, omega, pieces in islice(trial, SAMPLES):
+            at, pace = knob.angle_rad(z[0]), z[1] * knob.quantum_rad / knob.period_s
             largest = max(largest, abs(float(theta)), abs(float(omega)) * knob.period_s)
-            assert abs(knob.angle_rad(state.x[i]) - theta) <= bound * largest
-            assert abs(state.v[i] * knob.quantum_rad / knob.period_s - omega) <= bound * largest / knob.period_s
-            assert len(pieces) == len(step.drives)
-            for drive, (torque, _) in zip(step.drives, pieces, strict=True):
-                ours = (drive[i] + batch.lanes.gamma[i]) / batch.lanes.kappa[i] * plan.wall.stiffness * knob.quantum_rad
+            assert abs(at - theta) <= bound * largest
+            assert abs(pace - omega) <= bound * largest / knob.period_s
+            advance_with_law(z, past, knob.body, knob.wall, law, [0.0] * 4)
+            newest = past[law.line + (law.ages - 1) * law.parts :]
+            assert len(newest) == len(pieces)
+            for u, (torque, _) in zip(newest, pieces, strict=True):
+                ours = u / knob.wall.kappa * plan.wall.stiffness * knob.quantum_rad
                 # Steps of a torque follow the velocity by gains of up to 100 per sample.
                 assert abs(ours - torque) <= 100 * bound * plan.wall.stiffness * largest
-        state = step.state
-    assert largest > 0.0
+                acts += ours != 0.0
+    assert acts > 0
 
 
 def test_each_controller_acts_in_the_cells_that_are_compared() -> None:

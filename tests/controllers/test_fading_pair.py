@@ -10,7 +10,6 @@ from hknob_cli.controllers.fading_pair import make_pair
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.laws.cascade import faded, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.law import PAIR
-from hknob_cli.engine.general.laws.search import with_function
 from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import LOOP_ONLY
@@ -31,7 +30,7 @@ PAIRED = [
 def made(name: str, **parts: Any) -> Any:
     plan = SceneSpec.model_validate({**SCENE, **parts, "controller": LOOP_ONLY[name]}).plain()
     cell = make_law(plan, sample_rate_hz=1000.0, counts_per_rev=1024)
-    return with_function(cell.law), cell.knob.wall
+    return cell.law, cell.knob.wall
 
 
 @pytest.mark.parametrize("rows", [(0,), (1,), (0, 1)])

@@ -9,12 +9,13 @@ import pytest
 
 # A function of the smallest group, and a law, which is compiled by itself.
 USE = """
+from hknob_cli.controllers.half_sample import half_sample
 from hknob_cli.engine import compiling
 from hknob_cli.engine.jit import compiled, compiled_law
 
 compiling.tell_compiling(lambda text: print(text) if "compiled code" in text or text.startswith("compiled") else None)
 print(compiled("bounces")["hold_coefficients"](0.1, 0.2, 0.5))
-print(compiled_law("half_sample").address > 0)
+print(compiled_law(half_sample).address > 0)
 """
 RESULT = ["(0.483651857545281, 0.1224327533539806, 0.9271482635746758)", "True"]
 

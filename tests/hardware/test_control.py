@@ -29,7 +29,7 @@ def test_the_numbers_are_those_of_a_sweep(name: str) -> None:
     law = make_law(SCENE._replace(controller=CONTROLLERS[name]), sample_rate_hz=1000, counts_per_rev=1024).law
     control = told(name).control
     assert control is not None
-    assert Law(control.law).name.lower() == law.act
+    assert Law(control.law).name.lower() == law.act.__name__
     assert control.numbers == pytest.approx([min(one, sys.float_info.max) for one in law.fixed], rel=1e-14)
     assert control.rows == tuple(law.first)
     assert (control.places, law.parts, law.looks) == (law.places, 1, 0)

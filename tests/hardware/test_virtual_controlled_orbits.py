@@ -8,7 +8,6 @@ import pytest
 
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.laws import kinds
 from hknob_cli.engine.general.laws.step import run_with_law
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.hardware.control import control_of
@@ -38,7 +37,7 @@ def samples_of(orbit: Attractor, text: str, rate: int, counts: int) -> np.ndarra
     """Angles of one period at its samples, in whole native counts."""
     cell = {"sample_rate_hz": float(rate), "counts_per_rev": counts}
     found = make_law(scene_at(stage(text).plan.scene, cell), sample_rate_hz=rate, counts_per_rev=counts)
-    law = found.law._replace(act=getattr(kinds, found.law.act))
+    law = found.law
     states = [0.0] * (2 * (orbit.period + 1))
     body, wall = found.knob.body, found.knob.wall
     run_with_law([orbit.x, orbit.v], list(orbit.line), orbit.period, body, wall, law, [0.0] * 4, states)

@@ -132,28 +132,36 @@ CONTROLLERS = {
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_harmonics_of_orbits_under_controllers(name: str) -> None:
-    """Parseval, and the motion at the ends of the parts of an interval, whose drives differ."""
-    from hknob_cli.controllers.controller import make_control_law
-    from hknob_cli.measure.orbit import measure_settled, settled_harmonics
-    from hknob_cli.specs.plan import Starts
-    from tests.controllers.batches import make_batch, search
+    """Parseval, and the motion at samples, under torques that change within an interval."""
+    from hknob_cli.controllers.scalar_law import make_law
+    from hknob_cli.engine.general.laws.search import LawEngine
+    from hknob_cli.engine.general.laws.step import run_with_law
+    from hknob_cli.measure.general_orbit import LawMeasurer
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
-    assert spec.controller
-    remedy = make_control_law(spec.controller)
-    batch = make_batch(spec, [{"sample_rate_hz": 1000.0, "counts_per_rev": 1024}], Starts(0.02, 0.0, 4))
-    some = [one for one in search(remedy, batch) if one.outcome is Outcome.CYCLE]
+    made = make_law(spec, sample_rate_hz=1000.0, counts_per_rev=1024)
+    engine, knob = LawEngine(made.law), made.knob
+    measurer = LawMeasurer(knob, engine)
+    found = engine.search(
+        knob.body,
+        knob.wall,
+        knob.start(0.02, 0.0),
+        rate=made.rate,
+        phases=4,
+        delay_line=engine.past_length,
+        max_samples=None,
+    )
+    some = [one for one in found.attractors if one.outcome is Outcome.CYCLE]
     assert some
-    knob = batch.knobs[0]
     for one in some:
-        lines = settled_harmonics(knob, remedy.parts, one, HIGHEST_HZ)
+        lines = measurer.harmonics(one, HIGHEST_HZ)
         rms = sqrt(float((np.abs(lines.angle_rad) ** 2).sum()) / 2.0)
-        assert rms == pytest.approx(measure_settled(knob, remedy.parts, one).rms_rad, rel=1e-9)
-        starts = np.concatenate([[0.0], np.cumsum(remedy.parts)[:-1]])
-        few = slice(0, 8)  # instants, for the matrix to be small
-        times = (np.arange(one.period)[:, None] + starts).ravel()[few] * knob.period_s
-        turns = np.exp(2j * np.pi * np.outer(times, lines.frequency_hz))
-        motion = (turns @ lines.angle_rad).real
-        there = one.x[:-1][few] * knob.quantum_rad
+        assert rms == pytest.approx(measurer.measure(one).rms_rad, rel=1e-9)
+        few = min(one.period, 8)  # instants, for the matrix to be small
+        states = [0.0] * (2 * (few + 1))
+        past = list(one.line)
+        run_with_law([one.x, one.v], past, few, knob.body, knob.wall, made.law, [0.0] * 4, states)
+        turns = np.exp(2j * np.pi * np.outer(np.arange(few) * knob.period_s, lines.frequency_hz))
+        motion, there = (turns @ lines.angle_rad).real, np.array(states[: 2 * few : 2]) * knob.quantum_rad
         off = (motion - motion.mean()) - (there - there.mean())
         assert np.abs(off).max() <= 1e-6 * np.ptp(there)

@@ -9,7 +9,7 @@ PROOF, SETS, GENERAL = "tests/engine/proof/", "tests/engine/sets/", "tests/engin
 CAPTURE = (f"{PROOF}test_capture_margins.py", f"{SETS}test_ball.py")
 CUTTING = (f"{PROOF}test_cutting_margins.py",)
 ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_arc.py")
-GENERAL_SETS, CONTROLLER_SETS = f"{GENERAL}sets/", "tests/controllers/sets/"
+GENERAL_SETS = f"{GENERAL}sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
@@ -87,12 +87,6 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
     ),
-    "controllers/proof.py": (f"{CONTROLLER_SETS}test_captors.py", "tests/controllers/test_contraction.py"),
-    "controllers/sets/captors.py": (f"{CONTROLLER_SETS}test_captors.py",),
-    "controllers/sets/arcs.py": (f"{CONTROLLER_SETS}test_arcs.py",),
-    "controllers/sets/polygons.py": (f"{CONTROLLER_SETS}test_polygons.py",),
-    "controllers/sets/follow.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_captors.py"),
-    "controllers/sets/front.py": (f"{CONTROLLER_SETS}test_front.py", f"{CONTROLLER_SETS}test_rounding.py"),
 }
 # Which tests watch over a file that the table above does not have, by the first of these that its name begins with: all
 # of them that run in this process and call what is changed. None are for compilers, caches and pages made from specs.
@@ -114,8 +108,6 @@ GROUPS: dict[str, tuple[str, ...]] = {
     "proofs": (
         *(f"engine/{name}" for name in ("certificate", "rest", "follow", "sets/", "general/sets/", "general/laws/")),
         *(f"engine/general/{name}" for name in ("standstill", "inner", "powers", "period", "follow", "interval")),
-        "controllers/proof",
-        "controllers/sets/",
     ),
     "measures": ("measure/", "engine/orbit/"),
     "engine": ("engine/", "controllers/"),

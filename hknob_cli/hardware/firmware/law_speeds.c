@@ -1,4 +1,4 @@
-/* Laws of a spring and a damper whose speed is estimated, as hknob_cli/engine/general/laws/speeds.py; see law.c. */
+/* Laws of a spring and a damper whose speed is estimated, as hknob_cli/controllers/estimated_velocity.py; see law.c. */
 #include <math.h>
 
 #include "law_parts.h"

@@ -25,7 +25,7 @@ class Kind(IntEnum):
 
 
 class Law(IntEnum):
-    """Controllers that a target can run; the names are those of their functions in `engine.general.laws`."""
+    """Controllers that a target can run; the names are those of their functions in `controllers`."""
 
     BOUNDED_LAG = 1
     FIRST_ORDER_HOLD = 2

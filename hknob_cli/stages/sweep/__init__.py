@@ -3,6 +3,5 @@
 - `cell` one of a sweep, `every_start` all its starts, `plain_chunk` a run of plain ones
 - `tables`, of attractors in columns
 - `assembly` of pieces, `spread` for long sweeps
-- `controlled` cells with a controller
 - `perceived`, `record`, `basins` where each start ends
 """

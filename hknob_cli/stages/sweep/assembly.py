@@ -18,7 +18,6 @@ from hknob_cli.results.parted import Parting, as_file, is_written, part_numbers,
 from hknob_cli.results.staging import Staging
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import SweepPlan
-from hknob_cli.stages.sweep.cell import follows_sets
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
@@ -68,20 +67,9 @@ class PieceFinder:
             )
 
 
-def unit_of(plan: SweepPlan) -> int:
-    """Cells that stay together, however a sweep is cut."""
-    if not follows_sets(plan):
-        return 1
-    from hknob_cli.stages.sweep.controlled import block_of
-
-    return block_of(plan)
-
-
 def find_piece(stage: SweepStage, start: int, stop: int) -> SweepTables:
     """Cells ``start`` to ``stop`` of a sweep. Raises `ComputationError`."""
-    unit = unit_of(stage.plan)
-    step = unit if unit > 1 else _MOST
-    return joined([_find(stage, a, min(stop, a + step)) for a in range(start, stop, step)])
+    return joined([_find(stage, a, min(stop, a + _MOST)) for a in range(start, stop, _MOST)])
 
 
 def _find(stage: SweepStage, start: int, stop: int) -> SweepTables:

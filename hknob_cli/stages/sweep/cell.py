@@ -18,11 +18,11 @@ from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepP
 from hknob_cli.stages.sweep.every_start import StartsFinder, why_open
 
 DETECTION = 300.0  # samples of a trial beyond its transient, roughly
-COMPILED_SETS = "friction sets"  # group of sets of starts, under a controller, too, that are compiled
-REMEDIED = "remedied"  # group of sets of starts under a controller, which nothing compiles
+LAW_SETS = "friction sets"  # group of sets of starts with friction, or under a controller
 UNKNOWN = 2000.0  # samples of a trial of more than two states, roughly
 GROWTH_S = 1.0  # over which the bounces of an undamped knob are collected, where the spec does not say
 BOXED = 8e6  # samples of the plain loop that take as long as a cell whose starts fill a box, at least, roughly
+BOXED_LAW = 2e5  # samples of the sets under a controller that such a cell takes, roughly
 MAX_EVENTS = 2_000_000  # that a trial without a sample clock may take
 MAX_EVENTS_INTERPRETED = 20_000
 
@@ -70,18 +70,13 @@ def may_bounce(plan: SweepPlan) -> bool:
     return any(takes("bounces", parts_of(scene_at(plan.scene, {**cell, **hand}))) for hand in hands or [{}])
 
 
-def follows_sets(plan: SweepPlan) -> bool:
-    """Whether a sweep may have cells of which sets of starts are followed under a controller."""
-    return plan.scene.controller is not None and kind_of_starts(plan.starts) in ("one", "ranges")
-
-
 def shares_areas(plan: SweepPlan) -> bool:
-    """Whether shares of ranges are areas: under a controller, unless compiled sets follow the first or last cell."""
+    """Whether shares of ranges are areas: where sets are followed under a controller without friction."""
     if plan.scene.controller is None:
         return False
     cells = cells_of(plan)
     ends = [scene_at(plan.scene, cell) for i in (0, len(cells) - 1) for cell in cells.run(i, i + 1)]
-    return all(engine_group(plan, scene) != COMPILED_SETS for scene in ends)
+    return all(engine_group(plan, scene) == LAW_SETS and "friction" not in parts_of(scene) for scene in ends)
 
 
 def group_of(scene: Scene) -> str:
@@ -108,6 +103,8 @@ def expected_samples(plan: SweepPlan, cell: Cell) -> tuple[str, float]:
     rate = slowest_rate(loop.alpha, loop.beta)
     if group == "sets" and plan.starts.many:
         return group, BOXED
+    if group == LAW_SETS and plan.starts.many and scene.controller:
+        return group, BOXED_LAW
     return group, phases * (settling_samples(rate, sample_limit(rate, loop.alpha > 0.0)) + DETECTION)
 
 
@@ -139,7 +136,7 @@ class CellFinder:
             return self._find_unsampled(plan, cell)
         if group == "bounces":
             return self._find_growth(plan, cell)
-        if group == "laws" or (group == COMPILED_SETS and scene.controller is not None):
+        if group == "laws" or (group == LAW_SETS and scene.controller is not None):
             return self._find_with_law(plan, cell, group)
         if group in ("general", "general sets", "friction sets"):
             return self._find_general(plan, cell, group)
@@ -197,7 +194,7 @@ class CellFinder:
         made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
         engine = LawEngine(made.law, self.functions.get(group), self.stopped, self.patience(group))
         try:
-            search = self._starts.search_law(plan, made, engine) if group == COMPILED_SETS else None
+            search = self._starts.search_law(plan, made, engine) if group == LAW_SETS else None
             if search is None:
                 search = _search_trials(plan, engine, made.knob, rate=made.rate, line=engine.past_length)
         except NeedsCompilerError:

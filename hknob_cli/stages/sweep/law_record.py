@@ -9,7 +9,6 @@ from hknob_cli.controllers.scalar_law import LawKnob
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
-from hknob_cli.engine.general.laws.search import with_function
 from hknob_cli.engine.general.laws.step import begin_past, decide
 
 
@@ -27,7 +26,7 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
 
     The first sample comes ``phase`` of a period after the start; ``until``: length, in periods.
     """
-    knob, law = made.knob, with_function(made.law)
+    knob, law = made.knob, made.law
     body, wall = knob.body, knob.wall
     numbers = [law.sched[i * PIECE : (i + 1) * PIECE] for i in range(law.pieces)]
     begins = [0.0, *accumulate(piece[SPAN] for piece in numbers)]

@@ -13,7 +13,7 @@ from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
-from hknob_cli.stages.sweep.cell import REMEDIED, CellFinder, CellResult, expected_samples, follows_sets
+from hknob_cli.stages.sweep.cell import CellFinder, CellResult, expected_samples
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
 COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
@@ -22,9 +22,6 @@ THREADS_ABOVE = 20_000_000
 MANY = 2048  # plain cells, from which on they are found in runs of so many: a Python object each would cost more
 SLOW = 50_000_000  # trial-samples worth a progress bar
 SPREAD_ABOVE = 2_000_000_000  # and worth processes, whose results are kept piece by piece
-CONTROLLED = (
-    400_000.0  # samples of the plain loop that take as long as a phase's share of sets with a controller, roughly
-)
 LOOKED_AT = 256  # cells by which the work of a large grid is estimated
 HEAVIER = {
     "plain": 1.0,
@@ -82,8 +79,7 @@ class SweepStage:
         total: dict[str, float] = {}
         for cell in some:
             group, samples = expected_samples(self.plan, cell)
-            if group != REMEDIED:
-                total[group] = total.get(group, 0.0) + samples
+            total[group] = total.get(group, 0.0) + samples
         return total
 
     @property
@@ -94,8 +90,7 @@ class SweepStage:
     @property
     def spreads(self) -> bool:
         """Whether the sweep is worth processes, or too large to hold."""
-        controlled = self.cell_count * self.plan.starts.phases * CONTROLLED if follows_sets(self.plan) else 0.0
-        return self.cell_count > PART_CELLS or self._work + controlled > SPREAD_ABOVE
+        return self.cell_count > PART_CELLS or self._work > SPREAD_ABOVE
 
     @property
     def _work(self) -> float:
@@ -229,11 +224,6 @@ class SweepStage:
 
     def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:
         """Results in the order of the cells; compiled kernels leave the interpreter to the other threads."""
-        if follows_sets(self.plan):
-            from hknob_cli.stages.sweep.controlled import remedied_results
-
-            yield from remedied_results(self.plan, some, find=self.run_cell)
-            return
         self._stop.clear()  # set at the end of cells found before
         every = cells_of(self.plan) if some is None else some
         work = sum(samples * HEAVIER[group] for group, samples in expected.items())

@@ -12,7 +12,7 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.spread.gather import Range, Ranges, Sample, Workers, gather
 from hknob_cli.stages.job import Job
-from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder, unit_of
+from hknob_cli.stages.sweep.assembly import Assembly, PieceFinder
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.sampled_rows import Rows, nearly_same, rows_of, same
 from hknob_cli.terminal import heed, spread_progress
@@ -25,7 +25,7 @@ def spread_sweep(job: Job, stage: SweepStage, stamp: bytes, notify: Callable[[st
     try:
         assembly = Assembly(staging, parting)
         done = assembly.begin(afresh=job.force)
-        left = Ranges(total, done=done, part=parting.items, unit=unit_of(job.plan))
+        left = Ranges(total, done=done, part=parting.items)
         if done and left:
             notify(f"{total - len(left)} of {total} cells are there from an earlier run")
         if left:

@@ -5,16 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.batch_stepper import BatchStepper
-from hknob_cli.controllers.controller import Reading, make_control_law
-from hknob_cli.controllers.plant_batch import wall_depth
-from hknob_cli.controllers.scalar_law import _lane, make_law
+from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.certificate import NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.laws.cascade import pushed_apart, torques_apart
 from hknob_cli.engine.general.laws.law import PIECE, SPAN
 from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.rest import settles_with_law
-from hknob_cli.engine.general.laws.search import LawEngine, with_function
+from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.outcome import Outcome, Reason
@@ -39,39 +36,10 @@ def made(controller: dict[str, Any], **parts: Any) -> Any:
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
-def test_a_function_acts_as_its_array_program(name: str) -> None:
-    plain, cell = made(CONTROLLERS[name], encoder={"offset_counts": 0.3})
-    law, wall = with_function(cell.law), cell.knob.wall
-    control, lane = make_control_law(plain.controller), _lane(cell.knob, plain.wall.stiffness)
-    fixed = BatchStepper(control, lane).fixed
-    numbers = np.random.default_rng(3)
-    counts = -2.0 + np.cumsum(numbers.integers(-1, 2, 400))
-    past = [0.0] * len(law.beside)
-    begin_past(past, counts[0], law)
-    memory = control.recall(lane, counts[:1])
-    seen = np.repeat(counts[:1][None], law.looks, axis=0) if law.looks else None
-    for count in counts:
-        speed = float(numbers.normal())
-        level = np.array([count])
-        reading = Reading(
-            level, wall_depth(level, lane.offset), np.array([speed]) if control.senses_speed else None, seen
-        )
-        action = control.act(reading, memory, fixed)
-        memory = action.memory
-        decide(float(count), speed, past, wall, law)
-        expected = [float(one[0]) for one in action.torques]
-        assert law.out[: law.parts] == pytest.approx(expected, rel=1e-14, abs=1e-15 * law.coarse)
-        if law.looks:
-            some = count + numbers.integers(-1, 2, law.looks).astype(float)
-            past[law.rows + 1 : law.line] = some.tolist()
-            seen = some[:, None]
-
-
-@pytest.mark.parametrize("name", CONTROLLERS)
 def test_what_is_remembered_follows_from_the_readings(name: str) -> None:
     """Two memories that differ in what fades: as many torques differ, in all, as the bound allows."""
     _, cell = made(CONTROLLERS[name], actuator={"delay_samples": 1.5})
-    law, wall = with_function(cell.law), cell.knob.wall
+    law, wall = cell.law, cell.knob.wall
     one, other = [0.0] * len(law.beside), [0.0] * len(law.beside)
     begin_past(one, -1.0, law)
     if law.fading < 0 or law.guarded:
@@ -137,7 +105,7 @@ def test_interpreted_and_compiled_find_the_same_bits() -> None:
 
 def settled(cell: Any, samples: int = 6000) -> tuple[Any, Any, Any]:
     """State and memory after so many samples, and the law."""
-    law, knob = with_function(cell.law), cell.knob
+    law, knob = cell.law, cell.knob
     z, pad, past = knob.start(0.02, 0.0), [0.0] * 4, [0.0] * len(law.beside)
     begin_past(past, np.floor(z[0]), law)
     for _ in range(samples):
@@ -184,7 +152,7 @@ def test_a_memory_that_counts_otherwise_is_no_orbit() -> None:
 def test_friction_holds_a_knob_while_the_mean_still_moves() -> None:
     """It rests as long as the friction holds the torque of now, and of all times to come."""
     _, cell = made({"kind": "bounded_lag"}, knob={"coulomb_torque": 5e-4}, bias={"torque": 1.6e-3})
-    law, knob = with_function(cell.law), cell.knob
+    law, knob = cell.law, cell.knob
     body, wall = knob.body, knob.wall
     orbit, away = [0.0, 0.0], [0.0, 0.0]
     past = [0.0] * len(law.beside)
@@ -211,7 +179,7 @@ def test_a_knob_does_not_rest_while_its_torque_is_cut_off() -> None:
     """Although the filtered speed damps nothing: below the cut-off the wall's torque comes back."""
     controller = {"kind": "velocity_damping", "damping": 0.0, "low_pass": 0.05, "cut_off": 2.0}
     _, cell = made(controller, knob={"coulomb_torque": 5e-4}, bias={"torque": 1.6e-3})
-    law, knob = with_function(cell.law), cell.knob
+    law, knob = cell.law, cell.knob
     for share, fate in ((0.0, AT_REST), (0.99, AT_REST), (1.01, MOVING)):
         past = [0.0] * len(law.beside)
         begin_past(past, -1.0, law)

@@ -7,7 +7,6 @@ import pytest
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.laws.rest import find_balance, settled_past, settles_with_law
-from hknob_cli.engine.general.laws.search import with_function
 from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, MOVING, REST_ON_EDGE
@@ -20,7 +19,7 @@ SLOW = {"kind": "bounded_lag", "keep": 0.15, "time_constant": 9e5}  # a billiont
 
 def remembered(cell: Any, mean: float, shown: float = -1.0) -> tuple[Any, list[float]]:
     """The law, and what is remembered after long at one reading, with a mean that has come so far."""
-    law = with_function(cell.law)
+    law = cell.law
     past = [0.0] * len(law.beside)
     begin_past(past, shown, law)
     past[0] = mean

@@ -8,7 +8,6 @@ import pytest
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read
-from hknob_cli.engine.general.laws.search import with_function
 from hknob_cli.engine.general.laws.step import advance_with_law, begin_past
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.stages.sweep.law_record import follow_law
@@ -33,7 +32,7 @@ def test_samples_are_those_of_the_search(hand: Any) -> None:
     made = make_law(
         SceneSpec.model_validate({**SCENE, "hand": hand}).plain(), sample_rate_hz=1000.0, counts_per_rev=512
     )
-    knob, law = made.knob, with_function(made.law)
+    knob, law = made.knob, made.law
     start, phase = knob.start(0.02, 0.0), 0.25
     points = [one for one in follow_law(made, start, phase=phase, until=60.0, every=0.5) if one.event == "sample"]
     z, pad, past = list(start), [0.0] * (2 * knob.body.order), [0.0] * len(law.beside)

@@ -8,7 +8,7 @@ import pytest
 from hknob_cli.results.parted import Parting
 from hknob_cli.results.versions import grid_versions
 from hknob_cli.specs.cells import cells_of
-from hknob_cli.stages.sweep.assembly import PieceFinder, decode, encode, unit_of
+from hknob_cli.stages.sweep.assembly import PieceFinder, decode, encode
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.sampled_rows import nearly_same, rows_of, same
 from hknob_cli.stages.sweep.tables import SweepTables
@@ -47,12 +47,12 @@ assembly.find_piece = lying
 def test_a_cell_is_the_same_in_any_piece(text: str) -> None:
     plan = loaded(text)
     stage = SweepStage(plan, jobs=1)
-    cells, unit = cells_of(plan), unit_of(plan)
+    cells = cells_of(plan)
     finder = PieceFinder(plan, Parting(len(cells), b""), grid_versions(plan.points))
     finder.prepare(stage)
     whole = finder(0, len(cells))
-    for start in range(0, len(cells), unit):
-        stop = min(start + unit, len(cells))
+    for start in range(len(cells)):
+        stop = start + 1
         some = [list(cells.run(start, stop)) for _ in range(2)]
         rows = rows_of(whole, start, some[0])
         assert len(rows) >= 2 * (stop - start)  # a cell, and its orbits

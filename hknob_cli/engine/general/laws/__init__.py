@@ -1,9 +1,16 @@
 """Controllers in the compiled general loop: beside friction, finger, lag, delay, limits, steps and virtual damping.
 
-- `kinds` the laws, a function each, compiled alone and called by address; `speeds` those that estimate a speed
 - `law` what the loop knows of one, `step` a sample interval under it, and a period written down
 - `cascade` how far two motions with the same readings part
 - `period` the proof, `sensed` that of a law that reads the velocity, `rest`, `follow` a trial, `trials` a cell
+
+A law is a function, compiled alone and called by address, from what the sensor shows and what is remembered to the
+torques of an interval: ``act(shown, speed, past, fixed, out)``. ``shown``: the encoder's count; ``speed``: of a
+velocity sensor, counts a sample; ``past``: memory, which a law rewrites in place, then the last reading and those at
+the looks into the last interval; ``fixed``: numbers of its own, first the offset of the counts; ``out``: takes the
+torques of the parts of the interval, in steps of the wall, and of a law that senses the speed, which has one part, the
+torque's slope by it. What is returned is how far the number that fades, the sum that drifts, or the speed that is
+sensed may move before the law acts otherwise; inf where it may be anything. Each is in its own file of `controllers`.
 
 What a controller remembers follows from the readings alone, so the loop is a cascade: readings, memory, torque, plant.
 Of the memory most is counted: a place, a time, a torque of the last samples, the same numbers in all motions with the

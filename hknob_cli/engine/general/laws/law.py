@@ -28,7 +28,7 @@ class Law(NamedTuple):
     as accelerations of the knob. The oldest of them no longer matters once the next sample has come.
     """
 
-    act: Any  # the function of `kinds`, or its address
+    act: Any  # the function of a controller, or its address
     fixed: Any
     first: Any  # (rows), memory before the first sample
     rows: int

@@ -9,7 +9,7 @@ from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.budget import TrialBudget
 from hknob_cli.engine.general.ensemble import TrialSpace
 from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.laws import kinds, speeds, step, trials
+from hknob_cli.engine.general.laws import step, trials
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.search import GeneralEngine
 
@@ -47,9 +47,9 @@ class LawEngine(GeneralEngine):
         return len(self._law.beside)
 
     def _ready(self, law: Law) -> Law:
-        """The law as the loop wants it: its function by name becomes one that can be called, its numbers arrays."""
+        """The law as the loop wants it: compiled, its numbers arrays."""
         if not self.compiled:
-            return with_function(law)
+            return law
         from hknob_cli.engine.jit import compiled_law
 
         filled = (np.array(value, dtype=np.float64) if isinstance(value, list) else value for value in law)
@@ -87,8 +87,3 @@ class LawEngine(GeneralEngine):
     ) -> Any:
         del before
         return self._pieces(state, past, period, body, wall, self._law, *rest)
-
-
-def with_function(law: Law) -> Law:
-    """The law as the interpreter runs it: its function in place of the name."""
-    return law._replace(act=getattr(kinds if hasattr(kinds, law.act) else speeds, law.act))

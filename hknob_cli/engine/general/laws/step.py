@@ -9,6 +9,11 @@ from hknob_cli.engine.general.trace import chart
 FREE = 1e300  # of a guard
 
 
+def depth_of(count, offset):
+    """How deep in the wall a count says the knob is: the plain wall's torque in its own steps."""
+    return -(count + offset) if count < 0.0 else 0.0
+
+
 def driven_slope(u, slope, wall):
     """Slope of a torque by the speed, after the D/A converter and the amplifier, and the speed's way until it changes.
 

@@ -1,6 +1,6 @@
 // The engine of the page: one trial of a sampled knob, exact from event to event, and the cycle that it reaches.
 //
-// It is the program's own arithmetic (engine/propagator.py, turning.py, general/, general/laws/kinds.py) over again:
+// It is the program's own arithmetic (engine/propagator.py, turning.py, general/, general/laws/step.py, controllers/) over again:
 // angles in encoder counts, times in sample periods, x'' + alpha x' + beta x = drive in closed form. The tests compare
 // its numbers with the program's. It draws nothing and asks for nothing. The files of this folder are one program.
 
