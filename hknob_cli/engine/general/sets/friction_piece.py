@@ -21,6 +21,7 @@ SETS_LOOKED = 2048  # the same where it is cut within the interval, too
 TORQUE, SPAN, S, G, F, LOOK = range(6)
 LEG = 6
 TINY = 1e-290  # a velocity that is not 0
+LEAST_PART = 1e-30  # of an area: an end that any state reaches has a share
 
 
 def stands(v, corners, count):
@@ -38,7 +39,7 @@ def part_weight(weight, whole, corners, count, body):
     """
     if body.friction > 0.0 or not whole > 0.0:
         return weight
-    return weight * min(area_of(corners, count) / whole, 1.0)
+    return weight * min(max(area_of(corners, count) / whole, LEAST_PART), 1.0)
 
 
 def begin_set(work, at, part, cuts, x, v, weight, corners, count):

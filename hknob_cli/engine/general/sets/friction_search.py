@@ -72,7 +72,10 @@ class FrictionSetEngine(GeneralSetEngine):
         max_samples: int | None,
         seconds: float | None = None,
     ) -> Search | None:
-        """As `GeneralSetEngine.search_phases`; shares are exact to `friction_phases.NARROWEST` for each boundary."""
+        """As `GeneralSetEngine.search_phases`; shares are exact to `friction_phases.NARROWEST` for each boundary.
+
+        Without friction they are exact to `friction_phases.STRAIGHT`.
+        """
         if not self.able(body, wall):
             return None
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
@@ -101,6 +104,8 @@ class FrictionSetEngine(GeneralSetEngine):
                 narrowest = min(narrowest, float(shortest))
         left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
         found, why = ends_of(known, 2, delay_line), why_not(known)
+        if self.by_area(body):  # a piece holds more than its interval: its middle may end where no phase does
+            found = [one for one in found if one.trials > 0.0]
         if left > 0.0:
             given_up = self._given_up(left, seconds, over=taken > self.longest_phases(body))
             found.append(given_up)

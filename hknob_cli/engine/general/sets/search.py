@@ -267,7 +267,7 @@ class GeneralSetEngine:
             why = why_not(known)
         undecided = min(1.0, undecided + left)
         if by_area:
-            found = [one for one in found if one.trials > 0.0 or one.certified]
+            found = [one for one in found if one.trials > 0.0]
             found += [whole(Outcome.UNDECIDED, why, undecided)] if undecided > 0.0 else []
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
 
