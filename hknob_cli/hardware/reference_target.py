@@ -58,15 +58,18 @@ def compiler(target: Target) -> list[str]:
     raise DeviceError(f"the target '{target}' cannot be built: it needs {NEEDS[target]}; tried {', '.join(names)}")
 
 
-def build_target(target: Target, folder: Path) -> Path:
+def build_target(target: Target, folder: Path, *, slower: int = 1) -> Path:
     """The built target in a folder, which is made; built if its sources or the compiler have changed.
 
     The name holds a digest of all that it is made from. Built beside its place and renamed, so that two at once do not
-    meet. Raises `UsageError` for an unknown target, `DeviceError` if there is no compiler, or it fails.
+    meet. ``slower``: how many times the clock of the target ``host`` is slower than this computer's. Raises
+    `UsageError` for an unknown target, `DeviceError` if there is no compiler, or it fails.
     """
     if target not in NEEDS:
         raise UsageError(f"unknown target '{target}'; there are {', '.join(NEEDS)}")
     command = [*compiler(target), *options(target)]
+    if target == "host" and slower > 1:
+        command.append(f"-DSLOWER={slower}u")
     place = folder.absolute() / f"hknob-target-{target}-{_digest(command)}"
     if place.exists():
         return place
@@ -114,18 +117,18 @@ def _first_error(text: str) -> str:
 
 
 @contextlib.contextmanager
-def run_target(target: Target, folder: Path) -> Iterator[str]:
+def run_target(target: Target, folder: Path, *, slower: int = 1) -> Iterator[str]:
     """Build a target into a folder if need be, run it, and give the path of its serial line; ended afterwards.
 
-    It ends with this process too, however that ends. To be used from a thread that lives as long. Raises `DeviceError`
-    if it cannot be built or does not start; `UsageError` for an unknown target.
+    It ends with this process too, however that ends. To be used from a thread that lives as long. ``slower``: see
+    `build_target`. Raises `DeviceError` if it cannot be built or does not start; `UsageError` for an unknown target.
     """
     if sys.platform == "win32":
         raise DeviceError(f"the target '{target}' cannot be run: it needs a pseudo-terminal, which Windows has not")
     with contextlib.ExitStack() as stack:
         if target == "qemu" and shutil.which(QEMU) is None:
             raise DeviceError(f"the target 'qemu' cannot be run: it needs {NEEDS_QEMU}")
-        program = build_target(target, folder)
+        program = build_target(target, folder, slower=slower)
         yield _run_host(program, stack) if target == "host" else _run_qemu(program, stack)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.search import PeriodSegments
-from hknob_cli.measure.forms import generator
+from hknob_cli.measure.forms import generator, piece_starts
 
 Array = NDArray[np.float64]
 
@@ -39,12 +39,8 @@ def mesh_row(body: Body) -> Array:
 
 def extremes(body: Body, chart: PeriodSegments, row: Array) -> tuple[float, float]:
     """Smallest and largest value of a ``row`` of (z, 1, u, f) over a period; NaN of a period with too many pieces."""
-    m, width = len(chart.spans), body.order + 3
-    start = np.zeros((m, width))
-    start[:, : body.order] = chart.states[:-1]
-    start[:, body.order] = 1.0
-    start[:, body.order + 1] = chart.commands
-    start[:, body.order + 2] = -chart.modes * body.friction
+    start = piece_starts(body, chart)
+    width = start.shape[1]
     found = [float(value) for value in chart.states @ row[: body.order]]
     for held in (False, True):
         these = (chart.modes == 0.0) == held

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body, coil_at
+from hknob_cli.engine.general.search import PeriodSegments
 from hknob_cli.engine.orbit import forms
 from hknob_cli.engine.orbit.forms import RULE
 
@@ -61,6 +62,17 @@ def generator(body: Body, *, held: bool) -> Array:
     if not held:
         g[:n, n + 2] = vectors[ENTRY]
     return g
+
+
+def piece_starts(body: Body, chart: PeriodSegments) -> Array:
+    """The vector (z, 1, u, f) where each piece of a period begins, shape (pieces, n + 3)."""
+    n = body.order
+    starts = np.zeros((len(chart.spans), n + 3))
+    starts[:, :n] = chart.states[:-1]
+    starts[:, n] = 1.0
+    starts[:, n + 1] = chart.commands
+    starts[:, n + 2] = -chart.modes * body.friction
+    return starts
 
 
 def exponential(g: Array, t: float) -> Array:

@@ -20,7 +20,7 @@ from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.behind import extremes, knob_row, mesh_row
-from hknob_cli.measure.forms import Array, Forms, Integrals, generator, hold_forms, integrate
+from hknob_cli.measure.forms import Array, Forms, Integrals, generator, hold_forms, integrate, piece_starts
 from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.scene.general_knob import GeneralKnob
@@ -61,12 +61,8 @@ def of_chart(
 
     ``behind``: of the knob behind its gear, not of the encoder.
     """
-    m, width = len(chart.spans), body.order + 3
-    before = np.zeros((m, width))
-    before[:, : body.order] = chart.states[:-1]
-    before[:, body.order] = 1.0
-    before[:, body.order + 1] = chart.commands
-    before[:, body.order + 2] = -chart.modes * body.friction
+    before = piece_starts(body, chart)
+    width = before.shape[1]
     after = before.copy()
     after[:, : body.order] = chart.states[1:]
     starts = np.concatenate([[0.0], np.cumsum(chart.spans)[:-1]])

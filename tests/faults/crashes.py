@@ -23,7 +23,6 @@ import pickle
 import random
 import shutil
 import sys
-import tempfile
 import time
 import traceback
 from collections import Counter
@@ -36,11 +35,11 @@ if __name__ == "__main__":
 
 from tests.faults.crash_cases import CASES, FIRST, Case, Told
 from tests.faults.disk import CONTENTS, NAMES, Change, Crash, Tree, after, marks
+from tests.faults.own_process import failed_cases
 from tests.faults.recorder import Recorder, lay, tree_of
 
 OUT = "results/out"  # in the folder whose disk it is
 AGAIN = 0.25  # share of runs that lose their power, too
-MEMORY = "/dev/shm"
 TELL_EVERY = 500  # disks
 DULL = 40  # disks drawn in a row that were tried before, after which another first run is made
 
@@ -234,24 +233,13 @@ def main() -> int:
     parser.add_argument("--skip", type=int, default=0)
     options = parser.parse_args()
     gc.disable()
-    names, bad = options.only.split(","), 0
-    memory = MEMORY if os.access(MEMORY, os.W_OK) else None
-    for i, name in enumerate(names):
-        share = options.states // len(names) + (i < options.states % len(names))
-        child = os.fork()  # what a case listens to is another's no more
-        if child == 0:
-            code = 70
-            try:
-                with tempfile.TemporaryDirectory(dir=memory) as folder:
-                    code = _try_case(CASES[name], Path(folder).resolve(), share, options.seed, options.skip)
-                    os.chdir("/")
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                sys.stdout.flush()
-                os._exit(code)
-        bad += os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0
-    return int(bool(bad))
+    names = options.only.split(",")
+
+    def attempt(name: str, folder: Path) -> int:
+        share = options.states // len(names) + (names.index(name) < options.states % len(names))
+        return _try_case(CASES[name], folder, share, options.seed, options.skip)
+
+    return int(failed_cases(names, attempt) > 0)
 
 
 def _try_case(case: Case, folder: Path, states: int, seed: int, skip: int) -> int:

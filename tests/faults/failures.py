@@ -22,7 +22,6 @@ import random
 import re
 import shutil
 import sys
-import tempfile
 import time
 import traceback
 from collections import Counter
@@ -36,12 +35,12 @@ if __name__ == "__main__":
 
 from tests.faults.failing_calls import MEMORY, SHORT, WAYS, Calls, Fault
 from tests.faults.fault_cases import CASES, FaultCase
+from tests.faults.own_process import failed_cases
 from tests.faults.recorder import lay, tree_of
 from tests.faults.small_pieces import shrink
 
 OUT = "out"  # the folder of results, in the folder of the disk
 _HIDDEN = re.compile(r"^\.|\.(part|partial|half|old)$")  # of a file that is yet to take its place
-MEMORY_DISK = "/dev/shm"
 ROOT = Path(__file__).parents[2]
 CODES = (0, 1, 2, 3, 4)  # 2: of a file that is named on the command line, and cannot be read
 LONGEST_S = 120  # of a run, after which it hangs
@@ -266,23 +265,11 @@ def main() -> int:
     load()
     if options.careless:
         be_careless()
-    bad = 0
-    memory = MEMORY_DISK if os.access(MEMORY_DISK, os.W_OK) else None
-    for name in options.only.split(","):
-        child = os.fork()
-        if child == 0:
-            code = 70
-            try:
-                with tempfile.TemporaryDirectory(dir=memory) as folder:
-                    code = try_case(CASES[name], Path(folder).resolve(), options.states, options.seed, options.fault)
-                    os.chdir("/")
-            except BaseException:
-                traceback.print_exc()
-            finally:
-                sys.stdout.flush()
-                os._exit(code)
-        bad += os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) != 0
-    return int(bool(bad))
+    failed = failed_cases(
+        options.only.split(","),
+        lambda name, folder: try_case(CASES[name], folder, options.states, options.seed, options.fault),
+    )
+    return int(failed > 0)
 
 
 if __name__ == "__main__":

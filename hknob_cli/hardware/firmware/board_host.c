@@ -1,7 +1,8 @@
 /* A process as a board: a pseudo-terminal that it opens itself, a thread as sample clock, a simulated knob.
 
    Prints the path of its pseudo-terminal as its first line, and ends when its standard input does, or on SIGTERM. SIGUSR1
-   presses the emergency stop, SIGUSR2 lets go of it. Linux; runs its clock at real-time priority where it may. */
+   presses the emergency stop, SIGUSR2 lets go of it. Linux; runs its clock at real-time priority where it may. Compiled
+   with -DSLOWER=N, its clock is N times slower than the computer's, so that a busy computer keeps up with it. */
 #define _XOPEN_SOURCE 700
 #include <errno.h>
 #include <fcntl.h>
@@ -23,7 +24,12 @@
 #include "simulated_knob.h"
 #include "target.h"
 
-const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 40000u, SIMULATED, "hknob host"};
+#ifndef SLOWER
+#define SLOWER 1u
+#endif
+
+const struct identity board_identity = {SIMULATED_NATIVE_COUNTS, 40000u,
+                                        SLOWER > 1u ? SIMULATED | OWN_TIME : SIMULATED, "hknob host"};
 
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t due_changed;
@@ -35,7 +41,7 @@ uint64_t board_now_ns(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    return (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
+    return ((uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec) / SLOWER;
 }
 
 uint32_t board_boot(void)
@@ -91,7 +97,8 @@ static void *sample_clock(void *unused)
         if (due == BOARD_NEVER) {
             pthread_cond_wait(&due_changed, &mutex);
         } else if (board_now_ns() < due) {
-            struct timespec until = {.tv_sec = (time_t)(due / 1000000000u), .tv_nsec = (long)(due % 1000000000u)};
+            uint64_t there = due * SLOWER; /* by the computer's clock */
+            struct timespec until = {.tv_sec = (time_t)(there / 1000000000u), .tv_nsec = (long)(there % 1000000000u)};
             pthread_cond_timedwait(&due_changed, &mutex, &until);
         } else {
             due = BOARD_NEVER;

@@ -32,7 +32,7 @@ def same(one: Rows, other: Rows) -> bool:
 
 
 def nearly_same(one: Rows, other: Rows) -> bool:
-    """Whether they are but for the last digits of real numbers, as workers of several machines find them."""
+    """Whether they are, apart from the last digits of real numbers, as workers of several machines find them."""
     return len(one) == len(other) and all(
         a.keys() == b.keys() and all(_near(a[name], b[name]) for name in a) for a, b in zip(one, other, strict=True)
     )
