@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 MOST_SINES = 4
+MOST_HANDS = 10
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Counts = np.ndarray[Any, np.dtype[np.int64]]
@@ -102,6 +103,20 @@ class PulseOrder(NamedTuple):
     release_n: float
     torque_nm: float
     width_s: float
+
+
+class Pulse(NamedTuple):
+    """A `PulseOrder` as a target has it: forces in N, torque in N·m, ``width`` and ``dwell`` in samples.
+
+    ``dwell`` 0: it fires as the grip reaches ``grip_n``.
+    """
+
+    grip_n: float
+    band_n: float
+    release_n: float
+    torque_nm: float
+    width: int
+    dwell: int
 
 
 class Identity(NamedTuple):

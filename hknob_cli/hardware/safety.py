@@ -23,6 +23,7 @@ import numpy as np
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ControlledWall
+from hknob_cli.hardware.grip_trigger import GripTrigger
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
 from hknob_cli.hardware.wire.codes import Law
 
@@ -117,6 +118,7 @@ class LimitMonitor:
         self._on = False
         self._unflagged = False
         self._wall = AgreedWall(settings, native_counts)
+        self._pulse = GripTrigger(settings.pulse, settings.interval_s) if settings.pulse else None
         self.gaps = 0
 
     def start(self) -> None:
@@ -166,6 +168,9 @@ class LimitMonitor:
     def _check_law(self, block: Block) -> None:
         """The torque follows from the angle, the stiffness, the counts and the limit that the device took."""
         settings = self._settings
+        if self._pulse is not None:
+            self._check_pulse(self._pulse, block)
+            return
         wall = self._wall.follow(block.angle_counts, block.running)
         expected: Array = np.where(block.running, wall.torque_nm, 0.0)
         allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm
@@ -185,6 +190,17 @@ class LimitMonitor:
             f"{settings.counts_per_rev} counts, at most {settings.torque_limit_nm:g} N m, "
             f"give {expected[i] * 1e3:.4g}{times}, {at}"
         )
+
+    def _check_pulse(self, pulse: GripTrigger, block: Block) -> None:
+        """The torque is that of the pulse which the grip that the device told fires, to its single precision."""
+        expected = np.where(block.running, pulse.follow(block.grip_n, block.running), 0.0)
+        bad = np.abs(block.torque_nm - expected) > LAW_LIMIT_SHARE * self._settings.torque_limit_nm
+        if bad.any():
+            i = int(np.argmax(bad))
+            raise DeviceError(
+                f"the torque is not that of the pulse: {block.torque_nm[i] * 1e3:.4g} mN m, where the grip that the "
+                f"device told calls for {expected[i] * 1e3:.4g}, at sample {block.first + i}"
+            )
 
     def _refuse(self, bad: np.ndarray[tuple[int], np.dtype[np.bool_]], block: Block, what: str) -> None:
         if bad.any():

@@ -9,12 +9,23 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Control, Drift, Identity, Settings, Simulated, Torque
+from hknob_cli.hardware.grip_trigger import pulse_of
+from hknob_cli.hardware.port import (
+    Block,
+    Control,
+    Drift,
+    Identity,
+    Pulse,
+    Settings,
+    Simulated,
+    Squeeze,
+    Torque,
+)
 from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
 from hknob_cli.hardware.wire.answers import About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
-from hknob_cli.hardware.wire.commands import Command, Configure, Plain, SetControl, Simulate, Zero
+from hknob_cli.hardware.wire.commands import Command, Configure, Plain, SetControl, SetPulse, SetSqueeze, Simulate, Zero
 from hknob_cli.hardware.wire.frame import nobody_text
 from hknob_cli.hardware.wire.pump import Pump, open_port
 from hknob_cli.hardware.wire.sending import differences
@@ -84,13 +95,24 @@ class SerialDevice:
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
         control = settings.control
-        plain = settings._replace(control=None)
+        plain = settings._replace(control=None, pulse=None)
         self._agree(plain, lambda nonce: Configure(nonce, plain))
         if control is not None:  # after CONFIGURE, by which the target forgets an earlier one
             self._agree(control, lambda nonce: SetControl(nonce, control))
+        if settings.pulse is not None:
+            pulse = pulse_of(settings.pulse, settings.interval_s)
+            self._agree(pulse, lambda nonce: SetPulse(nonce, pulse))
         if simulated is not None and self.identity.simulated:
-            self._agree(simulated, lambda nonce: Simulate(nonce, simulated))
+            self._agree_on_person(simulated)
         self._agreed = True
+
+    def _agree_on_person(self, simulated: Simulated) -> None:
+        """Who holds a simulated knob; who squeezes it comes after SIMULATE, by which the target forgets an earlier."""
+        plain = simulated._replace(squeeze=())
+        self._agree(plain, lambda nonce: Simulate(nonce, plain))
+        if simulated.squeeze:
+            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
+            self._agree(squeeze, lambda nonce: SetSqueeze(nonce, squeeze))
 
     def arm(self) -> None:
         """Begin to sample, torque off."""
@@ -234,6 +256,7 @@ class SerialDevice:
                     own_time=ack.said.own_time,
                     knows_zero=ack.said.knows_zero,
                     knows_control=ack.said.knows_control,
+                    knows_pulses=ack.said.knows_pulses,
                 )
             if time.monotonic() >= until:
                 raise DeviceError(f"{self.url}: {self._nobody()}")
@@ -249,7 +272,7 @@ class SerialDevice:
             patience_s=self._patience_s,
         )
 
-    def _agree(self, sent: Settings | Simulated | Control, make: Callable[[int], Command]) -> None:
+    def _agree(self, sent: Settings | Simulated | Control | Pulse | Squeeze, make: Callable[[int], Command]) -> None:
         differing = differences(sent, self._command(make, "take the settings of a trial").said)
         if differing:
             raise DeviceError(f"{self.url}: the target took other values, and was not armed: {'; '.join(differing)}")

@@ -12,7 +12,7 @@ from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
-from hknob_cli.hardware.wire.commands import pack_control
+from hknob_cli.hardware.wire.acts import pack_control
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz

@@ -210,3 +210,31 @@ def url_fault(url: str) -> str:
     if not sign or scheme.lower() in SCHEMES:
         return ""
     return f"must be a port's name, or begin with {', '.join(f'{one}://' for one in SCHEMES)}"
+
+
+def device_faults(spec: Any) -> list[tuple[tuple[str, ...], str]]:
+    """What the driver of a valid spec needs, and what it cannot have."""
+    device = spec.device
+    found: list[tuple[tuple[str, ...], str]] = []
+    if device.driver == SERIAL and (device.url is None) == (device.target is None):
+        found.append((("device",), "must have exactly one of url and target with the driver serial"))
+    if device.driver == REPLAY and device.recordings is None:
+        found.append((("device",), "needs recordings with the driver replay"))
+    if device.url is not None and (wrong := url_fault(device.url)):
+        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
+    given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
+    for name, driver in given.items():
+        if getattr(device, name) is not None and device.driver != driver:
+            found.append((("device", name), f"must be absent: it is for the driver {driver}"))
+    if device.baud is not None and device.target is not None:
+        found.append((("device", "baud"), "must be absent with target, which has no port to set"))
+    if device.zero_angle and device.url is None:
+        found.append(
+            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
+        )
+    for name in ("knob", "person"):
+        if getattr(spec, name) is not None and device.driver == REPLAY:
+            found.append(((name,), "must be absent: what is replayed was recorded"))
+    if spec.nuisances is not None and device.driver != "virtual":
+        found.append((("nuisances",), "must be absent: they are for the driver virtual"))
+    return found

@@ -8,7 +8,6 @@ from pydantic import Field, ValidationError
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import (
     PLAIN,
-    REPLAY,
     SERIAL,
     Course,
     Device,
@@ -20,7 +19,7 @@ from hknob_cli.specs.campaign import (
     Person,
     Tried,
     Wall,
-    url_fault,
+    device_faults,
 )
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.faults import faults_of
@@ -119,7 +118,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
-    found = (*_device_faults(spec), *acting, *_faults(spec, axes))
+    found = (*device_faults(spec), *acting, *_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller),)
     if spec.remedies and not acting:
@@ -162,34 +161,6 @@ def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
         except AxisError as error:
             faults.append(source.fault(("grid", name, *error.steps), str(error)))
     return axes, faults
-
-
-def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
-    """What a driver needs, and what it cannot have."""
-    device = spec.device
-    found: list[tuple[Place, str]] = []
-    if device.driver == SERIAL and (device.url is None) == (device.target is None):
-        found.append((("device",), "must have exactly one of url and target with the driver serial"))
-    if device.driver == REPLAY and device.recordings is None:
-        found.append((("device",), "needs recordings with the driver replay"))
-    if device.url is not None and (wrong := url_fault(device.url)):
-        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
-    given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
-    for name, driver in given.items():
-        if getattr(device, name) is not None and device.driver != driver:
-            found.append((("device", name), f"must be absent: it is for the driver {driver}"))
-    if device.baud is not None and device.target is not None:
-        found.append((("device", "baud"), "must be absent with target, which has no port to set"))
-    if device.zero_angle and device.url is None:
-        found.append(
-            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
-        )
-    for name in ("knob", "person"):
-        if getattr(spec, name) is not None and device.driver == REPLAY:
-            found.append(((name,), "must be absent: what is replayed was recorded"))
-    if spec.nuisances is not None and device.driver != "virtual":
-        found.append((("nuisances",), "must be absent: they are for the driver virtual"))
-    return found
 
 
 def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Control, Settings, Simulated
+from hknob_cli.hardware.port import Control, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind
@@ -21,7 +21,7 @@ from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 
 HERE = Path(__file__).parent
-PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c")), str(HERE / "scripted_board.c")]
+PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c", "squeeze.c")), str(HERE / "scripted_board.c")]
 MS = 1_000_000  # ns
 
 
@@ -67,6 +67,33 @@ class CControl(c.Structure):
         return cls(control.law, control.places, *counts, (c.c_double * 9)(*numbers), (c.c_double * 65)(*rows))
 
 
+class CPulse(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in Pulse._fields[:4]),
+        *((name, c.c_uint32) for name in Pulse._fields[4:]),
+    )
+
+
+class CPulseState(c.Structure):
+    _fields_ = (("sum", c.c_double), ("count", c.c_uint32), ("stayed", c.c_uint32), ("phase", c.c_uint8))
+
+
+class CSqueeze(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in ("aim_n", "rise_s", "overshoot", "reaction_s", "relax_s", "strength_n")),
+        *((name, c.c_uint8) for name in ("climbs", "hand_count", "sine_count")),
+        ("hands", c.c_double * 4 * 10),
+        ("sines", CSine * 4),
+    )
+
+    @classmethod
+    def of(cls, one: Squeeze) -> "CSqueeze":
+        numbers = (one.aim_n, one.rise_s, one.overshoot, one.reaction_s, one.relax_s, one.strength_n)
+        hands = (c.c_double * 4 * 10)(*((c.c_double * 4)(*hand) for hand in one.hands))
+        counts = one.climbs, len(one.hands), len(one.sines)
+        return cls(*numbers, *counts, hands, (CSine * 4)(*(CSine(*sine) for sine in one.sines)))
+
+
 class CCommand(c.Structure):
     _fields_ = (
         ("type", c.c_uint8),
@@ -77,6 +104,8 @@ class CCommand(c.Structure):
         ("settings", CSettings),
         ("simulated", CSimulated),
         ("control", CControl),
+        ("pulse", CPulse),
+        ("squeeze", CSqueeze),
     )
 
 
@@ -116,6 +145,16 @@ def library() -> c.CDLL:
     built.wall_controlled.argtypes = (c.c_double, c.c_int64, c.c_int64, *4 * (c.c_double,))
     built.control_in_range.restype = c.c_bool
     built.control_in_range.argtypes = (c.POINTER(CControl),)
+    built.pulse_step.restype = c.c_double
+    built.pulse_step.argtypes = (c.POINTER(CPulse), c.POINTER(CPulseState), c.c_double, c.c_bool)
+    built.pulse_in_range.restype = built.squeeze_in_range.restype = c.c_bool
+    built.pulse_in_range.argtypes = (c.POINTER(CPulse), c.POINTER(CSettings))
+    built.squeeze_in_range.argtypes = (c.POINTER(CSqueeze),)
+    built.scripted_squeezed.restype = c.c_int
+    built.scripted_squeezed.argtypes = (
+        *(c.POINTER(CSimulated), c.POINTER(CSqueeze), c.POINTER(CPulse), c.c_double),
+        *(c.c_size_t, c.c_size_t, *3 * (c.c_void_p,)),
+    )
     built.command_read.restype = built.target_serve.restype = built.target_busy.restype = c.c_bool
     built.scripted_follow.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *3 * (c.c_void_p,))
     built.scripted_person.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *2 * (c.c_void_p,))

@@ -104,6 +104,12 @@ uint8_t board_simulate(const struct simulated *simulated)
     return NOT_KNOWN;
 }
 
+uint8_t board_squeeze(const struct squeeze *squeeze)
+{
+    (void)squeeze;
+    return NOT_KNOWN;
+}
+
 int main(void)
 {
     /* Clocks, pins, converters, timer, serial line; the amplifier stays disabled. Start a hardware watchdog of some 10 ms

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "pulse.h"
 #include "record.h"
 
 /* Of the loop the main loop touches, between board_lock() and board_unlock(), only what is said here. */
@@ -12,6 +13,7 @@ struct loop {
     uint8_t state, fault;
     struct settings settings;
     struct control control; /* law 0: the plain wall */
+    struct pulse pulse;     /* in place of any wall; of width 0: none */
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
     int64_t zero_counts; /* added to the board's angle */
@@ -23,6 +25,7 @@ struct loop {
     int32_t angle_before;
     uint32_t told_us; /* time of the sample before */
     bool control_begun;
+    struct pulse_state pulsing;
     double past[LAW_ROWS_MOST + 1u]; /* the controller's memory, then the last reading */
 };
 

@@ -21,6 +21,7 @@ static struct {
     uint64_t event_due_ns;
     int32_t zero;
     struct simulated simulated;
+    struct squeeze squeeze;
     struct command command;
     struct frame_receiver receiver;
     uint8_t body[FRAME_BODY_MOST], frame[FRAME_MOST];
@@ -61,6 +62,7 @@ static uint8_t configure(const struct settings *settings)
     /* What is still kept of the run before stays readable: the record has its own length of a block. */
     loop.settings = *settings;
     loop.control.law = 0u; /* its numbers are of other settings */
+    loop.pulse.width = 0u;
     self.configured = true;
     return DONE;
 }
@@ -92,6 +94,36 @@ static uint8_t control(const struct control *control)
     return DONE;
 }
 
+static uint8_t pulse(const struct pulse *pulse)
+{
+    if ((board_identity.flags & NO_GRIP_CELL) != 0u) {
+        return NOT_KNOWN;
+    }
+    if (loop.state != IDLE || !self.configured) {
+        return NOT_NOW;
+    }
+    if (!pulse_in_range(pulse, &loop.settings)) {
+        return OUT_OF_RANGE;
+    }
+    loop.pulse = *pulse;
+    return DONE;
+}
+
+static uint8_t squeeze(const struct squeeze *squeeze)
+{
+    if ((board_identity.flags & SIMULATED) == 0u) {
+        return NOT_KNOWN;
+    }
+    if (loop.state != IDLE) {
+        return NOT_NOW;
+    }
+    uint8_t status = squeeze_in_range(squeeze) ? board_squeeze(squeeze) : (uint8_t)OUT_OF_RANGE;
+    if (status == DONE) {
+        self.squeeze = *squeeze;
+    }
+    return status;
+}
+
 static uint8_t zero(int32_t angle)
 {
     if (loop.state != IDLE) {
@@ -120,6 +152,10 @@ static uint8_t carry_out(const struct command *c)
         return simulate(&c->simulated);
     case CONTROL:
         return control(&c->control);
+    case PULSE:
+        return pulse(&c->pulse);
+    case SQUEEZE:
+        return squeeze(&c->squeeze);
     case ZERO:
         return zero(c->angle);
     case ARM:
@@ -184,6 +220,10 @@ static size_t answer(void)
         count = simulated_write(self.body, count, &self.simulated);
     } else if (self.last_type == CONTROL && self.last_status == DONE) {
         count = control_write(self.body, count, &loop.control);
+    } else if (self.last_type == PULSE && self.last_status == DONE) {
+        count = pulse_write(self.body, count, &loop.pulse);
+    } else if (self.last_type == SQUEEZE && self.last_status == DONE) {
+        count = squeeze_write(self.body, count, &self.squeeze);
     }
     return count;
 }

@@ -3,17 +3,24 @@
 import struct
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import MOST_SINES, Control, Settings, Simulated, Sine
+from hknob_cli.hardware.port import MOST_SINES, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.wire.acts import (
+    SINE,
+    pack_control,
+    pack_pulse,
+    pack_squeeze,
+    unpack_control,
+    unpack_pulse,
+    unpack_squeeze,
+)
 from hknob_cli.hardware.wire.codes import Kind
 
 NONCE = struct.Struct("<I")
 SETTINGS = struct.Struct("<IIddddIH")
 KNOB = struct.Struct("<9dBB")
-SINE = struct.Struct("<3d")
 ALIVE = struct.Struct("<I")
 AGAIN = struct.Struct("<IH")
 ZERO = struct.Struct("<i")
-LAW = struct.Struct("<4B")
 
 PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE)
 
@@ -98,7 +105,31 @@ class SetControl(NamedTuple):
         return Kind.CONTROL
 
 
-Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl
+class SetPulse(NamedTuple):
+    """The pulse of a trial, in place of its wall."""
+
+    nonce: int
+    pulse: Pulse
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.PULSE
+
+
+class SetSqueeze(NamedTuple):
+    """Who squeezes the simulated knob."""
+
+    nonce: int
+    squeeze: Squeeze
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.SQUEEZE
+
+
+Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl | SetPulse | SetSqueeze
 
 
 def pack_settings(settings: Settings) -> bytes:
@@ -129,20 +160,6 @@ def unpack_simulated(data: bytes) -> Simulated:
     return Simulated._make((*knob, sines[:push_count], sines[push_count:], ()))
 
 
-def pack_control(control: Control) -> bytes:
-    """A controller as it lies in CONTROL, and in its ACK."""
-    numbers = (*control.numbers, *control.rows)
-    head = LAW.pack(control.law, control.places, len(control.numbers), len(control.rows))
-    return head + struct.pack(f"<{len(numbers)}d", *numbers)
-
-
-def unpack_control(data: bytes) -> Control:
-    """A controller; raises struct.error for another length."""
-    law, places, count, rows = LAW.unpack_from(data)
-    numbers = struct.unpack(f"<{count + rows}d", data[LAW.size :])
-    return Control(law, places, numbers[:count], numbers[count:])
-
-
 def pack_command(command: Command) -> bytes:
     """What follows version and type."""
     nonce = NONCE.pack(command.nonce)
@@ -161,6 +178,10 @@ def pack_command(command: Command) -> bytes:
             return nonce + ZERO.pack(command.angle)
         case SetControl():
             return nonce + pack_control(command.control)
+        case SetPulse():
+            return nonce + pack_pulse(command.pulse)
+        case SetSqueeze():
+            return nonce + pack_squeeze(command.squeeze)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -179,6 +200,10 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return Zero(nonce, *ZERO.unpack(rest))
     if kind is Kind.CONTROL:
         return SetControl(nonce, unpack_control(rest))
+    if kind is Kind.PULSE:
+        return SetPulse(nonce, unpack_pulse(rest))
+    if kind is Kind.SQUEEZE:
+        return SetSqueeze(nonce, unpack_squeeze(rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

@@ -8,7 +8,7 @@ What was sent and what the target says it took, compared value by value, bit by 
 import struct
 from typing import Any
 
-from hknob_cli.hardware.port import Block, Control, Settings, Simulated, Sine
+from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
 
@@ -21,6 +21,8 @@ _AFTER = {
     Kind.SIMULATE: (State.IDLE,),
     Kind.ZERO: (State.IDLE,),
     Kind.CONTROL: (State.IDLE,),
+    Kind.PULSE: (State.IDLE,),
+    Kind.SQUEEZE: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
@@ -89,7 +91,7 @@ class AfterRelease:
             self.seen = f"the target acknowledged RELEASE, but goes on sending samples with {what}"
 
 
-def differences(sent: Settings | Simulated | Control, taken: object) -> list[str]:
+def differences(sent: Settings | Simulated | Control | Pulse | Squeeze, taken: object) -> list[str]:
     """One text for each value that differs: its name, sent, taken."""
     if type(taken) is not type(sent):
         return ["the target did not say what it took"]
@@ -106,11 +108,16 @@ def _flat(values: Any) -> dict[str, Any]:
     for name, value in values._asdict().items():
         if isinstance(value, tuple):
             for index, one in enumerate(value):
-                parts = one._asdict() if isinstance(one, Sine) else {"": one}
+                parts = one._asdict() if isinstance(one, Sine) else _numbered(one)
                 flat |= {f"{name}[{index}]{part and f'.{part}'}": number for part, number in parts.items()}
         else:
             flat[name] = value
     return flat
+
+
+def _numbered(one: Any) -> dict[str, Any]:
+    """A number by no name; those of a row, which has no names, by their places."""
+    return {str(place): number for place, number in enumerate(one)} if isinstance(one, tuple) else {"": one}
 
 
 def _bits(value: Any) -> bytes:

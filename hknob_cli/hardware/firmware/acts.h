@@ -1,0 +1,13 @@
+/* Bodies of what acts in a trial beside the plain wall: controller, pulse, and the person who fires it (acts.c). */
+#ifndef ACTS_H
+#define ACTS_H
+
+#include "bytes.h"
+#include "messages.h"
+
+/* From a body of `count` bytes, of which the nonce was read; false where its length is another. */
+bool control_read(struct control *control, struct reader *reader, size_t count);
+bool pulse_read(struct pulse *pulse, struct reader *reader, size_t count);
+bool squeeze_read(struct squeeze *squeeze, struct reader *reader, size_t count);
+
+#endif

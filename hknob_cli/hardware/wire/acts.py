@@ -1,0 +1,62 @@
+"""What acts in a trial beside the plain wall, as it lies in commands and in their answers.
+
+A controller; a pulse; and who squeezes a simulated knob that pulses.
+"""
+
+import struct
+
+from hknob_cli.hardware.port import MOST_HANDS, MOST_SINES, Control, Pulse, Sine, Squeeze
+
+LAW = struct.Struct("<4B")
+PULSE = struct.Struct("<4dII")
+SQUEEZE = struct.Struct("<6d3B")
+HAND = struct.Struct("<4d")
+SINE = struct.Struct("<3d")
+
+
+def pack_control(control: Control) -> bytes:
+    """A controller as it lies in CONTROL, and in its ACK."""
+    numbers = (*control.numbers, *control.rows)
+    head = LAW.pack(control.law, control.places, len(control.numbers), len(control.rows))
+    return head + struct.pack(f"<{len(numbers)}d", *numbers)
+
+
+def unpack_control(data: bytes) -> Control:
+    """A controller; raises struct.error for another length."""
+    law, places, count, rows = LAW.unpack_from(data)
+    numbers = struct.unpack(f"<{count + rows}d", data[LAW.size :])
+    return Control(law, places, numbers[:count], numbers[count:])
+
+
+def pack_pulse(pulse: Pulse) -> bytes:
+    """A pulse as it lies in PULSE, and in its ACK."""
+    return PULSE.pack(*pulse)
+
+
+def unpack_pulse(data: bytes) -> Pulse:
+    """A pulse; raises struct.error for another length."""
+    return Pulse(*PULSE.unpack(data))
+
+
+def pack_squeeze(squeeze: Squeeze) -> bytes:
+    """Who squeezes, as it lies in SQUEEZE, and in its ACK; raises ValueError for too many hands or sines."""
+    one = squeeze
+    if len(one.hands) > MOST_HANDS or len(one.sines) > MOST_SINES:
+        raise ValueError(f"at most {MOST_HANDS} hands and {MOST_SINES} sines")
+    numbers = (one.aim_n, one.rise_s, one.overshoot, one.reaction_s, one.relax_s, one.strength_n)
+    head = SQUEEZE.pack(*numbers, one.climbs, len(one.hands), len(one.sines))
+    return head + b"".join((*(HAND.pack(*hand) for hand in one.hands), *(SINE.pack(*sine) for sine in one.sines)))
+
+
+def unpack_squeeze(data: bytes) -> Squeeze:
+    """Who squeezes; raises struct.error for another length, or for more hands or sines than there may be."""
+    *numbers, climbs, hand_count, sine_count = SQUEEZE.unpack_from(data)
+    split = SQUEEZE.size + hand_count * HAND.size
+    if max(hand_count - MOST_HANDS, sine_count - MOST_SINES) > 0 or len(data) != split + sine_count * SINE.size:
+        raise struct.error("length")
+    if climbs > 1:
+        raise struct.error("a flag")
+    hands = tuple(HAND.iter_unpack(data[SQUEEZE.size : split]))
+    sines = tuple(Sine(*each) for each in SINE.iter_unpack(data[split:]))
+    aim_n, rise_s, overshoot, reaction_s, relax_s, strength_n = numbers
+    return Squeeze(aim_n, rise_s, overshoot, bool(climbs), reaction_s, relax_s, strength_n, hands, sines)
