@@ -24,6 +24,7 @@ import numpy as np
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.grip_trigger import GripTrigger
+from hknob_cli.hardware.over_angle import ShapedWall
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
 from hknob_cli.hardware.wire.codes import Law
 
@@ -53,6 +54,7 @@ class AgreedWall:
         self._settings, self._native = settings, native_counts
         self._before: int | None = None
         self._controlled = ControlledWall(settings, settings.control) if settings.control else None
+        self._shaped = ShapedWall(settings, settings.over_angle) if settings.over_angle else None
 
     def follow(self, angle_counts: Counts, running: Flags) -> WallTorque:
         """Torque at the next angles (n,), in counts of the device's own encoder.
@@ -62,9 +64,13 @@ class AgreedWall:
         wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
         before = wall.coarse[:1] if self._before is None else [self._before]
         self._before = int(wall.coarse[-1])
-        if self._controlled is None:
+        earlier = np.concatenate([before, wall.coarse[:-1]])
+        if self._shaped is not None:
+            torque, terms = self._shaped.follow(wall.coarse, earlier)
+        elif self._controlled is not None:
+            torque, terms = self._controlled.follow(wall.coarse, earlier, running)
+        else:
             return wall
-        torque, terms = self._controlled.follow(wall.coarse, np.concatenate([before, wall.coarse[:-1]]), running)
         limit = self._settings.torque_limit_nm
         return WallTorque(np.clip(torque, -limit, limit), terms, wall.coarse)
 
@@ -184,6 +190,7 @@ class LimitMonitor:
             raise DeviceError(f"the torque is {torque * 1e3:.4g} mN m where the wall is off, {at}")
         times = f", {torque / expected[i]:.3g} times as much" if expected[i] else ""
         under = f" under {Law(settings.control.law).name.lower()}" if settings.control else ""
+        under = " and the torque over the angle" if settings.over_angle else under
         raise DeviceError(
             f"the torque is not that of the wall{under}: {torque * 1e3:.4g} mN m, where "
             f"{settings.wall_stiffness:g} N m/rad with {settings.wall_damping:g} N m s/rad at "

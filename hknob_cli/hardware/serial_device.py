@@ -12,23 +12,33 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import (
     Block,
-    Control,
     Drift,
     Identity,
-    Pulse,
+    OverAngle,
     Settings,
     Simulated,
-    Squeeze,
     Torque,
 )
 from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
+from hknob_cli.hardware.wire.acts import pieces_of
 from hknob_cli.hardware.wire.answers import About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
-from hknob_cli.hardware.wire.commands import Command, Configure, Plain, SetControl, SetPulse, SetSqueeze, Simulate, Zero
+from hknob_cli.hardware.wire.commands import (
+    Command,
+    Configure,
+    Plain,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+    Zero,
+)
 from hknob_cli.hardware.wire.frame import nobody_text
 from hknob_cli.hardware.wire.pump import Pump, open_port
-from hknob_cli.hardware.wire.sending import differences
+from hknob_cli.hardware.wire.sending import Sent, differences
 from hknob_cli.hardware.wire.session import Session
 
 BAUD = 921_600
@@ -95,16 +105,25 @@ class SerialDevice:
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
         control = settings.control
-        plain = settings._replace(control=None, pulse=None)
+        plain = settings.plain
         self._agree(plain, lambda nonce: Configure(nonce, plain))
         if control is not None:  # after CONFIGURE, by which the target forgets an earlier one
             self._agree(control, lambda nonce: SetControl(nonce, control))
         if settings.pulse is not None:
             pulse = pulse_of(settings.pulse, settings.interval_s)
             self._agree(pulse, lambda nonce: SetPulse(nonce, pulse))
+        if settings.over_angle is not None:
+            self._agree_on_table(settings.over_angle)
         if simulated is not None and self.identity.simulated:
             self._agree_on_person(simulated)
         self._agreed = True
+
+    def _agree_on_table(self, over: OverAngle) -> None:
+        """Torque over the angle, piece by piece; the target is not armed before it has all of them."""
+        table, pieces = pieces_of(over)
+        self._agree(table, lambda nonce: SetTable(nonce, table))
+        for piece in pieces:
+            self._agree(piece, lambda nonce, piece=piece: SetPiece(nonce, piece))  # type: ignore[misc]
 
     def _agree_on_person(self, simulated: Simulated) -> None:
         """Who holds a simulated knob; who squeezes it comes after SIMULATE, by which the target forgets an earlier."""
@@ -257,6 +276,7 @@ class SerialDevice:
                     knows_zero=ack.said.knows_zero,
                     knows_control=ack.said.knows_control,
                     knows_pulses=ack.said.knows_pulses,
+                    knows_over_angle=ack.said.knows_over_angle,
                 )
             if time.monotonic() >= until:
                 raise DeviceError(f"{self.url}: {self._nobody()}")
@@ -272,7 +292,7 @@ class SerialDevice:
             patience_s=self._patience_s,
         )
 
-    def _agree(self, sent: Settings | Simulated | Control | Pulse | Squeeze, make: Callable[[int], Command]) -> None:
+    def _agree(self, sent: Sent, make: Callable[[int], Command]) -> None:
         differing = differences(sent, self._command(make, "take the settings of a trial").said)
         if differing:
             raise DeviceError(f"{self.url}: the target took other values, and was not armed: {'; '.join(differing)}")

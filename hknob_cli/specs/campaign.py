@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
+from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import (
     AngleNoise,
     Bounds,
@@ -139,6 +140,15 @@ class Nuisance(NamedTuple):
     overruns: Annotated[Share, "share of the samples that come too late"] = 0.0
 
 
+class Effects(NamedTuple):
+    """Torques over the measured angle, beside the wall; at least one of them is there."""
+
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
+
+
 class Tried(NamedTuple):
     """What acts on the knob in a trial: the wall, and what acts in place of its spring, or beside it.
 
@@ -158,6 +168,7 @@ class HwRunPlan(NamedTuple):
     ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
     force. ``tries``: what each cell is tried with, one a remedy; ``reference``: the remedy that others are compared
     with, ``against`` a folder of what was computed of them, ``hand`` the hand in it; all empty without remedies.
+    ``effects`` act in every trial.
     """
 
     name: str
@@ -180,6 +191,7 @@ class HwRunPlan(NamedTuple):
     reference: str = ""
     against: str = ""
     hand: str = ""
+    effects: Effects | None = None
 
     @property
     def has_remedies(self) -> bool:

@@ -1,16 +1,19 @@
 """The spec of a campaign on a knob, real or simulated: the sixteen trials of Chapter 8 where nothing else is said."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from types import SimpleNamespace
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import (
     PLAIN,
+    REPLAY,
     SERIAL,
     Course,
     Device,
+    Effects,
     Grip,
     HwRunPlan,
     Knob,
@@ -21,9 +24,12 @@ from hknob_cli.specs.campaign import (
     Wall,
     device_faults,
 )
+from hknob_cli.specs.capabilities import PARTS, reason
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
+from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
 from hknob_cli.specs.pulse_plan import plan_pulses
@@ -65,6 +71,10 @@ class HwRunSpec(Part):
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
     remedies: Annotated[
         dict[Label, TriedSpec],
         Field(max_length=100, description="remedies by name, each tried in every cell; without any, the wall alone"),
@@ -106,7 +116,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         text = "must be absent: trials are run for every combination of the axes"
         raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
     try:
-        spec = HwRunSpec.model_validate(source.value)
+        spec = HwRunSpec.model_validate(_with_wall(source.value))
     except ValidationError as error:
         # A mapping is no 'none', and what is wrong within it says more.
         wrong = faults_of(source, HwRunSpec, error)
@@ -118,7 +128,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
-    found = (*device_faults(spec), *acting, *_faults(spec, axes))
+    found = (*device_faults(spec), *acting, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller),)
     if spec.remedies and not acting:
@@ -148,7 +158,15 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         reference=spec.reference if spec.remedies else "",
         against=spec.against or "",
         hand=spec.hand or "",
+        effects=Effects(*effects) if any(effects := [getattr(spec, name) for name in OVER_ANGLE]) else None,
     )
+
+
+def _with_wall(value: dict[str, Any]) -> dict[str, Any]:
+    """A spec; as in a scene there is no wall where only another torque over the angle is listed."""
+    if "wall" in value or not any(value.get(name) for name in OVER_ANGLE):
+        return value
+    return {**value, "wall": {"stiffness": 0.0}}
 
 
 def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
@@ -161,6 +179,23 @@ def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
         except AxisError as error:
             faults.append(source.fault(("grid", name, *error.steps), str(error)))
     return axes, faults
+
+
+def _effect_faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
+    """What is wrong with torques over the angle on a device: with their numbers, and beside a controller."""
+    there = [name for name in OVER_ANGLE if getattr(spec, name) is not None]
+    if not there:
+        return []
+    parts = {name: getattr(spec, name) for name in OVER_ANGLE}
+    scene: Any = SimpleNamespace(**parts, encoder="encoder", bias=None, wall=spec.wall)
+    found = [(place[1:], text) for place, text in over_angle_contradictions(scene, axes)]
+    changed = [name for name, remedy in spec.remedies.items() if remedy.change.get("controller")]
+    if spec.controller is not None or changed:
+        where: Place = ("controller",) if spec.controller is not None else ("remedies", changed[0], "change")
+        found.append((where, f"must be absent beside {PARTS[there[0]].title}: {reason(there[0], 'laws')}"))
+    if spec.device.driver == REPLAY:
+        found.append(((there[0],), "must be absent: what is replayed was recorded"))
+    return found
 
 
 def _faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:

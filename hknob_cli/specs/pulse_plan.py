@@ -4,11 +4,15 @@ from typing import Any
 
 from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Nuisance, device_faults
+from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
 from hknob_cli.specs.source import Source
 
-_OF_BUZZ = ("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person")
+_OF_BUZZ = (
+    *("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person"),
+    *OVER_ANGLE,
+)
 _NO_REPLAY = "what was recorded has its pulse already, and sysid reads it"
 MOST_TRIALS = 1000
 MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole

@@ -14,6 +14,7 @@ import pytest
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Control, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
+from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Plain
@@ -94,6 +95,26 @@ class CSqueeze(c.Structure):
         return cls(*numbers, *counts, hands, (CSine * 4)(*(CSine(*sine) for sine in one.sines)))
 
 
+class CTable(c.Structure):
+    _fields_ = (
+        ("first", c.c_int32),
+        *((name, c.c_uint32) for name in ("turn", "size")),
+        *((name, c.c_double) for name in ("below", "above")),
+    )
+
+
+class CPiece(c.Structure):
+    _fields_ = (("at", c.c_uint32), ("count", c.c_uint8), ("values", c.c_double * 32))
+
+    @classmethod
+    def of(cls, piece: Piece) -> "CPiece":
+        return cls(piece.at, len(piece.torques), (c.c_double * 32)(*piece.torques))
+
+
+class COverAngle(c.Structure):
+    _fields_ = (("head", CTable), ("filled", c.c_uint32), ("torques", c.c_double * 16_640))
+
+
 class CCommand(c.Structure):
     _fields_ = (
         ("type", c.c_uint8),
@@ -106,6 +127,8 @@ class CCommand(c.Structure):
         ("control", CControl),
         ("pulse", CPulse),
         ("squeeze", CSqueeze),
+        ("over_angle", CTable),
+        ("torques", CPiece),
     )
 
 
@@ -155,6 +178,12 @@ def library() -> c.CDLL:
         *(c.POINTER(CSimulated), c.POINTER(CSqueeze), c.POINTER(CPulse), c.c_double),
         *(c.c_size_t, c.c_size_t, *3 * (c.c_void_p,)),
     )
+    built.over_angle_begin.restype = built.over_angle_take.restype = c.c_bool
+    built.over_angle_begin.argtypes = (c.POINTER(COverAngle), c.POINTER(CTable))
+    built.over_angle_take.argtypes = (c.POINTER(COverAngle), c.POINTER(CPiece))
+    built.over_angle_torque.restype = built.wall_brake.restype = c.c_double
+    built.over_angle_torque.argtypes = (c.POINTER(COverAngle), c.c_int64)
+    built.wall_brake.argtypes = (c.c_int64, c.c_int64, *3 * (c.c_double,))
     built.command_read.restype = built.target_serve.restype = built.target_busy.restype = c.c_bool
     built.scripted_follow.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *3 * (c.c_void_p,))
     built.scripted_person.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *2 * (c.c_void_p,))

@@ -15,6 +15,7 @@ import pytest
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
 from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.over_angle import over_angle_of
 from hknob_cli.hardware.port import Block, Device, Settings, Simulated, Sine
 from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
@@ -25,6 +26,8 @@ from hknob_cli.hardware.wire.codes import Kind, Status, Trip
 from hknob_cli.hardware.wire.commands import Configure, Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.specs.campaign import Effects
+from hknob_cli.specs.over_angle import Detents, EndStops
 from tests.conftest import ROOT
 from tests.hardware.controllers import told
 from tests.hardware.pulses import HELD, SPEC, planned
@@ -128,6 +131,23 @@ def test_the_emulated_target_runs_a_controller(built: Path) -> None:
     found = undisturbed_trial("qemu", built, settings, 100)
     for what in ("angle_counts", "torque_nm"):
         assert np.array_equal(column(found, what, count=100), column(expected, what, count=100)), what
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_detents_and_stops_are_those_of_the_virtual_device(target: Target, built: Path) -> None:
+    need(target)
+    effects = Effects(detents=Detents(torque=0.006, per_revolution=40), end_stops=EndStops(stiffness=0.1, low=-0.1))
+    settings = SETTINGS._replace(wall_stiffness=0.0, wall_damping=0.0)
+    settings = settings._replace(over_angle=over_angle_of(effects, settings))
+    with VirtualDevice() as device:
+        expected = trial(device, settings, 500)
+    found = undisturbed_trial(target, built, settings, 500)
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=500), column(expected, what, count=500)), what
+    torques = column(found, "torque_nm", count=500)
+    assert len(set(torques.tolist())) > 10
+    assert torques.min() < -0.003
+    assert torques.max() > 0.003
 
 
 @pytest.mark.parametrize("text", [SPEC, HELD])

@@ -15,8 +15,10 @@ from hknob_cli.hardware.wire.commands import (
     Configure,
     Plain,
     SetControl,
+    SetPiece,
     SetPulse,
     SetSqueeze,
+    SetTable,
     Simulate,
 )
 from hknob_cli.hardware.wire.frame import body_of, frame
@@ -28,10 +30,13 @@ from tests.hardware.firmware import (
     SOURCES,
     CCommand,
     CControl,
+    COverAngle,
+    CPiece,
     CPulse,
     CSettings,
     CSimulated,
     CSqueeze,
+    CTable,
     compiled,
     library,
 )
@@ -86,6 +91,10 @@ def test_the_target_reads_the_fields_of_golden_commands(name: str) -> None:
             assert bytes(command.control) == bytes(CControl.of(said.control))
         case SetPulse():
             assert values(command.pulse) == tuple(said.pulse)
+        case SetTable():
+            assert bytes(command.over_angle) == bytes(CTable(*said.table))
+        case SetPiece():
+            assert bytes(command.torques) == bytes(CPiece.of(said.piece))
         case SetSqueeze():
             assert bytes(command.squeeze) == bytes(CSqueeze.of(said.squeeze))
         case Alive():
@@ -128,6 +137,13 @@ def test_more_hands_or_sines_than_there_is_room_for_are_no_message(place: int, c
     assert (body[55], body[56]) == (2, 1)
     body[place] = count
     assert read(bytes(body[:57]) + bytes(32 * body[55] + 24 * body[56])) is None
+
+
+@pytest.mark.parametrize("count", [7, 33, 255])
+def test_more_torques_than_there_are_or_room_for_are_no_message(count: int) -> None:
+    body = bytearray(encode(GOLDEN["torques"]))
+    body[10] = count
+    assert read(bytes(body[:11]) + bytes(8 * (6 if count == 7 else count))) is None
 
 
 def test_frames_of_every_length_come_back() -> None:
@@ -183,7 +199,7 @@ def test_100000_frames_that_are_none_and_50000_that_are(tmp_path: Path) -> None:
     storm, wander, controllers = done.stdout.splitlines()
     assert storm == "taken 0, trials 0, bytes answered 0, to a good frame then 49"
     assert wander == "torque without a clock 0, locks in order, torque seen often"
-    assert controllers == "controllers many, pulses many"
+    assert controllers == "controllers many, pulses many, tables many"
 
 
 def test_the_template_compiles(tmp_path: Path) -> None:
@@ -198,4 +214,7 @@ def test_structures_are_laid_out_as_in_c() -> None:
     assert c.sizeof(CSimulated) == 9 * 8 + 8 + 8 * 24
     assert c.sizeof(CControl) == 8 + 9 * 8 + 65 * 8
     assert c.sizeof(CPulse) == 4 * 8 + 8
+    assert c.sizeof(CTable) == 32
+    assert c.sizeof(CPiece) == 8 + 32 * 8
+    assert c.sizeof(COverAngle) == 32 + 8 + 16_640 * 8
     assert c.sizeof(CSqueeze) == 6 * 8 + 8 + 40 * 8 + 4 * 24

@@ -79,6 +79,37 @@ bool squeeze_read(struct squeeze *s, struct reader *r, size_t count)
     return true;
 }
 
+enum { OVER_ANGLE_BYTES = 6 + 3 * 4 + 2 * 8, TORQUES_SHORTEST = 6 + 5 };
+
+bool over_angle_read(struct over_angle *o, struct reader *r, size_t count)
+{
+    if (count != OVER_ANGLE_BYTES) {
+        return false;
+    }
+    o->first = (int32_t)(uint32_t)get(r, 4u);
+    o->turn = (uint32_t)get(r, 4u);
+    o->size = (uint32_t)get(r, 4u);
+    o->below = get_f64(r);
+    o->above = get_f64(r);
+    return true;
+}
+
+bool torques_read(struct torques *t, struct reader *r, size_t count)
+{
+    if (count < TORQUES_SHORTEST) {
+        return false;
+    }
+    t->at = (uint32_t)get(r, 4u);
+    t->count = (uint8_t)get(r, 1u);
+    if (t->count > TORQUES_MOST || count != TORQUES_SHORTEST + 8u * t->count) {
+        return false;
+    }
+    for (unsigned i = 0; i < t->count; i++) {
+        t->values[i] = get_f64(r);
+    }
+    return true;
+}
+
 size_t control_write(uint8_t *body, size_t at, const struct control *c)
 {
     at = put(body, at, c->law, 1u);
@@ -122,6 +153,25 @@ size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *s)
         at = put_f64(body, at, s->sines[i].amplitude);
         at = put_f64(body, at, s->sines[i].frequency_hz);
         at = put_f64(body, at, s->sines[i].phase);
+    }
+    return at;
+}
+
+size_t over_angle_write(uint8_t *body, size_t at, const struct over_angle *o)
+{
+    at = put(body, at, (uint32_t)o->first, 4u);
+    at = put(body, at, o->turn, 4u);
+    at = put(body, at, o->size, 4u);
+    at = put_f64(body, at, o->below);
+    return put_f64(body, at, o->above);
+}
+
+size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, const double *values)
+{
+    at = put(body, at, piece->at, 4u);
+    at = put(body, at, piece->count, 1u);
+    for (unsigned i = 0; i < piece->count; i++) {
+        at = put_f64(body, at, values[i]);
     }
     return at;
 }

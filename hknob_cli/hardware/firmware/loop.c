@@ -107,6 +107,10 @@ static uint32_t time_of(uint32_t index, uint64_t now)
 static double torque_of_wall(int64_t count)
 {
     const struct settings *s = &loop.settings;
+    if (loop.over_angle.head.size > 0u) {
+        return over_angle_torque(&loop.over_angle, count) -
+               wall_brake(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_damping);
+    }
     if (loop.control.law == 0u) {
         return wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
     }

@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "over_angle.h"
 #include "pulse.h"
 #include "record.h"
 
@@ -14,6 +15,7 @@ struct loop {
     struct settings settings;
     struct control control; /* law 0: the plain wall */
     struct pulse pulse;     /* in place of any wall; of width 0: none */
+    struct over_angle_table over_angle; /* the spring among it; of size 0: none */
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
     int64_t zero_counts; /* added to the board's angle */

@@ -92,6 +92,10 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
         return pulse_read(&command->pulse, &r, count);
     case SQUEEZE:
         return squeeze_read(&command->squeeze, &r, count);
+    case OVER_ANGLE:
+        return over_angle_read(&command->over_angle, &r, count);
+    case TORQUES:
+        return torques_read(&command->torques, &r, count);
     default:
         return false;
     }
@@ -146,7 +150,7 @@ size_t sample_write(uint8_t *body, size_t at, const struct sample *s)
 size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 {
     unsigned pulses = (i->flags & NO_GRIP_CELL) == 0u ? KNOWS_PULSES : 0u;
-    unsigned knows = (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL | pulses;
+    unsigned knows = (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL | (unsigned)KNOWS_OVER_ANGLE | pulses;
     at = put(body, at, i->native_counts, 4u);
     at = put(body, at, i->shortest_period_ns, 4u);
     at = put(body, at, i->flags | knows, 1u);

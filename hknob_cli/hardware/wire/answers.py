@@ -8,12 +8,18 @@ import numpy as np
 
 from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.wire.acts import (
+    Piece,
+    Table,
     pack_control,
+    pack_piece,
     pack_pulse,
     pack_squeeze,
+    pack_table,
     unpack_control,
+    unpack_piece,
     unpack_pulse,
     unpack_squeeze,
+    unpack_table,
 )
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import ZERO, pack_settings, pack_simulated, unpack_settings, unpack_simulated
@@ -27,6 +33,7 @@ EVENT = struct.Struct("<IIBIII")
 MOST_SAMPLES = 48
 SIMULATED_FLAG = RUNNING_FLAG = 1
 NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG, KNOWS_PULSES_FLAG = 2, 4, 8, 16, 32
+KNOWS_OVER_ANGLE_FLAG = 64
 
 
 class About(NamedTuple):
@@ -41,9 +48,10 @@ class About(NamedTuple):
     knows_zero: bool = False
     knows_control: bool = False
     knows_pulses: bool = False
+    knows_over_angle: bool = False
 
 
-Said = About | Settings | Simulated | Control | Pulse | Squeeze | int
+Said = About | Settings | Simulated | Control | Pulse | Squeeze | Table | Piece | int
 
 
 class Ack(NamedTuple):
@@ -131,6 +139,7 @@ def _pack_said(said: Said | None) -> bytes:
             flags = said.simulated * SIMULATED_FLAG + said.no_grip_cell * NO_GRIP_CELL_FLAG
             flags += said.own_time * OWN_TIME_FLAG + said.knows_zero * KNOWS_ZERO_FLAG
             flags += said.knows_control * KNOWS_CONTROL_FLAG + said.knows_pulses * KNOWS_PULSES_FLAG
+            flags += said.knows_over_angle * KNOWS_OVER_ANGLE_FLAG
             return HELLO.pack(said.native_counts, said.shortest_period_ns, flags, said.name.encode("ascii"))
         case int():
             return ZERO.pack(said)
@@ -144,6 +153,10 @@ def _pack_said(said: Said | None) -> bytes:
             return pack_pulse(said)
         case Squeeze():
             return pack_squeeze(said)
+        case Table():
+            return pack_table(said)
+        case Piece():
+            return pack_piece(said)
     return b""
 
 
@@ -163,6 +176,7 @@ def _unpack_said(of: int, status: Status, data: bytes) -> Said | None:
             knows_zero=bool(flags & KNOWS_ZERO_FLAG),
             knows_control=bool(flags & KNOWS_CONTROL_FLAG),
             knows_pulses=bool(flags & KNOWS_PULSES_FLAG),
+            knows_over_angle=bool(flags & KNOWS_OVER_ANGLE_FLAG),
         )
     if status is Status.DONE and of in _UNPACK:
         return _UNPACK[of](data)
@@ -182,6 +196,8 @@ _UNPACK: dict[int, Callable[[bytes], Said]] = {
     Kind.CONTROL: unpack_control,
     Kind.PULSE: unpack_pulse,
     Kind.SQUEEZE: unpack_squeeze,
+    Kind.OVER_ANGLE: unpack_table,
+    Kind.TORQUES: unpack_piece,
     Kind.ZERO: _unpack_zero,
 }
 

@@ -6,12 +6,18 @@ from typing import NamedTuple
 from hknob_cli.hardware.port import MOST_SINES, Control, Pulse, Settings, Simulated, Sine, Squeeze
 from hknob_cli.hardware.wire.acts import (
     SINE,
+    Piece,
+    Table,
     pack_control,
+    pack_piece,
     pack_pulse,
     pack_squeeze,
+    pack_table,
     unpack_control,
+    unpack_piece,
     unpack_pulse,
     unpack_squeeze,
+    unpack_table,
 )
 from hknob_cli.hardware.wire.codes import Kind
 
@@ -129,7 +135,32 @@ class SetSqueeze(NamedTuple):
         return Kind.SQUEEZE
 
 
-Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl | SetPulse | SetSqueeze
+class SetTable(NamedTuple):
+    """The head of the torque over the angle of a trial."""
+
+    nonce: int
+    table: Table
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.OVER_ANGLE
+
+
+class SetPiece(NamedTuple):
+    """The next torques of it."""
+
+    nonce: int
+    piece: Piece
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.TORQUES
+
+
+Acts = SetControl | SetPulse | SetSqueeze | SetTable | SetPiece
+Command = Plain | Configure | Simulate | Alive | Again | Zero | Acts
 
 
 def pack_settings(settings: Settings) -> bytes:
@@ -182,6 +213,10 @@ def pack_command(command: Command) -> bytes:
             return nonce + pack_pulse(command.pulse)
         case SetSqueeze():
             return nonce + pack_squeeze(command.squeeze)
+        case SetTable():
+            return nonce + pack_table(command.table)
+        case SetPiece():
+            return nonce + pack_piece(command.piece)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -204,6 +239,10 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return SetPulse(nonce, unpack_pulse(rest))
     if kind is Kind.SQUEEZE:
         return SetSqueeze(nonce, unpack_squeeze(rest))
+    if kind is Kind.OVER_ANGLE:
+        return SetTable(nonce, unpack_table(rest))
+    if kind is Kind.TORQUES:
+        return SetPiece(nonce, unpack_piece(rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

@@ -9,8 +9,11 @@ import struct
 from typing import Any
 
 from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
+
+Sent = Settings | Simulated | Control | Pulse | Squeeze | Table | Piece
 
 AGAIN_AFTER_S = 0.03
 TIMES_AGAIN = 5
@@ -23,6 +26,8 @@ _AFTER = {
     Kind.CONTROL: (State.IDLE,),
     Kind.PULSE: (State.IDLE,),
     Kind.SQUEEZE: (State.IDLE,),
+    Kind.OVER_ANGLE: (State.IDLE,),
+    Kind.TORQUES: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
@@ -91,7 +96,7 @@ class AfterRelease:
             self.seen = f"the target acknowledged RELEASE, but goes on sending samples with {what}"
 
 
-def differences(sent: Settings | Simulated | Control | Pulse | Squeeze, taken: object) -> list[str]:
+def differences(sent: Sent, taken: object) -> list[str]:
     """One text for each value that differs: its name, sent, taken."""
     if type(taken) is not type(sent):
         return ["the target did not say what it took"]

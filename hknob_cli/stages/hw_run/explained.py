@@ -24,12 +24,14 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     knob = Knob(*plan.knob)
     bias = Bias(torque=plan.person.push) if simulated else None
     scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.first.controller)
+    if plan.effects:
+        scene = scene._replace(**plan.effects._asdict())
     if simulated:
         parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
         wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
         parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
     else:
-        said = ("Wall:", "Encoder:", "Clock:", "Controller:")
+        said = ("Wall:", "Encoder:", "Clock:", "Controller:", "Profile:", "Detents:", "End stops:", "Dead zone:")
         parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
     course, limits = plan.course, plan.limits
     about = {
