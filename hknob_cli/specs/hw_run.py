@@ -164,7 +164,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
 
 def _with_wall(value: dict[str, Any]) -> dict[str, Any]:
     """A spec; as in a scene there is no wall where only another torque over the angle is listed."""
-    if "wall" in value or not any(value.get(name) for name in OVER_ANGLE):
+    if "wall" in value or value.get("what") == PULSES or not any(value.get(name) for name in OVER_ANGLE):
         return value
     return {**value, "wall": {"stiffness": 0.0}}
 

@@ -136,7 +136,7 @@ def test_the_emulated_target_runs_a_controller(built: Path) -> None:
 @pytest.mark.parametrize("target", TARGETS)
 def test_detents_and_stops_are_those_of_the_virtual_device(target: Target, built: Path) -> None:
     need(target)
-    effects = Effects(detents=Detents(torque=0.006, per_revolution=40), end_stops=EndStops(stiffness=0.1, low=-0.1))
+    effects = Effects(detents=Detents(torque=0.006, per_revolution=100), end_stops=EndStops(stiffness=0.2, low=0.0))
     settings = SETTINGS._replace(wall_stiffness=0.0, wall_damping=0.0)
     settings = settings._replace(over_angle=over_angle_of(effects, settings))
     with VirtualDevice() as device:
@@ -145,9 +145,9 @@ def test_detents_and_stops_are_those_of_the_virtual_device(target: Target, built
     for what in ("angle_counts", "torque_nm"):
         assert np.array_equal(column(found, what, count=500), column(expected, what, count=500)), what
     torques = column(found, "torque_nm", count=500)
-    assert len(set(torques.tolist())) > 10
+    assert len(set(torques.tolist())) > 5
     assert torques.min() < -0.003
-    assert torques.max() > 0.003
+    assert torques.max() > 0.008  # of the stop, which no detent has
 
 
 @pytest.mark.parametrize("text", [SPEC, HELD])
