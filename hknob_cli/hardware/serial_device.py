@@ -9,36 +9,15 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.grip_trigger import pulse_of
-from hknob_cli.hardware.port import (
-    Block,
-    Drift,
-    Identity,
-    OverAngle,
-    Settings,
-    Simulated,
-    Torque,
-)
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Simulated, Torque
 from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
-from hknob_cli.hardware.wire.acts import pieces_of
 from hknob_cli.hardware.wire.answers import About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
-from hknob_cli.hardware.wire.commands import (
-    Command,
-    Configure,
-    Plain,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-    Zero,
-)
+from hknob_cli.hardware.wire.commands import Command, Plain, Zero
 from hknob_cli.hardware.wire.frame import nobody_text
 from hknob_cli.hardware.wire.pump import Pump, open_port
-from hknob_cli.hardware.wire.sending import Sent, differences
+from hknob_cli.hardware.wire.sending import Sent, differences, told_of
 from hknob_cli.hardware.wire.session import Session
 
 BAUD = 921_600
@@ -104,34 +83,9 @@ class SerialDevice:
         out_of_range = faults(settings, self.identity)
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
-        control = settings.control
-        plain = settings.plain
-        self._agree(plain, lambda nonce: Configure(nonce, plain))
-        if control is not None:  # after CONFIGURE, by which the target forgets an earlier one
-            self._agree(control, lambda nonce: SetControl(nonce, control))
-        if settings.pulse is not None:
-            pulse = pulse_of(settings.pulse, settings.interval_s)
-            self._agree(pulse, lambda nonce: SetPulse(nonce, pulse))
-        if settings.over_angle is not None:
-            self._agree_on_table(settings.over_angle)
-        if simulated is not None and self.identity.simulated:
-            self._agree_on_person(simulated)
+        for sent, make in told_of(settings, simulated if self.identity.simulated else None):
+            self._agree(sent, make)
         self._agreed = True
-
-    def _agree_on_table(self, over: OverAngle) -> None:
-        """Torque over the angle, piece by piece; the target is not armed before it has all of them."""
-        table, pieces = pieces_of(over)
-        self._agree(table, lambda nonce: SetTable(nonce, table))
-        for piece in pieces:
-            self._agree(piece, lambda nonce, piece=piece: SetPiece(nonce, piece))  # type: ignore[misc]
-
-    def _agree_on_person(self, simulated: Simulated) -> None:
-        """Who holds a simulated knob; who squeezes it comes after SIMULATE, by which the target forgets an earlier."""
-        plain = simulated._replace(squeeze=())
-        self._agree(plain, lambda nonce: Simulate(nonce, plain))
-        if simulated.squeeze:
-            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
-            self._agree(squeeze, lambda nonce: SetSqueeze(nonce, squeeze))
 
     def arm(self) -> None:
         """Begin to sample, torque off."""

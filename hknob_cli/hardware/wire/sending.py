@@ -6,12 +6,25 @@ What was sent and what the target says it took, compared value by value, bit by 
 """
 
 import struct
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
+from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
-from hknob_cli.hardware.wire.acts import Piece, Table
+from hknob_cli.hardware.wire.acts import Piece, Table, pieces_of
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
+from hknob_cli.hardware.wire.commands import (
+    Command,
+    Configure,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+)
 
 Sent = Settings | Simulated | Control | Pulse | Squeeze | Table | Piece
 
@@ -33,6 +46,31 @@ _AFTER = {
     Kind.STOP: (State.IDLE,),
     Kind.RELEASE: (State.IDLE,),
 }
+
+
+def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[Sent, Callable[[int], Command]]]:
+    """What a target is told of a trial, in its order, each with how it is sent; what it took is compared with each.
+
+    CONFIGURE comes first, by which it forgets what acted before; SQUEEZE after SIMULATE, by which it forgets who did.
+    """
+    plain, control, over = settings.plain, settings.control, settings.over_angle
+    yield plain, lambda nonce: Configure(nonce, plain)
+    if control is not None:
+        yield control, lambda nonce: SetControl(nonce, control)
+    if settings.pulse is not None:
+        pulse = pulse_of(settings.pulse, settings.interval_s)
+        yield pulse, lambda nonce: SetPulse(nonce, pulse)
+    if over is not None:
+        table, pieces = pieces_of(over)
+        yield table, lambda nonce: SetTable(nonce, table)
+        for piece in pieces:
+            yield piece, partial(SetPiece, piece=piece)
+    if simulated is not None:
+        knob = simulated._replace(squeeze=())
+        yield knob, lambda nonce: Simulate(nonce, knob)
+        if simulated.squeeze:
+            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
+            yield squeeze, lambda nonce: SetSqueeze(nonce, squeeze)
 
 
 class Sending:
