@@ -93,6 +93,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
     "`hw-run`: trials.parquet": (
         ("always", _HW, "CELL TRIAL_KEYS TRIALS"),
         ("`controller`, `remedies`", _HW, "CONTROLLED"),
+        ("`profile`, `detents`, `end_stops` or `dead_zone`", _HW, "SHAPED"),
         ("`remedies`", _HW, "TRIED"),
     ),
     "`hw-run`: trials.parquet, with `what: pulses`": (

@@ -9,7 +9,7 @@ from enum import Enum
 
 import numpy as np
 
-from hknob_cli.hardware.port import Array, Flags, PulseOrder
+from hknob_cli.hardware.port import Array, Flags, Pulse, PulseOrder
 
 
 class Phase(str, Enum):
@@ -24,14 +24,24 @@ class Phase(str, Enum):
     DONE = "done"
 
 
+def pulse_of(order: PulseOrder, interval_s: float) -> Pulse:
+    """A pulse in samples, as devices count them; ``interval_s`` from sample to sample."""
+    return Pulse(
+        grip_n=order.grip_n,
+        band_n=order.band_n,
+        release_n=order.release_n,
+        torque_nm=order.torque_nm,
+        width=max(1, round(order.width_s / interval_s)),
+        dwell=round(order.dwell_s / interval_s),
+    )
+
+
 class GripTrigger:
     """Follows the grip of one trial; ``phase`` is that of the last sample."""
 
     def __init__(self, order: PulseOrder, interval_s: float) -> None:
         """``interval_s`` from sample to sample."""
-        self._order = order
-        self._width = max(1, round(order.width_s / interval_s))
-        self._dwell = round(order.dwell_s / interval_s)
+        self._pulse = pulse_of(order, interval_s)
         self._stayed = 0
         self._sum, self._count = 0.0, 0
         self.phase = Phase.ZERO
@@ -48,26 +58,26 @@ class GripTrigger:
             return 0.0
         grip = cell_n - self.zero_n
         if self.phase in (Phase.ZERO, Phase.RELAX):
-            self.phase = Phase.SQUEEZE if grip < self._order.release_n else Phase.RELAX
+            self.phase = Phase.SQUEEZE if grip < self._pulse.release_n else Phase.RELAX
         if self.phase in (Phase.SQUEEZE, Phase.HOLD):
             self._wait(grip)
         elif self.phase is Phase.PULSE:
             self._stayed += 1
-            self.phase = Phase.PULSE if self._stayed < self._width else Phase.RELEASE
-        if self.phase is Phase.RELEASE and grip < self._order.release_n:
+            self.phase = Phase.PULSE if self._stayed < self._pulse.width else Phase.RELEASE
+        if self.phase is Phase.RELEASE and grip < self._pulse.release_n:
             self.phase = Phase.DONE
-        return self._order.torque_nm if self.phase is Phase.PULSE else 0.0
+        return self._pulse.torque_nm if self.phase is Phase.PULSE else 0.0
 
     def _wait(self, grip: float) -> None:
         """Fire, or go on waiting."""
-        order = self._order
-        if not self._dwell:
-            fires = grip >= order.grip_n
+        pulse = self._pulse
+        if not pulse.dwell:
+            fires = grip >= pulse.grip_n
         else:
-            held = abs(grip - order.grip_n) <= order.band_n
+            held = abs(grip - pulse.grip_n) <= pulse.band_n
             self._stayed = self._stayed + 1 if held else 0
             self.phase = Phase.HOLD if held else Phase.SQUEEZE
-            fires = self._stayed > self._dwell
+            fires = self._stayed > pulse.dwell
         if fires:
             self.phase, self._stayed = Phase.PULSE, 0
 

@@ -117,6 +117,10 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         watchdog_us=round(plan.limits.watchdog * 1e6),
         block_samples=min(max(block, 1), MOST_BLOCK),
     )
+    if plan.effects:
+        from hknob_cli.hardware.over_angle import over_angle_of
+
+        return settings._replace(over_angle=over_angle_of(plan.effects, settings))
     if acts.controller is None:
         return settings
     from hknob_cli.hardware.control import control_of

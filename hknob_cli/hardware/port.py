@@ -20,6 +20,7 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 
 MOST_SINES = 4
+MOST_HANDS = 10
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Counts = np.ndarray[Any, np.dtype[np.int64]]
@@ -104,13 +105,42 @@ class PulseOrder(NamedTuple):
     width_s: float
 
 
+class Pulse(NamedTuple):
+    """A `PulseOrder` as a target has it: forces in N, torque in N·m, ``width`` and ``dwell`` in samples.
+
+    ``dwell`` 0: it fires as the grip reaches ``grip_n``.
+    """
+
+    grip_n: float
+    band_n: float
+    release_n: float
+    torque_nm: float
+    width: int
+    dwell: int
+
+
+class OverAngle(NamedTuple):
+    """Torque over the measured angle as a target has it: N·m for every count of the wall's encoder from ``first`` on.
+
+    Beyond its ends the table repeats itself every ``turn`` counts, each time with a constant added: ``below`` it, or
+    ``above`` it, for each turn up (`engine.general.torque_table`).
+    """
+
+    first: int
+    turn: int
+    below: float
+    above: float
+    torques: tuple[float, ...]
+
+
 class Identity(NamedTuple):
     """What a device says it is; ``native_counts`` per revolution of its own encoder; ``boot`` differs after a restart.
 
     ``simulated``: it has no knob but the simulated one of `Simulated`. ``shortest_period_ns`` of its sample clock.
     ``no_grip_cell``: its grip force is 0 and means nothing. ``own_time``: its clock is simulated too, and may run
     faster or slower than any other. ``knows_zero``: it can make the present angle zero.
-    ``knows_control``: it can run controllers; ``knows_pulses``: it can fire a pulse at a grip.
+    ``knows_control``: it can run controllers; ``knows_pulses``: it can fire a pulse at a grip; ``knows_over_angle``: it
+    can run a torque over the angle.
     """
 
     name: str
@@ -123,6 +153,7 @@ class Identity(NamedTuple):
     knows_zero: bool = False
     knows_control: bool = False
     knows_pulses: bool = False
+    knows_over_angle: bool = False
 
 
 class Torque(str, Enum):
@@ -152,7 +183,7 @@ class Settings(NamedTuple):
     N·m/rad, ``wall_damping`` in N·m·s/rad, on the differenced coarse angle; torque is cut off at ±``torque_limit_nm``;
     a speed above ``speed_limit_rad_s``, or ``watchdog_us`` without a word from the host, ends the trial at the target.
     ``control``: what acts in place of the wall's spring, or beside it; None: the plain wall. ``pulse``: a pulse that a
-    grip fires, in place of a wall.
+    grip fires, in place of a wall. ``over_angle``: in place of the wall's spring, which is in it.
     """
 
     period_ns: int
@@ -165,6 +196,7 @@ class Settings(NamedTuple):
     block_samples: int
     control: Control | None = None
     pulse: PulseOrder | None = None
+    over_angle: OverAngle | None = None
 
     @property
     def interval_s(self) -> float:
@@ -173,9 +205,14 @@ class Settings(NamedTuple):
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """All but controller and pulse, in the order of CONFIGURE."""
-        numbers: tuple[float, ...] = self._replace(control=None, pulse=None)[:-2]
+        """All but what acts beside the plain wall, in the order of CONFIGURE."""
+        numbers: tuple[float, ...] = self.plain[:-3]
         return numbers
+
+    @property
+    def plain(self) -> "Settings":
+        """These with the plain wall, which is all that CONFIGURE carries."""
+        return self._replace(control=None, pulse=None, over_angle=None)
 
 
 class Block(NamedTuple):

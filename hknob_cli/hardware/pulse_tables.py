@@ -26,7 +26,7 @@ _DOUBTS = {
 def pulse_tables(done: list[Recorded], plan: PulsePlan) -> tuple[pa.Table, pa.Table, pa.Table]:
     """Samples, trials and timing of finished trials, in the order they were run."""
     samples = pa.concat_tables([one.table for one in done]).combine_chunks()
-    simulated = plan.device.driver == VIRTUAL
+    simulated = plan.device.driver == VIRTUAL or plan.device.target is not None
     columns = (*PULSE_TRIALS, *(TRUTH if simulated else ()))
     nothing: dict[str, Any] = dict.fromkeys(column.name for column in columns)
     rows = [{**nothing, **_row(one, plan), **(_truth(one, plan) if simulated else {})} for one in done]

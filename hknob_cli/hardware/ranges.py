@@ -5,10 +5,13 @@ What the wire asks of a trial's settings beside the target's ranges: that a bloc
 
 from math import inf, isfinite
 
+from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
 
 # A block must come well before silence counts as a dead link.
 LONGEST_BLOCK_S = 0.05
+LONGEST_PULSE_NS = 500_000_000
+MOST_OVER_ANGLE = 16_640  # counts of a table
 
 
 def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
@@ -32,12 +35,25 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
             faults.append(f"{name} must be {allowed}, got {value:.10g}")
     if settings.control is not None and not identity.knows_control:
         faults.append("it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)")
-    if (pulse := settings.pulse) is not None:
+    if settings.over_angle is not None:
+        if not identity.knows_over_angle:
+            faults.append(
+                "it runs the plain wall alone, no torque over the angle: it does not know OVER_ANGLE "
+                "(docs/reference/wire.md)"
+            )
+        if (count := len(settings.over_angle.torques)) > MOST_OVER_ANGLE:
+            faults.append(
+                f"the torque over the angle takes a table of {count} counts, and a target has room for "
+                f"{MOST_OVER_ANGLE}: choose fewer counts, or nearer ends"
+            )
+    if (pulse := settings.pulse) is not None and not faults:
         if not identity.knows_pulses:
-            faults.append("it fires no pulses: the wire has no message that arms one (docs/reference/wire.md)")
+            faults.append("it fires no pulses: it does not know PULSE (docs/reference/wire.md)")
         if not 0.0 < pulse.torque_nm <= settings.torque_limit_nm:
             most = settings.torque_limit_nm
             faults.append(f"the pulse must be above 0, at most {most:g} N m, got {pulse.torque_nm:.10g}")
+        if not (pulse_of(pulse, settings.interval_s).width - 1) * settings.period_ns < LONGEST_PULSE_NS:
+            faults.append(f"the pulse must last at most {LONGEST_PULSE_NS * 1e-9:g} s, got {pulse.width_s:.10g}")
     return faults
 
 

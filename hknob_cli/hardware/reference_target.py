@@ -27,8 +27,11 @@ Target = Literal["host", "qemu"]
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow")
 # The same arithmetic everywhere: no multiplication and addition in one rounding.
 ARITHMETIC = ("-O2", "-ffp-contract=off")
-PORTABLE = ("frame.c", "messages.c", "wall.c", "law.c", "law_speeds.c", "record.c", "loop.c", "target.c")
-SIMULATED = ("plant.c", "simulated_knob.c")
+PORTABLE = (
+    *("frame.c", "messages.c", "acts.c", "ranges.c", "wall.c", "law.c", "law_speeds.c", "pulse.c"),
+    *("over_angle.c", "record.c", "loop.c", "target.c"),
+)
+SIMULATED = ("plant.c", "squeeze.c", "simulated_knob.c")
 CORTEX_M3 = ("-mcpu=cortex-m3", "-mthumb", "-ffunction-sections", "-fdata-sections", "-nostartfiles")
 
 NEEDS = {

@@ -23,6 +23,8 @@ import numpy as np
 
 from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ControlledWall
+from hknob_cli.hardware.grip_trigger import GripTrigger
+from hknob_cli.hardware.over_angle import ShapedWall
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
 from hknob_cli.hardware.wire.codes import Law
 
@@ -52,6 +54,7 @@ class AgreedWall:
         self._settings, self._native = settings, native_counts
         self._before: int | None = None
         self._controlled = ControlledWall(settings, settings.control) if settings.control else None
+        self._shaped = ShapedWall(settings, settings.over_angle) if settings.over_angle else None
 
     def follow(self, angle_counts: Counts, running: Flags) -> WallTorque:
         """Torque at the next angles (n,), in counts of the device's own encoder.
@@ -61,9 +64,13 @@ class AgreedWall:
         wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
         before = wall.coarse[:1] if self._before is None else [self._before]
         self._before = int(wall.coarse[-1])
-        if self._controlled is None:
+        earlier = np.concatenate([before, wall.coarse[:-1]])
+        if self._shaped is not None:
+            torque, terms = self._shaped.follow(wall.coarse, earlier)
+        elif self._controlled is not None:
+            torque, terms = self._controlled.follow(wall.coarse, earlier, running)
+        else:
             return wall
-        torque, terms = self._controlled.follow(wall.coarse, np.concatenate([before, wall.coarse[:-1]]), running)
         limit = self._settings.torque_limit_nm
         return WallTorque(np.clip(torque, -limit, limit), terms, wall.coarse)
 
@@ -117,6 +124,7 @@ class LimitMonitor:
         self._on = False
         self._unflagged = False
         self._wall = AgreedWall(settings, native_counts)
+        self._pulse = GripTrigger(settings.pulse, settings.interval_s) if settings.pulse else None
         self.gaps = 0
 
     def start(self) -> None:
@@ -166,6 +174,9 @@ class LimitMonitor:
     def _check_law(self, block: Block) -> None:
         """The torque follows from the angle, the stiffness, the counts and the limit that the device took."""
         settings = self._settings
+        if self._pulse is not None:
+            self._check_pulse(self._pulse, block)
+            return
         wall = self._wall.follow(block.angle_counts, block.running)
         expected: Array = np.where(block.running, wall.torque_nm, 0.0)
         allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm
@@ -179,12 +190,24 @@ class LimitMonitor:
             raise DeviceError(f"the torque is {torque * 1e3:.4g} mN m where the wall is off, {at}")
         times = f", {torque / expected[i]:.3g} times as much" if expected[i] else ""
         under = f" under {Law(settings.control.law).name.lower()}" if settings.control else ""
+        under = " and the torque over the angle" if settings.over_angle else under
         raise DeviceError(
             f"the torque is not that of the wall{under}: {torque * 1e3:.4g} mN m, where "
             f"{settings.wall_stiffness:g} N m/rad with {settings.wall_damping:g} N m s/rad at "
             f"{settings.counts_per_rev} counts, at most {settings.torque_limit_nm:g} N m, "
             f"give {expected[i] * 1e3:.4g}{times}, {at}"
         )
+
+    def _check_pulse(self, pulse: GripTrigger, block: Block) -> None:
+        """The torque is that of the pulse which the grip that the device told fires, to its single precision."""
+        expected = np.where(block.running, pulse.follow(block.grip_n, block.running), 0.0)
+        bad = np.abs(block.torque_nm - expected) > LAW_LIMIT_SHARE * self._settings.torque_limit_nm
+        if bad.any():
+            i = int(np.argmax(bad))
+            raise DeviceError(
+                f"the torque is not that of the pulse: {block.torque_nm[i] * 1e3:.4g} mN m, where the grip that the "
+                f"device told calls for {expected[i] * 1e3:.4g}, at sample {block.first + i}"
+            )
 
     def _refuse(self, bad: np.ndarray[tuple[int], np.dtype[np.bool_]], block: Block, what: str) -> None:
         if bad.any():

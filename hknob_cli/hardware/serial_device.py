@@ -9,15 +9,15 @@ from types import TracebackType
 from typing import Any, Self
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Control, Drift, Identity, Settings, Simulated, Torque
+from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Simulated, Torque
 from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
 from hknob_cli.hardware.wire.answers import About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
-from hknob_cli.hardware.wire.commands import Command, Configure, Plain, SetControl, Simulate, Zero
+from hknob_cli.hardware.wire.commands import Command, Plain, Zero
 from hknob_cli.hardware.wire.frame import nobody_text
 from hknob_cli.hardware.wire.pump import Pump, open_port
-from hknob_cli.hardware.wire.sending import differences
+from hknob_cli.hardware.wire.sending import Sent, differences, told_of
 from hknob_cli.hardware.wire.session import Session
 
 BAUD = 921_600
@@ -83,13 +83,8 @@ class SerialDevice:
         out_of_range = faults(settings, self.identity)
         if out_of_range:
             raise DeviceError(f"{self.url}: {'; '.join(out_of_range)}")
-        control = settings.control
-        plain = settings._replace(control=None)
-        self._agree(plain, lambda nonce: Configure(nonce, plain))
-        if control is not None:  # after CONFIGURE, by which the target forgets an earlier one
-            self._agree(control, lambda nonce: SetControl(nonce, control))
-        if simulated is not None and self.identity.simulated:
-            self._agree(simulated, lambda nonce: Simulate(nonce, simulated))
+        for sent, make in told_of(settings, simulated if self.identity.simulated else None):
+            self._agree(sent, make)
         self._agreed = True
 
     def arm(self) -> None:
@@ -234,6 +229,8 @@ class SerialDevice:
                     own_time=ack.said.own_time,
                     knows_zero=ack.said.knows_zero,
                     knows_control=ack.said.knows_control,
+                    knows_pulses=ack.said.knows_pulses,
+                    knows_over_angle=ack.said.knows_over_angle,
                 )
             if time.monotonic() >= until:
                 raise DeviceError(f"{self.url}: {self._nobody()}")
@@ -249,7 +246,7 @@ class SerialDevice:
             patience_s=self._patience_s,
         )
 
-    def _agree(self, sent: Settings | Simulated | Control, make: Callable[[int], Command]) -> None:
+    def _agree(self, sent: Sent, make: Callable[[int], Command]) -> None:
         differing = differences(sent, self._command(make, "take the settings of a trial").said)
         if differing:
             raise DeviceError(f"{self.url}: the target took other values, and was not armed: {'; '.join(differing)}")

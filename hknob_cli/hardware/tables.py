@@ -12,12 +12,12 @@ from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
-from hknob_cli.hardware.wire.commands import pack_control
+from hknob_cli.hardware.wire.acts import pack_control, pack_piece, pack_table, pieces_of
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.campaign_files import CONTROLLED, TIMING, TRIALS, TRIED
+from hknob_cli.results.campaign_files import CONTROLLED, SHAPED, TIMING, TRIALS, TRIED
 from hknob_cli.specs.campaign import Course, HwRunPlan
 
 _DIGITS = 16  # of a digest
@@ -32,7 +32,10 @@ def campaign_tables(done: list[Recorded], plan: HwRunPlan) -> tuple[pa.Table, pa
     tried = TRIED if plan.has_remedies else ()
     controlled = CONTROLLED if tried or plan.first.controller else ()
     rows = [{**_row(one, plan.course), **(_acting(plan, one.trial) if controlled else {})} for one in done]
-    trials = build_table((*TRIALS, *controlled, *tried), rows)
+    shaped = SHAPED if plan.effects else ()
+    if shaped:
+        rows = [{**row, **_shaping(plan, one.trial)} for row, one in zip(rows, done, strict=True)]
+    trials = build_table((*TRIALS, *controlled, *shaped, *tried), rows)
     return samples, trials, build_table(TIMING, [timing_row(one, place_of(one)) for one in done])
 
 
@@ -46,6 +49,15 @@ def _acting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
         "wall_damping": acts.wall.damping,
         "control_digest": hashlib.sha256(pack_control(control)).hexdigest()[:_DIGITS] if control else "",
     }
+
+
+def _shaping(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
+    """Which torque over the angle acted in a trial: values of `SHAPED`."""
+    over = settings_of(plan, trial).over_angle
+    assert over is not None
+    table, pieces = pieces_of(over)
+    digest = hashlib.sha256(pack_table(table) + b"".join(map(pack_piece, pieces)))
+    return {"over_angle_digest": digest.hexdigest()[:_DIGITS]}
 
 
 def _row(one: Recorded, course: Course) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Disturbances, Nuisances
+from hknob_cli.hardware.over_angle import ShapedWall
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 
@@ -27,7 +28,8 @@ _MOST_COUNTS = 2**31
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
-IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, knows_control=True, knows_pulses=True)
+_KNOWS = {"knows_control": True, "knows_pulses": True, "knows_over_angle": True}
+IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, **_KNOWS)
 
 
 class MovingKnob(Protocol):
@@ -59,7 +61,11 @@ class VirtualLoop:
         self._coarse: int | None = None
         self._began: float | None = None  # when the wall was switched on, in periods
         self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
-        self._controlled = ControlledWall(settings, settings.control) if settings.control else None
+        self._acts: ControlledWall | ShapedWall | None = None  # in place of the wall's spring
+        if settings.over_angle is not None:
+            self._acts = ShapedWall(settings, settings.over_angle)
+        elif settings.control is not None:
+            self._acts = ControlledWall(settings, settings.control)
         self._last = 0.0
         self._told_us = -1
 
@@ -121,10 +127,10 @@ class VirtualLoop:
 
     def _commanded(self, _index: int, coarse: int, before: int, running: bool) -> float:
         """Torque of the wall, before the limit."""
-        if not running or (coarse >= 0 and not self._controlled):
+        if not running or (coarse >= 0 and not self._acts):
             return 0.0
-        if self._controlled:
-            return self._controlled.torque(coarse, before)
+        if self._acts:
+            return self._acts.torque(coarse, before)
         settings = self._settings
         quantum = tau / settings.counts_per_rev
         torque = -settings.wall_stiffness * (coarse * quantum)

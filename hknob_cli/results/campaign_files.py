@@ -77,6 +77,16 @@ TRIALS = (
 )
 # Where a controller, or a trial of remedies, is asked for.
 CONTROLLED = (Column("controller", _TEXT, "", "what acts in place of the wall's spring, or beside it, in SI units"),)
+# Where there is a torque over the angle.
+SHAPED = (
+    Column(
+        "over_angle_digest",
+        _TEXT,
+        "",
+        "SHA-256, its first 16 digits, of the table of torques over the angle as the wire carries it, which differs by "
+        "counts and wall",
+    ),
+)
 REMEDY = Column("remedy", _TEXT, "", "name of the remedy that it tries")
 # Where remedies are tried.
 TRIED = (

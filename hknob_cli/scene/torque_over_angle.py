@@ -5,7 +5,7 @@ computed with whole numbers: a count that lies half way between two detents does
 """
 
 from math import gcd, inf, lcm, pi
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,13 +44,33 @@ class Clock(NamedTuple):
     offset: float
 
 
+class Parts(Protocol):
+    """What has torques over the angle: a scene, or a campaign on a knob."""
+
+    @property
+    def profile(self) -> Profile | None:
+        """Torque point by point."""
+
+    @property
+    def detents(self) -> Detents | None:
+        """Places of rest."""
+
+    @property
+    def end_stops(self) -> EndStops | None:
+        """Springs outside of a range."""
+
+    @property
+    def dead_zone(self) -> DeadZone | None:
+        """A spring outside of a zone."""
+
+
 def is_shaped(scene: Scene) -> bool:
     """Whether a scene has a torque over the angle other than its wall."""
     return any(getattr(scene, name) for name in OVER_ANGLE)
 
 
-def table_of(scene: Scene, clock: Clock, *, kappa: float, unit_nm: float) -> Array:
-    """The table of a scene that `is_shaped`, as `engine.general.torque_table` has it.
+def table_of(scene: Parts, clock: Clock, *, kappa: float, unit_nm: float) -> Array:
+    """The table of parts of which there is one, as `engine.general.torque_table` has it.
 
     ``kappa``: of the wall, as an acceleration; ``unit_nm``: torque of a unit acceleration. Raises `ComputationError`
     where the table would be too long.

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
+from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.quantity import (
     AngleNoise,
     Bounds,
@@ -139,6 +140,15 @@ class Nuisance(NamedTuple):
     overruns: Annotated[Share, "share of the samples that come too late"] = 0.0
 
 
+class Effects(NamedTuple):
+    """Torques over the measured angle, beside the wall; at least one of them is there."""
+
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
+
+
 class Tried(NamedTuple):
     """What acts on the knob in a trial: the wall, and what acts in place of its spring, or beside it.
 
@@ -158,6 +168,7 @@ class HwRunPlan(NamedTuple):
     ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
     force. ``tries``: what each cell is tried with, one a remedy; ``reference``: the remedy that others are compared
     with, ``against`` a folder of what was computed of them, ``hand`` the hand in it; all empty without remedies.
+    ``effects`` act in every trial.
     """
 
     name: str
@@ -180,6 +191,7 @@ class HwRunPlan(NamedTuple):
     reference: str = ""
     against: str = ""
     hand: str = ""
+    effects: Effects | None = None
 
     @property
     def has_remedies(self) -> bool:
@@ -210,3 +222,31 @@ def url_fault(url: str) -> str:
     if not sign or scheme.lower() in SCHEMES:
         return ""
     return f"must be a port's name, or begin with {', '.join(f'{one}://' for one in SCHEMES)}"
+
+
+def device_faults(spec: Any) -> list[tuple[tuple[str, ...], str]]:
+    """What the driver of a valid spec needs, and what it cannot have."""
+    device = spec.device
+    found: list[tuple[tuple[str, ...], str]] = []
+    if device.driver == SERIAL and (device.url is None) == (device.target is None):
+        found.append((("device",), "must have exactly one of url and target with the driver serial"))
+    if device.driver == REPLAY and device.recordings is None:
+        found.append((("device",), "needs recordings with the driver replay"))
+    if device.url is not None and (wrong := url_fault(device.url)):
+        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
+    given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
+    for name, driver in given.items():
+        if getattr(device, name) is not None and device.driver != driver:
+            found.append((("device", name), f"must be absent: it is for the driver {driver}"))
+    if device.baud is not None and device.target is not None:
+        found.append((("device", "baud"), "must be absent with target, which has no port to set"))
+    if device.zero_angle and device.url is None:
+        found.append(
+            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
+        )
+    for name in ("knob", "person"):
+        if getattr(spec, name) is not None and device.driver == REPLAY:
+            found.append(((name,), "must be absent: what is replayed was recorded"))
+    if spec.nuisances is not None and device.driver != "virtual":
+        found.append((("nuisances",), "must be absent: they are for the driver virtual"))
+    return found

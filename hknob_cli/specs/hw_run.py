@@ -1,7 +1,8 @@
 """The spec of a campaign on a knob, real or simulated: the sixteen trials of Chapter 8 where nothing else is said."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from types import SimpleNamespace
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
@@ -12,6 +13,7 @@ from hknob_cli.specs.campaign import (
     SERIAL,
     Course,
     Device,
+    Effects,
     Grip,
     HwRunPlan,
     Knob,
@@ -20,11 +22,14 @@ from hknob_cli.specs.campaign import (
     Person,
     Tried,
     Wall,
-    url_fault,
+    device_faults,
 )
+from hknob_cli.specs.capabilities import PARTS, reason
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
+from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Part, Place
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
 from hknob_cli.specs.pulse_plan import plan_pulses
@@ -66,6 +71,10 @@ class HwRunSpec(Part):
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
+    profile: Profile | None = None
+    detents: Detents | None = None
+    end_stops: EndStops | None = None
+    dead_zone: DeadZone | None = None
     remedies: Annotated[
         dict[Label, TriedSpec],
         Field(max_length=100, description="remedies by name, each tried in every cell; without any, the wall alone"),
@@ -107,7 +116,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         text = "must be absent: trials are run for every combination of the axes"
         raise SpecError([source.fault(("grid", "design"), text, at_key=True)])
     try:
-        spec = HwRunSpec.model_validate(source.value)
+        spec = HwRunSpec.model_validate(_with_wall(source.value))
     except ValidationError as error:
         # A mapping is no 'none', and what is wrong within it says more.
         wrong = faults_of(source, HwRunSpec, error)
@@ -119,7 +128,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
-    found = (*_device_faults(spec), *acting, *_faults(spec, axes))
+    found = (*device_faults(spec), *acting, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller),)
     if spec.remedies and not acting:
@@ -149,7 +158,15 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         reference=spec.reference if spec.remedies else "",
         against=spec.against or "",
         hand=spec.hand or "",
+        effects=Effects(*effects) if any(effects := [getattr(spec, name) for name in OVER_ANGLE]) else None,
     )
+
+
+def _with_wall(value: dict[str, Any]) -> dict[str, Any]:
+    """A spec; as in a scene there is no wall where only another torque over the angle is listed."""
+    if "wall" in value or value.get("what") == PULSES or not any(value.get(name) for name in OVER_ANGLE):
+        return value
+    return {**value, "wall": {"stiffness": 0.0}}
 
 
 def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
@@ -164,31 +181,20 @@ def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
     return axes, faults
 
 
-def _device_faults(spec: HwRunSpec) -> list[tuple[Place, str]]:
-    """What a driver needs, and what it cannot have."""
-    device = spec.device
-    found: list[tuple[Place, str]] = []
-    if device.driver == SERIAL and (device.url is None) == (device.target is None):
-        found.append((("device",), "must have exactly one of url and target with the driver serial"))
-    if device.driver == REPLAY and device.recordings is None:
-        found.append((("device",), "needs recordings with the driver replay"))
-    if device.url is not None and (wrong := url_fault(device.url)):
-        found.append((("device", "url"), f"{wrong}, got '{device.url}'"))
-    given = {"url": SERIAL, "baud": SERIAL, "target": SERIAL, "recordings": REPLAY}
-    for name, driver in given.items():
-        if getattr(device, name) is not None and device.driver != driver:
-            found.append((("device", name), f"must be absent: it is for the driver {driver}"))
-    if device.baud is not None and device.target is not None:
-        found.append((("device", "baud"), "must be absent with target, which has no port to set"))
-    if device.zero_angle and device.url is None:
-        found.append(
-            (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
-        )
-    for name in ("knob", "person"):
-        if getattr(spec, name) is not None and device.driver == REPLAY:
-            found.append(((name,), "must be absent: what is replayed was recorded"))
-    if spec.nuisances is not None and device.driver != "virtual":
-        found.append((("nuisances",), "must be absent: they are for the driver virtual"))
+def _effect_faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:
+    """What is wrong with torques over the angle on a device: with their numbers, and beside a controller."""
+    there = [name for name in OVER_ANGLE if getattr(spec, name) is not None]
+    if not there:
+        return []
+    parts = {name: getattr(spec, name) for name in OVER_ANGLE}
+    scene: Any = SimpleNamespace(**parts, encoder="encoder", bias=None, wall=spec.wall)
+    found = [(place[1:], text) for place, text in over_angle_contradictions(scene, axes)]
+    changed = [name for name, remedy in spec.remedies.items() if remedy.change.get("controller")]
+    if spec.controller is not None or changed:
+        where: Place = ("controller",) if spec.controller is not None else ("remedies", changed[0], "change")
+        found.append((where, f"must be absent beside {PARTS[there[0]].title}: {reason(there[0], 'laws')}"))
+    if spec.device.driver == REPLAY:
+        found.append(((there[0],), "must be absent: what is replayed was recorded"))
     return found
 
 

@@ -3,16 +3,17 @@
 from typing import Any
 
 from hknob_cli.errors import Fault, SpecError
-from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Nuisance
+from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Nuisance, device_faults
+from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
 from hknob_cli.specs.source import Source
 
-_OF_BUZZ = ("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person")
-_NOT_ON = {
-    SERIAL: "the wire has no message that arms a pulse (docs/reference/wire.md)",
-    REPLAY: "what was recorded has its pulse already, and sysid reads it",
-}
+_OF_BUZZ = (
+    *("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person"),
+    *OVER_ANGLE,
+)
+_NO_REPLAY = "what was recorded has its pulse already, and sysid reads it"
 MOST_TRIALS = 1000
 MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole
 LEAST_REST = 2  # samples between the pulse and the end of the window
@@ -54,16 +55,13 @@ def plan_pulses(source: Source, spec: Any) -> PulsePlan:
 
 
 def _device_faults(spec: Any) -> list[tuple[Place, str]]:
-    """Devices that fire no pulse, and what a virtual one cannot have."""
-    device = spec.device
-    if device.driver != VIRTUAL:
-        return [(("device", "driver"), f"must be virtual with what: pulses: {_NOT_ON[device.driver]}")]
-    found: list[tuple[Place, str]] = [
-        (("device", name), "must be absent with the driver virtual")
-        for name in ("url", "baud", "target", "recordings")
-        if getattr(device, name) is not None
-    ]
-    return [*found, *([(("device", "zero_angle"), "must be absent without url")] if device.zero_angle else [])]
+    """A driver that fires no pulse, what a driver needs, and what only a virtual device has."""
+    if spec.device.driver == REPLAY:
+        return [(("device", "driver"), f"must be virtual or serial with what: pulses: {_NO_REPLAY}")]
+    found: list[tuple[Place, str]] = [*device_faults(spec)]
+    if spec.device.driver != VIRTUAL and any(one is not None for one in (spec.pulses or Pulses()).sensors):
+        found.append(((PULSES, "sensors"), "must be absent: they are for the driver virtual"))
+    return found
 
 
 def _faults(spec: Any, pulses: Pulses, grips: tuple[float, ...], firmest_n: float) -> list[tuple[Place, str]]:
@@ -82,6 +80,9 @@ def _faults(spec: Any, pulses: Pulses, grips: tuple[float, ...], firmest_n: floa
             text = f"must be at most limits.torque, {spec.limits.torque:g} N*m, got {torque:g}"
             found.append(((PULSES, "torques", i), text))
     interval = 1.0 / pulses.sample_rate
+    if spec.limits.watchdog < 2.0 * interval and spec.device.driver == SERIAL:
+        text = f"must be two samples at least, {2.0 * interval:g} s, got {spec.limits.watchdog:g}"
+        found.append((("limits", "watchdog"), text))
     if pulses.width < interval:
         found.append(((PULSES, "width"), f"must be a sample at least, {interval:g} s, got {pulses.width:g}"))
     least = pulses.width + LEAST_REST * interval

@@ -12,8 +12,9 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Control, Settings, Simulated
+from hknob_cli.hardware.port import Control, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
+from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Plain
@@ -21,7 +22,7 @@ from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 
 HERE = Path(__file__).parent
-PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c")), str(HERE / "scripted_board.c")]
+PARTS = [*(str(SOURCES / name) for name in (*PORTABLE, "plant.c", "squeeze.c")), str(HERE / "scripted_board.c")]
 MS = 1_000_000  # ns
 
 
@@ -67,6 +68,53 @@ class CControl(c.Structure):
         return cls(control.law, control.places, *counts, (c.c_double * 9)(*numbers), (c.c_double * 65)(*rows))
 
 
+class CPulse(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in Pulse._fields[:4]),
+        *((name, c.c_uint32) for name in Pulse._fields[4:]),
+    )
+
+
+class CPulseState(c.Structure):
+    _fields_ = (("sum", c.c_double), ("count", c.c_uint32), ("stayed", c.c_uint32), ("phase", c.c_uint8))
+
+
+class CSqueeze(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in ("aim_n", "rise_s", "overshoot", "reaction_s", "relax_s", "strength_n")),
+        *((name, c.c_uint8) for name in ("climbs", "hand_count", "sine_count")),
+        ("hands", c.c_double * 4 * 10),
+        ("sines", CSine * 4),
+    )
+
+    @classmethod
+    def of(cls, one: Squeeze) -> "CSqueeze":
+        numbers = (one.aim_n, one.rise_s, one.overshoot, one.reaction_s, one.relax_s, one.strength_n)
+        hands = (c.c_double * 4 * 10)(*((c.c_double * 4)(*hand) for hand in one.hands))
+        counts = one.climbs, len(one.hands), len(one.sines)
+        return cls(*numbers, *counts, hands, (CSine * 4)(*(CSine(*sine) for sine in one.sines)))
+
+
+class CTable(c.Structure):
+    _fields_ = (
+        ("first", c.c_int32),
+        *((name, c.c_uint32) for name in ("turn", "size")),
+        *((name, c.c_double) for name in ("below", "above")),
+    )
+
+
+class CPiece(c.Structure):
+    _fields_ = (("at", c.c_uint32), ("count", c.c_uint8), ("values", c.c_double * 32))
+
+    @classmethod
+    def of(cls, piece: Piece) -> "CPiece":
+        return cls(piece.at, len(piece.torques), (c.c_double * 32)(*piece.torques))
+
+
+class COverAngle(c.Structure):
+    _fields_ = (("head", CTable), ("filled", c.c_uint32), ("torques", c.c_double * 16_640))
+
+
 class CCommand(c.Structure):
     _fields_ = (
         ("type", c.c_uint8),
@@ -77,6 +125,10 @@ class CCommand(c.Structure):
         ("settings", CSettings),
         ("simulated", CSimulated),
         ("control", CControl),
+        ("pulse", CPulse),
+        ("squeeze", CSqueeze),
+        ("over_angle", CTable),
+        ("torques", CPiece),
     )
 
 
@@ -116,6 +168,22 @@ def library() -> c.CDLL:
     built.wall_controlled.argtypes = (c.c_double, c.c_int64, c.c_int64, *4 * (c.c_double,))
     built.control_in_range.restype = c.c_bool
     built.control_in_range.argtypes = (c.POINTER(CControl),)
+    built.pulse_step.restype = c.c_double
+    built.pulse_step.argtypes = (c.POINTER(CPulse), c.POINTER(CPulseState), c.c_double, c.c_bool)
+    built.pulse_in_range.restype = built.squeeze_in_range.restype = c.c_bool
+    built.pulse_in_range.argtypes = (c.POINTER(CPulse), c.POINTER(CSettings))
+    built.squeeze_in_range.argtypes = (c.POINTER(CSqueeze),)
+    built.scripted_squeezed.restype = c.c_int
+    built.scripted_squeezed.argtypes = (
+        *(c.POINTER(CSimulated), c.POINTER(CSqueeze), c.POINTER(CPulse), c.c_double),
+        *(c.c_size_t, c.c_size_t, *3 * (c.c_void_p,)),
+    )
+    built.over_angle_begin.restype = built.over_angle_take.restype = c.c_bool
+    built.over_angle_begin.argtypes = (c.POINTER(COverAngle), c.POINTER(CTable))
+    built.over_angle_take.argtypes = (c.POINTER(COverAngle), c.POINTER(CPiece))
+    built.over_angle_torque.restype = built.wall_brake.restype = c.c_double
+    built.over_angle_torque.argtypes = (c.POINTER(COverAngle), c.c_int64)
+    built.wall_brake.argtypes = (c.c_int64, c.c_int64, *3 * (c.c_double,))
     built.command_read.restype = built.target_serve.restype = built.target_busy.restype = c.c_bool
     built.scripted_follow.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *3 * (c.c_void_p,))
     built.scripted_person.argtypes = (c.POINTER(CSimulated), c.c_double, c.c_size_t, *2 * (c.c_void_p,))

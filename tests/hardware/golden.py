@@ -7,10 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Control, Settings, Simulated, Sine
+from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate, Zero
+from hknob_cli.hardware.wire.commands import (
+    Again,
+    Alive,
+    Configure,
+    Plain,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+    Zero,
+)
 from hknob_cli.hardware.wire.frame import frame
 from hknob_cli.hardware.wire.messages import Message, encode
 
@@ -48,6 +61,22 @@ WITH_SINES = SIMULATED._replace(
 
 # Bounded lag and passivity control at the settings above: numbers that a double holds only nearly, memory, places.
 LAG = Control(Law.BOUNDED_LAG, 0, (0.0, 0.0012492190758457357, 0.2), (0.0,))
+# A pulse of 5 mN·m for 20 ms after a grip of 0.71 N that was held for 0.1 s, and two hands of Table 1.
+PULSE = Pulse(grip_n=0.71, band_n=0.071, release_n=0.213, torque_nm=0.005, width=80, dwell=400)
+SQUEEZE = Squeeze(
+    aim_n=0.71,
+    rise_s=0.2,
+    overshoot=0.1,
+    climbs=True,
+    reaction_s=0.2,
+    relax_s=0.05,
+    strength_n=30.0,
+    hands=((0.71, 2.2e-6, 3.45e-4, 0.04), (1.3, 2.3e-6, 4.5e-4, 0.0625)),
+    sines=(Sine(0.02, 0.5, 0.25),),
+)
+# A spring of 0.25 N·m a count below 0 and none above, two counts a turn, and its six torques.
+TABLE = Table(first=-4, turn=2, size=6, below=-0.5, above=0.0)
+PIECE = Piece(0, (1.0, 0.75, 0.5, 0.25, 0.0, 0.0))
 PASSIVITY = Control(Law.PASSIVITY, 1, (0.0, 0.4444444444444444, 1.0), (0.0, 0.0, 0.0, 0.0))
 
 
@@ -91,12 +120,26 @@ GOLDEN: dict[str, Message] = {
     "zero": Zero(11, -1024),
     "control": SetControl(12, LAG),
     "control_with_a_place": SetControl(13, PASSIVITY),
+    "pulse": SetPulse(14, PULSE),
+    "squeeze": SetSqueeze(15, SQUEEZE),
+    "over_angle": SetTable(16, TABLE),
+    "torques": SetPiece(17, PIECE),
     "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
     "ack_of_hello_of_a_knob": ack(
         1, Kind.HELLO, said=About(16384, 250000, simulated=False, name="knob", no_grip_cell=True, knows_zero=True)
     ),
     "ack_of_hello_of_a_target_with_controllers": ack(
         1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference", knows_zero=True, knows_control=True)
+    ),
+    "ack_of_hello_of_a_target_with_pulses": ack(
+        1,
+        Kind.HELLO,
+        said=About(10000, 20000, simulated=True, name="reference", knows_control=True, knows_pulses=True),
+    ),
+    "ack_of_hello_of_a_target_with_torque_over_the_angle": ack(
+        1,
+        Kind.HELLO,
+        said=About(10000, 20000, simulated=True, name="reference", knows_control=True, knows_over_angle=True),
     ),
     "ack_of_zero": ack(11, Kind.ZERO, said=-1024),
     "ack_of_configure": ack(2, Kind.CONFIGURE, said=SETTINGS),
@@ -105,6 +148,12 @@ GOLDEN: dict[str, Message] = {
     "ack_of_simulate_not_known": ack(4, Kind.SIMULATE, status=Status.NOT_KNOWN),
     "ack_of_control": ack(13, Kind.CONTROL, said=PASSIVITY),
     "ack_of_control_not_known": ack(12, Kind.CONTROL, status=Status.NOT_KNOWN),
+    "ack_of_pulse": ack(14, Kind.PULSE, said=PULSE),
+    "ack_of_pulse_not_known": ack(14, Kind.PULSE, status=Status.NOT_KNOWN),
+    "ack_of_squeeze": ack(15, Kind.SQUEEZE, said=SQUEEZE),
+    "ack_of_over_angle": ack(16, Kind.OVER_ANGLE, said=TABLE),
+    "ack_of_over_angle_not_known": ack(16, Kind.OVER_ANGLE, status=Status.NOT_KNOWN),
+    "ack_of_torques": ack(17, Kind.TORQUES, said=PIECE),
     "ack_of_arm": ack(5, Kind.ARM, state=State.ARMED),
     "ack_of_start": ack(6, Kind.START, state=State.RUNNING, blocks=12),
     "ack_of_stop": ack(7, Kind.STOP, blocks=301),
@@ -127,9 +176,9 @@ def fields(message: Any) -> list[str]:
     """A message's fields as the file writes them."""
     found = []
     for name, value in message._asdict().items():
-        if name == "squeeze":  # of a person whose knob pulses, which no message carries
-            continue
-        if isinstance(value, Settings | Simulated | About | Control):
+        if (name, value) == ("squeeze", ()) or name == "sensors":  # SQUEEZE has a person who squeezes; no target has
+            continue  # these sensors
+        if isinstance(value, Settings | Simulated | About | Control | Pulse | Squeeze | Table | Piece):
             found += fields(value)
         elif isinstance(value, Block):
             found += [f"first={value.first}", f"overruns={value.overruns}", *samples(value)]

@@ -6,6 +6,7 @@
 
 #include "board.h"
 #include "plant.h"
+#include "pulse.h"
 
 const struct identity board_identity = {640000u, 40000u, SIMULATED, "scripted"};
 
@@ -98,6 +99,12 @@ uint8_t board_simulate(const struct simulated *simulated)
     return DONE;
 }
 
+uint8_t board_squeeze(const struct squeeze *squeeze)
+{
+    (void)squeeze;
+    return DONE;
+}
+
 int scripted_follow(const struct simulated *person, double interval_s, size_t count, const double *torque_nm,
                     double *angle_rad, double *speed_rad_s)
 {
@@ -126,4 +133,24 @@ void scripted_person(const struct simulated *person, double interval_s, size_t c
         grip_n[i] = plant_grip(&plant);
         plant_advance(&plant, 0.0);
     }
+}
+
+int scripted_squeezed(const struct simulated *person, const struct squeeze *squeeze, const struct pulse *pulse,
+                      double interval_s, size_t before, size_t count, double *angle_rad, double *torque_nm, double *grip_n)
+{
+    struct plant plant;
+    struct pulse_state state = {0.0, 0u, 0u, 0u};
+    if (!plant_begin(&plant, person, interval_s) || !plant_squeezed(&plant, squeeze)) {
+        return 0;
+    }
+    for (size_t i = 0; i < before + count; i++) {
+        if (i == before) {
+            plant_start(&plant);
+        }
+        grip_n[i] = plant_grip(&plant);
+        angle_rad[i] = plant_angle(&plant);
+        torque_nm[i] = pulse_step(pulse, &state, (double)(float)grip_n[i], i >= before);
+        plant_advance(&plant, torque_nm[i]);
+    }
+    return 1;
 }

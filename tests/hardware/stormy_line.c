@@ -6,11 +6,12 @@
 
 #include "frame.h"
 #include "law.h"
+#include "over_angle.h"
 #include "scripted_board.h"
 #include "target.h"
 
 static uint64_t seed = 20260u;
-static unsigned controllers; /* that could be taken */
+static unsigned controllers, pulses, tables; /* that could be taken */
 
 /* xorshift64*: the same numbers everywhere. */
 static uint32_t chance(uint32_t below)
@@ -23,10 +24,11 @@ static uint32_t chance(uint32_t below)
 
 static size_t good_frame(uint8_t *frame)
 {
-    static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE, CONTROL};
-    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u, 42u};
-    uint8_t body[80];
-    uint32_t which = chance(10u);
+    static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE, CONTROL, PULSE, SQUEEZE, OVER_ANGLE,
+                                    TORQUES};
+    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u, 42u, 46u, 121u, 34u, 27u};
+    uint8_t body[121];
+    uint32_t which = chance(14u);
     for (size_t i = 0; i < sizeof body; i++) {
         body[i] = (uint8_t)(chance(3u) == 0u ? 0u : chance(256u));
     }
@@ -35,6 +37,13 @@ static size_t good_frame(uint8_t *frame)
     if (which == 9u) { /* four numbers of a controller, shared out between its numbers and rows */
         body[8] = (uint8_t)chance(5u);
         body[9] = (uint8_t)(4u - body[8]);
+    }
+    if (which == 11u) { /* a squeeze of two hands */
+        body[55] = 2u;
+        body[56] = 0u;
+    }
+    if (which == 13u) { /* two torques */
+        body[10] = 2u;
     }
     return frame_encode(frame, body, lengths[which]);
 }
@@ -113,7 +122,34 @@ static struct control sensible_control(void)
     return c;
 }
 
-/* Settings or a controller that can be taken, else any good frame. */
+/* A pulse that can be taken by most settings: it fires at once, or is waited for. */
+static size_t sensible_pulse(uint8_t *body)
+{
+    struct settings usual = {1000000u, 1u, 0.0, 0.0, 0.05, 1e4, 1000u, 1u};
+    struct pulse pulse = {0.1 + 0.1 * chance(20u), 0.05, 0.05, 0.001 * (1u + chance(60u)), 1u + chance(50u), chance(3u)};
+    pulses += pulse_in_range(&pulse, &usual) ? 1u : 0u;
+    return pulse_write(body, 6u, &pulse);
+}
+
+/* A table of a few counts, or the next of its torques. */
+static size_t sensible_table(uint8_t *body)
+{
+    static struct over_angle_table mine; /* what of it could be taken */
+    if (chance(3u) == 0u || mine.filled == mine.head.size) {
+        struct over_angle head = {(int32_t)chance(200u) - 100, 1u + chance(10u), 10u + chance(60u), -0.5, 0.01 * chance(3u)};
+        tables += over_angle_begin(&mine, &head) ? 1u : 0u;
+        return over_angle_write(body, 6u, &head);
+    }
+    struct torques piece = {mine.filled, (uint8_t)(1u + chance(32u)), {0.0}};
+    for (unsigned i = 0; i < piece.count; i++) {
+        piece.values[i] = 0.001 * chance(100u) - 0.05;
+    }
+    body[1] = TORQUES;
+    tables += over_angle_take(&mine, &piece) ? 1u : 0u;
+    return torques_write(body, 6u, &piece, piece.values);
+}
+
+/* Settings, a pulse, a table or a controller that can be taken, else any good frame. */
 static size_t sensible_frame(uint8_t *frame)
 {
     uint8_t body[1024] = {WIRE_VERSION, CONFIGURE};
@@ -125,6 +161,20 @@ static size_t sensible_frame(uint8_t *frame)
         }
         controllers += control_in_range(&control) ? 1u : 0u;
         return frame_encode(frame, body, control_write(body, 6u, &control));
+    }
+    if (chance(6u) == 0u) {
+        body[1] = PULSE;
+        for (size_t i = 2u; i < 6u; i++) {
+            body[i] = (uint8_t)chance(256u);
+        }
+        return frame_encode(frame, body, sensible_pulse(body));
+    }
+    if (chance(6u) == 0u) {
+        body[1] = OVER_ANGLE;
+        for (size_t i = 2u; i < 6u; i++) {
+            body[i] = (uint8_t)chance(256u);
+        }
+        return frame_encode(frame, body, sensible_table(body));
     }
     if (chance(4u) != 0u) {
         return good_frame(frame);
@@ -148,6 +198,7 @@ static unsigned wander(unsigned *running)
             scripted_now = scripted_now > scripted_call_at ? scripted_now : scripted_call_at;
             scripted_now += chance(3u) == 0u ? chance(2000000u) : 0u;
             scripted_angle = chance(2000u) == 0u ? INT32_MIN : scripted_angle / 2 + (int32_t)chance(101u) - 52;
+            scripted_grip = 0.1 * chance(25u);
             scripted_emergency = chance(2000u) == 0u;
             target_sample();
             *running += scripted_torque != 0.0 ? 1u : 0u;
@@ -179,6 +230,7 @@ int main(void)
     unsigned running = 0u, astray = wander(&running);
     printf("torque without a clock %u, locks %s, torque seen %s\n", astray,
            scripted_locks < 100000000u && scripted_locks % 2u == 0u ? "in order" : "astray", running > 1000u ? "often" : "never");
-    printf("controllers %s\n", controllers > 8000u ? "many" : "few");
+    printf("controllers %s, pulses %s, tables %s\n", controllers > 8000u ? "many" : "few", pulses > 4000u ? "many" : "few",
+           tables > 2000u ? "many" : "few");
     return 0;
 }

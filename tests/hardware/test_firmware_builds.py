@@ -14,7 +14,10 @@ import pytest
 
 from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
+from hknob_cli.hardware.order import settings_of, trials_of
+from hknob_cli.hardware.over_angle import over_angle_of
 from hknob_cli.hardware.port import Block, Device, Settings, Simulated, Sine
+from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.virtual import VirtualDevice
@@ -23,8 +26,11 @@ from hknob_cli.hardware.wire.codes import Kind, Status, Trip
 from hknob_cli.hardware.wire.commands import Configure, Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
+from hknob_cli.specs.campaign import Effects
+from hknob_cli.specs.over_angle import Detents, EndStops
 from tests.conftest import ROOT
 from tests.hardware.controllers import told
+from tests.hardware.pulses import HELD, SPEC, planned
 
 SETTINGS = Settings(1_000_000, 1024, 0.27, 1e-5, 0.05, 100.0, 50_000, 5)
 PERSON = Simulated(
@@ -50,9 +56,9 @@ def need(target: Target) -> None:
         pytest.skip(f"needs {QEMU}")
 
 
-def trial(device: Device, settings: Settings, running: int) -> list[Block]:
+def trial(device: Device, settings: Settings, running: int, person: Simulated = PERSON) -> list[Block]:
     """A trial of at least so many samples with the wall on; all blocks."""
-    device.configure(settings, PERSON)
+    device.configure(settings, person)
     device.arm()
     blocks = [device.read(60.0)]
     device.start()
@@ -64,12 +70,14 @@ def trial(device: Device, settings: Settings, running: int) -> list[Block]:
     return [block for block in blocks if block is not None]
 
 
-def undisturbed_trial(target: Target, built: Path, settings: Settings, running: int) -> list[Block]:
+def undisturbed_trial(
+    target: Target, built: Path, settings: Settings, running: int, person: Simulated = PERSON
+) -> list[Block]:
     """The same with a target; slower where this computer was too busy to be heard within the watchdog's time."""
     for slower in (1, 4, 16, 64):
         try:
             with run_target(target, built, slower=slower) as path, SerialDevice(path) as device:
-                return trial(device, settings, running)
+                return trial(device, settings, running, person)
         except DeviceError as error:
             if slower == 64 or "did not hear from this computer" not in str(error):
                 raise
@@ -123,6 +131,40 @@ def test_the_emulated_target_runs_a_controller(built: Path) -> None:
     found = undisturbed_trial("qemu", built, settings, 100)
     for what in ("angle_counts", "torque_nm"):
         assert np.array_equal(column(found, what, count=100), column(expected, what, count=100)), what
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_detents_and_stops_are_those_of_the_virtual_device(target: Target, built: Path) -> None:
+    need(target)
+    effects = Effects(detents=Detents(torque=0.006, per_revolution=100), end_stops=EndStops(stiffness=0.2, low=0.0))
+    settings = SETTINGS._replace(wall_stiffness=0.0, wall_damping=0.0)
+    settings = settings._replace(over_angle=over_angle_of(effects, settings))
+    with VirtualDevice() as device:
+        expected = trial(device, settings, 500)
+    found = undisturbed_trial(target, built, settings, 500)
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=500), column(expected, what, count=500)), what
+    torques = column(found, "torque_nm", count=500)
+    assert len(set(torques.tolist())) > 5
+    assert torques.min() < -0.003
+    assert torques.max() > 0.008  # of the stop, which no detent has
+
+
+@pytest.mark.parametrize("text", [SPEC, HELD])
+def test_the_emulated_target_fires_the_pulse_of_a_grip(text: str, built: Path) -> None:
+    """In its own time: the same counts, torques and grips as the virtual device, for a whole trial."""
+    need("qemu")
+    plan = planned(text.replace("pulses: {", "pulses: {sample_rate: 1 kHz, "))
+    first = trials_of(plan)[0]
+    settings = settings_of(plan, first)._replace(watchdog_us=50_000)
+    with VirtualDevice() as device:
+        expected = trial(device, settings, 1000, squeezer(plan, first))
+    found = undisturbed_trial("qemu", built, settings, 1000, squeezer(plan, first))
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=1000), column(expected, what, count=1000)), what
+    assert np.count_nonzero(column(found, "torque_nm", count=1000)) == 20
+    grip = np.abs(column(found, "grip_n", count=1000) - column(expected, "grip_n", count=1000))
+    assert grip.max() <= np.spacing(np.float32(1.0))
 
 
 @pytest.mark.parametrize("target", TARGETS)

@@ -9,11 +9,37 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate
+from hknob_cli.hardware.wire.commands import (
+    Again,
+    Alive,
+    Configure,
+    Plain,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+)
 from hknob_cli.hardware.wire.frame import body_of, frame
 from hknob_cli.hardware.wire.messages import encode
 from tests.conftest import ROOT
-from tests.hardware.firmware import HERE, PARTS, SOURCES, CCommand, CControl, CSettings, CSimulated, compiled, library
+from tests.hardware.firmware import (
+    HERE,
+    PARTS,
+    SOURCES,
+    CCommand,
+    CControl,
+    COverAngle,
+    CPiece,
+    CPulse,
+    CSettings,
+    CSimulated,
+    CSqueeze,
+    CTable,
+    compiled,
+    library,
+)
 from tests.hardware.golden import GOLDEN
 
 LINES = [row.split(" | ") for row in (ROOT / "data/wire/golden_frames.txt").read_text().splitlines() if row[0] != "#"]
@@ -63,6 +89,14 @@ def test_the_target_reads_the_fields_of_golden_commands(name: str) -> None:
             assert bytes(command.simulated) == bytes(expected)
         case SetControl():
             assert bytes(command.control) == bytes(CControl.of(said.control))
+        case SetPulse():
+            assert values(command.pulse) == tuple(said.pulse)
+        case SetTable():
+            assert bytes(command.over_angle) == bytes(CTable(*said.table))
+        case SetPiece():
+            assert bytes(command.torques) == bytes(CPiece.of(said.piece))
+        case SetSqueeze():
+            assert bytes(command.squeeze) == bytes(CSqueeze.of(said.squeeze))
         case Alive():
             assert command.first == said.expected
         case Again():
@@ -95,6 +129,21 @@ def test_more_numbers_or_rows_than_there_is_room_for_are_no_message(place: int, 
     body[place] = count
     there = body[8] + body[9]
     assert read(bytes(body[:10]) + bytes(8 * there)) is None
+
+
+@pytest.mark.parametrize(("place", "count"), [(55, 11), (55, 255), (56, 5), (56, 255)])
+def test_more_hands_or_sines_than_there_is_room_for_are_no_message(place: int, count: int) -> None:
+    body = bytearray(encode(GOLDEN["squeeze"]))
+    assert (body[55], body[56]) == (2, 1)
+    body[place] = count
+    assert read(bytes(body[:57]) + bytes(32 * body[55] + 24 * body[56])) is None
+
+
+@pytest.mark.parametrize("count", [7, 33, 255])
+def test_more_torques_than_there_are_or_room_for_are_no_message(count: int) -> None:
+    body = bytearray(encode(GOLDEN["torques"]))
+    body[10] = count
+    assert read(bytes(body[:11]) + bytes(8 * (6 if count == 7 else count))) is None
 
 
 def test_frames_of_every_length_come_back() -> None:
@@ -150,11 +199,11 @@ def test_100000_frames_that_are_none_and_50000_that_are(tmp_path: Path) -> None:
     storm, wander, controllers = done.stdout.splitlines()
     assert storm == "taken 0, trials 0, bytes answered 0, to a good frame then 49"
     assert wander == "torque without a clock 0, locks in order, torque seen often"
-    assert controllers == "controllers many"
+    assert controllers == "controllers many, pulses many, tables many"
 
 
 def test_the_template_compiles(tmp_path: Path) -> None:
-    portable = [part for part in PARTS if "plant" not in part and "scripted" not in part]
+    portable = [part for part in PARTS if not part.endswith(("plant.c", "squeeze.c")) and "scripted" not in part]
     done = compiled(tmp_path / "template", *portable, str(SOURCES / "board_template.c"))
     assert done.returncode == 0, done.stderr
 
@@ -164,3 +213,8 @@ def test_structures_are_laid_out_as_in_c() -> None:
     assert c.sizeof(CSettings) == 48
     assert c.sizeof(CSimulated) == 9 * 8 + 8 + 8 * 24
     assert c.sizeof(CControl) == 8 + 9 * 8 + 65 * 8
+    assert c.sizeof(CPulse) == 4 * 8 + 8
+    assert c.sizeof(CTable) == 32
+    assert c.sizeof(CPiece) == 8 + 32 * 8
+    assert c.sizeof(COverAngle) == 32 + 8 + 16_640 * 8
+    assert c.sizeof(CSqueeze) == 6 * 8 + 8 + 40 * 8 + 4 * 24

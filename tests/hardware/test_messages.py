@@ -118,6 +118,7 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
         *(u32, u32, finite, finite, finite, finite, u32, st.integers(0, 2**16 - 1)),
         control=st.none(),
         pulse=st.none(),
+        over_angle=st.none(),
     ),
 )
 def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:

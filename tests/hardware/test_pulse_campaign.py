@@ -139,7 +139,7 @@ def test_a_device_that_does_not_pulse_as_told_is_a_fault(tmp_path: Path, wrong: 
 def test_a_device_without_pulses_or_grip_cell_is_refused_before_the_first_trial(tmp_path: Path) -> None:
     plan = planned()
     device = VirtualDevice(identity=IDENTITY._replace(knows_pulses=False))
-    with pytest.raises(UsageError, match="fires no pulses: the wire has no message that arms one"):
+    with pytest.raises(UsageError, match="fires no pulses: it does not know PULSE"):
         campaign(tmp_path, plan, device).run()
     assert not (tmp_path / "recording").exists()
     with pytest.raises(UsageError, match="has no grip cell"):

@@ -8,7 +8,7 @@ import pyarrow as pa
 from hknob_cli.hardware.tables import campaign_tables, trial_row
 from hknob_cli.report.hw_run import describe_clock, describe_hw_run, hw_run_text
 from hknob_cli.results.campaign_files import campaign_cells
-from tests.hardware.campaigns import Faulty, campaign, planned
+from tests.hardware.campaigns import SPEC, Faulty, campaign, planned
 
 
 def test_a_buzz_below_the_encoder_is_not_passed_off_as_one_of_no_size(tmp_path: Path) -> None:
@@ -40,3 +40,19 @@ def test_one_trial_that_cannot_be_measured_takes_no_other_ones_rows_away(tmp_pat
         {**describe_hw_run(trials, target_n=0.71), **describe_clock(timing), "name": "x", "status": "computed"}
     )
     assert campaign_cells(rows).num_rows == 3
+
+
+def test_a_torque_over_the_angle_has_its_digest_in_every_row(tmp_path: Path) -> None:
+    """One for each resolution, whatever the rate; another for another torque; none without."""
+
+    def digests(folder: str, torque: str) -> dict[tuple[int, float], str]:
+        plan = planned(SPEC + f"detents: {{per_revolution: 12, torque: {torque}}}\n")
+        rows = campaign_tables(campaign(tmp_path / folder, Faulty(), plan).run(), plan)[1].to_pylist()
+        return {(row["counts_per_rev"], row["sample_rate_hz"]): row["over_angle_digest"] for row in rows}
+
+    found, other = digests("one", "6 mN*m"), digests("other", "5 mN*m")
+    assert found[256, 1000.0] == found[256, 2000.0] != found[512, 1000.0] == found[512, 2000.0]
+    assert not set(found.values()) & set(other.values())
+    assert all(len(one) == 16 for one in found.values())
+    plain = campaign_tables(campaign(tmp_path / "plain", Faulty()).run(), planned())[1]
+    assert "over_angle_digest" not in plain.column_names

@@ -24,6 +24,7 @@ from hknob_cli.specs.capabilities import (
 from hknob_cli.specs.capabilities_page import page
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.load import validate
+from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Plan, SweepPlan, scene_at
 from hknob_cli.specs.promise import SETS, not_proven
 from hknob_cli.specs.source import Source
@@ -260,6 +261,14 @@ def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
     with pytest.raises(SpecError) as error:
         validate(source)
     assert all(one.message.startswith("must be one that a device can run") for one in error.value.faults)
+
+
+@pytest.mark.parametrize("part", OVER_ANGLE)
+def test_a_campaign_on_a_knob_takes_what_the_table_says(part: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {"kind": "hw-run", "name": "small", part: CHANGES[part]["scene"][part]}
+    assert VERDICTS[part, "device"] != REFUSED
+    assert getattr(validate(source).effects, part) is not None
 
 
 @pytest.mark.parametrize("part", CHANGES)

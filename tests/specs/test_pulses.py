@@ -40,15 +40,23 @@ WRONG = {
     "grid: {counts_per_rev: [512]}\n": "p.yaml:4:1: grid: must be absent with what: pulses: it is of a buzz",
     "grip: {target: 1}\n": "p.yaml:4:1: grip: must be absent with what: pulses: it is of a buzz",
     "person: {push: 0.001}\n": "p.yaml:4:1: person: must be absent with what: pulses: it is of a buzz",
-    "device: {driver: serial, url: /dev/ttyACM0}\n": (
-        "p.yaml:4:18: device.driver: must be virtual with what: pulses: the wire has no message that arms a pulse "
-        "(docs/reference/wire.md)"
+    "device: {driver: serial}\n": (
+        "p.yaml:4:9: device: must have exactly one of url and target with the driver serial"
+    ),
+    "device: {driver: serial, target: host}\npulses: {sensors: {torque_noise: 0.1}}\n": (
+        "p.yaml:5:19: pulses.sensors: must be absent: they are for the driver virtual"
+    ),
+    "device: {driver: serial, target: host}\nnuisances: {jitter: 1 us}\n": (
+        "p.yaml:5:12: nuisances: must be absent: they are for the driver virtual"
+    ),
+    "device: {driver: serial, target: qemu}\npulses: {sample_rate: 1 kHz}\nlimits: {watchdog: 1.5 ms}\n": (
+        "p.yaml:6:20: limits.watchdog: must be two samples at least, 0.002 s, got 0.0015"
     ),
     "device: {driver: replay, recordings: [x]}\n": (
-        "p.yaml:4:18: device.driver: must be virtual with what: pulses: what was recorded has its pulse already, and "
-        "sysid reads it"
+        "p.yaml:4:18: device.driver: must be virtual or serial with what: pulses: what was recorded has its "
+        "pulse already, and sysid reads it"
     ),
-    "device: {url: COM3}\n": "p.yaml:4:15: device.url: must be absent with the driver virtual",
+    "device: {url: COM3}\n": "p.yaml:4:15: device.url: must be absent: it is for the driver serial",
     "pulses: {grips: [2, 15]}\n": (
         "p.yaml:4:17: pulses.grips: must be at most 14.2 N, the firmest grip of table 1, got 15"
     ),

@@ -49,4 +49,7 @@ void board_started(void);
 /* Take on another simulated knob; the status of the answer: NOT_KNOWN where the knob is real. */
 uint8_t board_simulate(const struct simulated *simulated);
 
+/* Have somebody squeeze the simulated knob from now on, until the next board_simulate(); NOT_KNOWN where it is real. */
+uint8_t board_squeeze(const struct squeeze *squeeze);
+
 #endif

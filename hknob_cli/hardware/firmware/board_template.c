@@ -6,7 +6,7 @@
 
 /* Counts per revolution of the encoder as the machine counts them, four per line; a period that the sample, with all
    that board_angle() and board_torque() do, surely fits into twice; no flag, or NO_GRIP_CELL; a name of at most 15 letters.
-   RECORD_SAMPLES (record.h) times this period must be at least 100 ms. */
+   RECORD_SAMPLES (record.h) times this period must be at least 100 ms; OVER_ANGLE_MOST (over_angle.h) takes 8 bytes each. */
 const struct identity board_identity = {4096u, 250000u, 0u, "my knob"};
 
 /* Another number after every start: from a random number generator, a battery-backed clock, or a counter kept in flash.
@@ -101,6 +101,12 @@ void board_started(void)
 uint8_t board_simulate(const struct simulated *simulated)
 {
     (void)simulated;
+    return NOT_KNOWN;
+}
+
+uint8_t board_squeeze(const struct squeeze *squeeze)
+{
+    (void)squeeze;
     return NOT_KNOWN;
 }
 

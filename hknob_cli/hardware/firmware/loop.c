@@ -1,6 +1,8 @@
 /* The control loop: time, angle, limits, wall, torque out, record (docs/reference/wire.md, "What a target does"). */
 #include "loop.h"
 
+#include <string.h>
+
 #include "board.h"
 #include "law.h"
 #include "target.h"
@@ -21,6 +23,7 @@ bool loop_arm(void)
     record_begin(&loop.record, loop.settings.block_samples);
     loop.overruns = 0u;
     loop.control_begun = false;
+    memset(&loop.pulsing, 0, sizeof loop.pulsing);
     loop.quantum_rad = TWO_PI / loop.settings.counts_per_rev;
     loop.native_rad = TWO_PI / board_identity.native_counts;
     loop.interval_s = loop.settings.period_ns * 1e-9;
@@ -101,9 +104,13 @@ static uint32_t time_of(uint32_t index, uint64_t now)
 }
 
 /* Torque of the wall at a count, before the limit. */
-static double torque_at(int64_t count)
+static double torque_of_wall(int64_t count)
 {
     const struct settings *s = &loop.settings;
+    if (loop.over_angle.head.size > 0u) {
+        return over_angle_torque(&loop.over_angle, count) -
+               wall_brake(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_damping);
+    }
     if (loop.control.law == 0u) {
         return wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
     }
@@ -114,6 +121,16 @@ static double torque_at(int64_t count)
     double depth = law_act(&loop.control, loop.past, (double)count);
     return wall_controlled(depth, count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness,
                            s->wall_damping);
+}
+
+/* Torque at a sample, before the limit: of the pulse, which follows the grip from arming on, or of the wall. */
+static double torque_at(int64_t count, float grip_n)
+{
+    bool running = loop.state == RUNNING;
+    if (loop.pulse.width > 0u) {
+        return pulse_step(&loop.pulse, &loop.pulsing, (double)grip_n, running);
+    }
+    return running ? torque_of_wall(count) : 0.0;
 }
 
 void target_sample(void)
@@ -138,16 +155,14 @@ void target_sample(void)
         loop.count_before = count;
         loop.before_ns = now;
     }
-    double torque = 0.0;
-    if (loop.state == RUNNING) {
-        torque = wall_limit(torque_at(count), s->torque_limit_nm);
-    }
+    float grip_n = (float)board_grip_n();
+    double torque = wall_limit(torque_at(count, grip_n), s->torque_limit_nm);
     uint8_t fault = fault_of(angle, torque, now);
     if (fault != NO_FAULT) {
         torque = 0.0;
     }
     board_torque(torque);
-    struct sample sample = {time_of(index, now), angle, (float)torque, (float)board_grip_n(),
+    struct sample sample = {time_of(index, now), angle, (float)torque, grip_n,
                             loop.state == RUNNING && fault == NO_FAULT ? WALL_ON : 0u};
     record_add(&loop.record, &sample, loop.overruns);
     if (fault != NO_FAULT) {

@@ -5,6 +5,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "over_angle.h"
+#include "pulse.h"
 #include "record.h"
 
 /* Of the loop the main loop touches, between board_lock() and board_unlock(), only what is said here. */
@@ -12,6 +14,8 @@ struct loop {
     uint8_t state, fault;
     struct settings settings;
     struct control control; /* law 0: the plain wall */
+    struct pulse pulse;     /* in place of any wall; of width 0: none */
+    struct over_angle_table over_angle; /* the spring among it; of size 0: none */
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
     int64_t zero_counts; /* added to the board's angle */
@@ -23,6 +27,7 @@ struct loop {
     int32_t angle_before;
     uint32_t told_us; /* time of the sample before */
     bool control_begun;
+    struct pulse_state pulsing;
     double past[LAW_ROWS_MOST + 1u]; /* the controller's memory, then the last reading */
 };
 

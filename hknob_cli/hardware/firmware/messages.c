@@ -1,60 +1,19 @@
-/* Messages: numbers from bytes and bytes from numbers, least significant first whatever the machine. */
+/* Messages: the bodies of frames, read and written field by field. What acts in a trial beside the wall: acts.c. */
 #include "messages.h"
 
 #include <string.h>
 
-struct reader {
-    const uint8_t *body;
-    size_t at;
-};
-
-static uint64_t get(struct reader *r, unsigned bytes)
-{
-    uint64_t value = 0u;
-    for (unsigned i = 0; i < bytes; i++) {
-        value |= (uint64_t)r->body[r->at++] << (8u * i);
-    }
-    return value;
-}
-
-static double get_f64(struct reader *r)
-{
-    uint64_t bits = get(r, 8u);
-    double value;
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static size_t put(uint8_t *body, size_t at, uint64_t value, unsigned bytes)
-{
-    for (unsigned i = 0; i < bytes; i++) {
-        body[at++] = (uint8_t)(value >> (8u * i));
-    }
-    return at;
-}
-
-static size_t put_f64(uint8_t *body, size_t at, double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return put(body, at, bits, 8u);
-}
-
-static size_t put_f32(uint8_t *body, size_t at, float value)
-{
-    uint32_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return put(body, at, bits, 4u);
-}
+#include "acts.h"
+#include "bytes.h"
 
 /* The nine numbers of the simulated knob, in their order on the wire. */
-static double *simulated_number(struct simulated *s, unsigned i)
+double *simulated_number(struct simulated *s, unsigned i)
 {
     double *numbers[] = {&s->inertia, &s->damping, &s->stiffness,   &s->coulomb_nm,   &s->angle_rad,
                          &s->push_nm, &s->grip_n,  &s->grip_rise_s, &s->grip_offset_n};
     return numbers[i];
 }
-enum { SIMULATED_NUMBERS = 9, SIMULATE_SHORTEST = 6 + 9 * 8 + 2 };
+enum { SIMULATE_SHORTEST = 6 + 9 * 8 + 2 };
 
 static bool read_simulated(struct simulated *s, struct reader *r, size_t count)
 {
@@ -88,31 +47,6 @@ static void read_settings(struct settings *s, struct reader *r)
     s->speed_limit_rad_s = get_f64(r);
     s->watchdog_us = (uint32_t)get(r, 4u);
     s->block_samples = (uint16_t)get(r, 2u);
-}
-
-enum { CONTROL_SHORTEST = 6 + 4 };
-
-/* Counts beyond what there is room for are no message: no law takes so many. */
-static bool read_control(struct control *c, struct reader *r, size_t count)
-{
-    if (count < CONTROL_SHORTEST) {
-        return false;
-    }
-    c->law = (uint8_t)get(r, 1u);
-    c->places = (uint8_t)get(r, 1u);
-    c->number_count = (uint8_t)get(r, 1u);
-    c->row_count = (uint8_t)get(r, 1u);
-    if (c->number_count > LAW_NUMBERS_MOST || c->row_count > LAW_ROWS_MOST ||
-        count != CONTROL_SHORTEST + 8u * ((unsigned)c->number_count + c->row_count)) {
-        return false;
-    }
-    for (unsigned i = 0; i < c->number_count; i++) {
-        c->numbers[i] = get_f64(r);
-    }
-    for (unsigned i = 0; i < c->row_count; i++) {
-        c->rows[i] = get_f64(r);
-    }
-    return true;
 }
 
 bool command_read(struct command *command, const uint8_t *body, size_t count)
@@ -153,7 +87,15 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
     case SIMULATE:
         return read_simulated(&command->simulated, &r, count);
     case CONTROL:
-        return read_control(&command->control, &r, count);
+        return control_read(&command->control, &r, count);
+    case PULSE:
+        return pulse_read(&command->pulse, &r, count);
+    case SQUEEZE:
+        return squeeze_read(&command->squeeze, &r, count);
+    case OVER_ANGLE:
+        return over_angle_read(&command->over_angle, &r, count);
+    case TORQUES:
+        return torques_read(&command->torques, &r, count);
     default:
         return false;
     }
@@ -207,9 +149,11 @@ size_t sample_write(uint8_t *body, size_t at, const struct sample *s)
 
 size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 {
+    unsigned pulses = (i->flags & NO_GRIP_CELL) == 0u ? KNOWS_PULSES : 0u;
+    unsigned knows = (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL | (unsigned)KNOWS_OVER_ANGLE | pulses;
     at = put(body, at, i->native_counts, 4u);
     at = put(body, at, i->shortest_period_ns, 4u);
-    at = put(body, at, i->flags | (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL, 1u);
+    at = put(body, at, i->flags | knows, 1u);
     memcpy(body + at, i->name, NAME_BYTES);
     return at + NAME_BYTES;
 }
@@ -245,57 +189,4 @@ size_t simulated_write(uint8_t *body, size_t at, const struct simulated *s)
         at = put_f64(body, at, s->sines[i].phase);
     }
     return at;
-}
-
-size_t control_write(uint8_t *body, size_t at, const struct control *c)
-{
-    at = put(body, at, c->law, 1u);
-    at = put(body, at, c->places, 1u);
-    at = put(body, at, c->number_count, 1u);
-    at = put(body, at, c->row_count, 1u);
-    for (unsigned i = 0; i < c->number_count; i++) {
-        at = put_f64(body, at, c->numbers[i]);
-    }
-    for (unsigned i = 0; i < c->row_count; i++) {
-        at = put_f64(body, at, c->rows[i]);
-    }
-    return at;
-}
-
-/* Comparisons that a NaN fails. */
-static bool within(double value, double most)
-{
-    return value >= 0.0 && value <= most;
-}
-
-static bool positive(double value, double most)
-{
-    return value > 0.0 && value <= most;
-}
-
-bool settings_in_range(const struct settings *s, const struct identity *i)
-{
-    return s->period_ns >= i->shortest_period_ns && s->period_ns <= 1000000000u && s->counts_per_rev >= 1u &&
-           s->counts_per_rev <= i->native_counts && within(s->wall_stiffness, 1e3) && within(s->wall_damping, 1e3) &&
-           positive(s->torque_limit_nm, 10.0) && positive(s->speed_limit_rad_s, 1e4) && s->watchdog_us >= 1000u &&
-           s->watchdog_us <= 50000u && s->block_samples >= 1u && s->block_samples <= BLOCK_SAMPLES_MOST;
-}
-
-bool simulated_in_range(const struct simulated *s)
-{
-    struct simulated copy = *s;
-    for (unsigned i = 0; i < SIMULATED_NUMBERS; i++) {
-        double value = *simulated_number(&copy, i);
-        if (!within(value < 0.0 ? -value : value, 1e6)) {
-            return false;
-        }
-    }
-    for (unsigned i = 0; i < (unsigned)s->push_count + s->grip_count; i++) {
-        const struct sine *one = &s->sines[i];
-        if (!(one->amplitude * one->amplitude <= 1e12 && one->frequency_hz * one->frequency_hz <= 1e12 &&
-              one->phase * one->phase <= 1e12)) {
-            return false;
-        }
-    }
-    return s->inertia > 0.0 && s->damping >= 0.0 && s->stiffness >= 0.0 && s->coulomb_nm >= 0.0 && s->grip_rise_s >= 0.0;
 }

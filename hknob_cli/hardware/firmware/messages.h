@@ -9,12 +9,15 @@
 #define WIRE_VERSION 1u
 #define BLOCK_SAMPLES_MOST 48u
 #define SINES_MOST 4u
+#define HANDS_MOST 10u
+#define TORQUES_MOST 32u
 #define NAME_BYTES 16u
 #define LAW_NUMBERS_MOST 9u
 #define LAW_ROWS_MOST 65u
 
 enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
-       AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, CONTROL = 0x11, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+       AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, CONTROL = 0x11, PULSE = 0x12, SQUEEZE = 0x13,
+       OVER_ANGLE = 0x14, TORQUES = 0x15, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
 enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
 enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
 enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
@@ -46,6 +49,33 @@ struct control {
     double numbers[LAW_NUMBERS_MOST], rows[LAW_ROWS_MOST];
 };
 
+/* A pulse that a grip fires (pulse.h): forces in N, torque in N·m, width and dwell in samples. Of width 0: none. */
+struct pulse {
+    double grip_n, band_n, release_n, torque_nm;
+    uint32_t width, dwell;
+};
+
+/* How a simulated person squeezes a knob that pulses; hands by grip: N, inertia, damping, stiffness. Of none: nobody. */
+struct squeeze {
+    double aim_n, rise_s, overshoot, reaction_s, relax_s, strength_n;
+    uint8_t climbs, hand_count, sine_count;
+    double hands[HANDS_MOST][4];
+    struct sine sines[SINES_MOST]; /* of shares */
+};
+
+/* Torque over the angle, whose counts come in pieces (over_angle.h). Of size 0: none. */
+struct over_angle {
+    int32_t first;
+    uint32_t turn, size;
+    double below, above;
+};
+
+struct torques {
+    uint32_t at;
+    uint8_t count;
+    double values[TORQUES_MOST];
+};
+
 struct command {
     uint8_t type;
     uint32_t nonce;
@@ -55,10 +85,15 @@ struct command {
     struct settings settings;
     struct simulated simulated;
     struct control control;
+    struct pulse pulse;
+    struct squeeze squeeze;
+    struct over_angle over_angle;
+    struct torques torques;
 };
 
-/* What a target is and can do, in its answer to HELLO. The target itself adds the last two. */
-enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8, KNOWS_CONTROL = 16 };
+/* What a target is and can do, in its answer to HELLO. The target itself adds the last four. */
+enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8, KNOWS_CONTROL = 16, KNOWS_PULSES = 32,
+       KNOWS_OVER_ANGLE = 64 };
 
 struct identity {
     uint32_t native_counts, shortest_period_ns;
@@ -102,9 +137,22 @@ size_t settings_write(uint8_t *body, size_t at, const struct settings *settings)
 size_t zero_write(uint8_t *body, size_t at, int32_t angle);
 size_t simulated_write(uint8_t *body, size_t at, const struct simulated *simulated);
 size_t control_write(uint8_t *body, size_t at, const struct control *control);
+size_t pulse_write(uint8_t *body, size_t at, const struct pulse *pulse);
+size_t over_angle_write(uint8_t *body, size_t at, const struct over_angle *over_angle);
+size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, const double *values);
+size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *squeeze);
 size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
 
 bool settings_in_range(const struct settings *settings, const struct identity *identity);
 bool simulated_in_range(const struct simulated *simulated);
+
+/* Numbers in their order on the wire. */
+enum { SIMULATED_NUMBERS = 9, SQUEEZE_NUMBERS = 6 };
+double *simulated_number(struct simulated *simulated, unsigned i);
+double *squeeze_number(struct squeeze *squeeze, unsigned i);
+
+/* Whether a pulse is one that a target may fire under these settings. */
+bool pulse_in_range(const struct pulse *pulse, const struct settings *settings);
+bool squeeze_in_range(const struct squeeze *squeeze);
 
 #endif

@@ -7,6 +7,7 @@
 
 #include <math.h>
 
+#include "squeeze.h"
 #include "wall.h"
 
 /* Faster motion turns round so often in one hold that nothing of it can be seen in the samples. */
@@ -59,22 +60,54 @@ static void integral(double d[2][2], double spring, double drag, double u)
     }
 }
 
-bool plant_begin(struct plant *p, const struct simulated *person, double interval_s)
+/* The numbers of a knob and hand together. */
+static bool take_hand(struct plant *p, double inertia, double damping, double stiffness)
 {
-    p->person = *person;
-    p->interval_s = interval_s;
-    p->per_torque = interval_s * interval_s / person->inertia;
-    p->spring = person->stiffness * p->per_torque;
-    p->drag = person->damping * interval_s / person->inertia;
-    p->angle = person->angle_rad;
-    p->speed = 0.0;
-    p->passed = 0u;
-    p->held = false;
+    double interval_s = p->interval_s;
+    p->per_torque = interval_s * interval_s / inertia;
+    p->spring = stiffness * p->per_torque;
+    p->drag = damping * interval_s / inertia;
     if (!(p->spring <= FASTEST_SPRING && p->drag <= FASTEST_DRAG)) {
         return false;
     }
     integral(p->step, p->spring, p->drag, 1.0);
     return true;
+}
+
+bool plant_begin(struct plant *p, const struct simulated *person, double interval_s)
+{
+    p->person = *person;
+    p->interval_s = interval_s;
+    p->angle = person->angle_rad;
+    p->speed = 0.0;
+    p->passed = 0u;
+    p->held = false;
+    p->squeeze.hand_count = 0u;
+    p->rest = 0.0;
+    return take_hand(p, person->inertia, person->damping, person->stiffness);
+}
+
+bool plant_squeezed(struct plant *p, const struct squeeze *squeeze)
+{
+    p->squeeze = *squeeze;
+    p->rest = p->angle;
+    p->angle = 0.0;
+    p->fired_s = HUGE_VAL;
+    /* Nobody pushes; and between two rows spring and drag are between those of the rows. */
+    p->person.push_nm = 0.0;
+    p->person.push_count = 0u;
+    for (unsigned i = 0; i < squeeze->hand_count; i++) {
+        const double *hand = squeeze->hands[i];
+        if (!take_hand(p, hand[1], hand[2], hand[3])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+double plant_angle(const struct plant *p)
+{
+    return p->rest + p->angle;
 }
 
 void plant_start(struct plant *p)
@@ -105,6 +138,9 @@ double plant_grip(const struct plant *p)
         return p->person.grip_offset_n;
     }
     double t = p->passed * p->interval_s;
+    if (p->squeeze.hand_count > 0u) {
+        return squeeze_force(&p->squeeze, t, p->fired_s) + p->person.grip_offset_n;
+    }
     double risen = p->person.grip_rise_s > 0.0 ? -expm1(-t / p->person.grip_rise_s) : 1.0;
     return p->person.grip_n * risen + sines(p, p->person.push_count, p->person.grip_count) + p->person.grip_offset_n;
 }
@@ -146,6 +182,16 @@ void plant_advance(struct plant *p, double torque_nm)
 {
     if (!p->held) {
         return;
+    }
+    if (p->squeeze.hand_count > 0u && p->fired_s == HUGE_VAL) {
+        if (torque_nm == 0.0) {
+            p->passed++;
+            return;
+        }
+        double hand[3], t = p->passed * p->interval_s;
+        squeeze_hand(&p->squeeze, squeeze_force(&p->squeeze, t, HUGE_VAL), hand);
+        p->fired_s = t;
+        (void)take_hand(p, hand[0], hand[1], hand[2]);
     }
     double torque = (torque_nm - plant_push(p)) * p->per_torque;
     double friction = p->person.coulomb_nm * p->per_torque;

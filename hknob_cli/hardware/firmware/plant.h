@@ -17,16 +17,26 @@ struct plant {
     double angle, speed;
     uint32_t passed;        /* samples since the person took hold */
     bool held;              /* by nobody: at rest at the angle of the start */
+    struct squeeze squeeze; /* of no hands: a knob with a wall */
+    double rest;            /* angle at which a knob that pulses rests, about which `angle` is then counted */
+    double fired_s;         /* when its pulse came; infinite before */
 };
 
 /* At rest, held by nobody. False if the motion is too fast for this interval to follow. */
 bool plant_begin(struct plant *plant, const struct simulated *person, double interval_s);
+
+/* After plant_begin: the knob rests until a torque comes, and then is held as the grip of that sample says. False if the
+   motion of one of the hands is too fast. */
+bool plant_squeezed(struct plant *plant, const struct squeeze *squeeze);
 
 /* The person takes hold; this is the sample at t = 0. */
 void plant_start(struct plant *plant);
 
 /* On to the next sample, under a torque in N·m. */
 void plant_advance(struct plant *plant, double torque_nm);
+
+/* The angle at this sample, in rad. */
+double plant_angle(const struct plant *plant);
 
 /* At this sample: push in N·m into the wall, and what the grip cell shows, in N. */
 double plant_push(const struct plant *plant);

@@ -21,6 +21,8 @@ static struct {
     uint64_t event_due_ns;
     int32_t zero;
     struct simulated simulated;
+    struct squeeze squeeze;
+    struct torques piece; /* the last that was taken, of which the place and the count matter */
     struct command command;
     struct frame_receiver receiver;
     uint8_t body[FRAME_BODY_MOST], frame[FRAME_MOST];
@@ -38,7 +40,7 @@ void target_begin(void)
 
 static uint8_t arm(uint32_t nonce)
 {
-    if (loop.state != IDLE || !self.configured) {
+    if (loop.state != IDLE || !self.configured || loop.over_angle.filled < loop.over_angle.head.size) {
         return NOT_NOW;
     }
     if (!loop_arm()) {
@@ -61,6 +63,8 @@ static uint8_t configure(const struct settings *settings)
     /* What is still kept of the run before stays readable: the record has its own length of a block. */
     loop.settings = *settings;
     loop.control.law = 0u; /* its numbers are of other settings */
+    loop.pulse.width = 0u;
+    loop.over_angle.head.size = 0u;
     self.configured = true;
     return DONE;
 }
@@ -92,6 +96,56 @@ static uint8_t control(const struct control *control)
     return DONE;
 }
 
+static uint8_t pulse(const struct pulse *pulse)
+{
+    if ((board_identity.flags & NO_GRIP_CELL) != 0u) {
+        return NOT_KNOWN;
+    }
+    if (loop.state != IDLE || !self.configured) {
+        return NOT_NOW;
+    }
+    if (!pulse_in_range(pulse, &loop.settings)) {
+        return OUT_OF_RANGE;
+    }
+    loop.pulse = *pulse;
+    return DONE;
+}
+
+static uint8_t over_angle(const struct over_angle *head)
+{
+    if (loop.state != IDLE || !self.configured) {
+        return NOT_NOW;
+    }
+    return over_angle_begin(&loop.over_angle, head) ? DONE : OUT_OF_RANGE;
+}
+
+static uint8_t torques(const struct torques *piece)
+{
+    if (loop.state != IDLE || loop.over_angle.head.size == 0u) {
+        return NOT_NOW;
+    }
+    if (!over_angle_take(&loop.over_angle, piece)) {
+        return OUT_OF_RANGE;
+    }
+    self.piece = *piece;
+    return DONE;
+}
+
+static uint8_t squeeze(const struct squeeze *squeeze)
+{
+    if ((board_identity.flags & SIMULATED) == 0u) {
+        return NOT_KNOWN;
+    }
+    if (loop.state != IDLE) {
+        return NOT_NOW;
+    }
+    uint8_t status = squeeze_in_range(squeeze) ? board_squeeze(squeeze) : (uint8_t)OUT_OF_RANGE;
+    if (status == DONE) {
+        self.squeeze = *squeeze;
+    }
+    return status;
+}
+
 static uint8_t zero(int32_t angle)
 {
     if (loop.state != IDLE) {
@@ -120,6 +174,14 @@ static uint8_t carry_out(const struct command *c)
         return simulate(&c->simulated);
     case CONTROL:
         return control(&c->control);
+    case PULSE:
+        return pulse(&c->pulse);
+    case SQUEEZE:
+        return squeeze(&c->squeeze);
+    case OVER_ANGLE:
+        return over_angle(&c->over_angle);
+    case TORQUES:
+        return torques(&c->torques);
     case ZERO:
         return zero(c->angle);
     case ARM:
@@ -184,6 +246,14 @@ static size_t answer(void)
         count = simulated_write(self.body, count, &self.simulated);
     } else if (self.last_type == CONTROL && self.last_status == DONE) {
         count = control_write(self.body, count, &loop.control);
+    } else if (self.last_type == PULSE && self.last_status == DONE) {
+        count = pulse_write(self.body, count, &loop.pulse);
+    } else if (self.last_type == SQUEEZE && self.last_status == DONE) {
+        count = squeeze_write(self.body, count, &self.squeeze);
+    } else if (self.last_type == OVER_ANGLE && self.last_status == DONE) {
+        count = over_angle_write(self.body, count, &loop.over_angle.head);
+    } else if (self.last_type == TORQUES && self.last_status == DONE) {
+        count = torques_write(self.body, count, &self.piece, loop.over_angle.torques + self.piece.at);
     }
     return count;
 }

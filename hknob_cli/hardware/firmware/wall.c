@@ -17,11 +17,15 @@ double wall_torque(int64_t count, int64_t before, double quantum_rad, double int
     return -stiffness * ((double)count * quantum_rad) - damping * ((double)(count - before) * quantum_rad) / interval_s;
 }
 
+double wall_brake(int64_t count, int64_t before, double quantum_rad, double interval_s, double damping)
+{
+    return count < 0 ? damping * ((double)(count - before) * quantum_rad) / interval_s : 0.0;
+}
+
 double wall_controlled(double depth, int64_t count, int64_t before, double quantum_rad, double interval_s, double stiffness,
                        double damping)
 {
-    double brake = count < 0 ? damping * ((double)(count - before) * quantum_rad) / interval_s : 0.0;
-    return stiffness * (depth * quantum_rad) - brake;
+    return stiffness * (depth * quantum_rad) - wall_brake(count, before, quantum_rad, interval_s, damping);
 }
 
 double wall_limit(double torque_nm, double limit_nm)

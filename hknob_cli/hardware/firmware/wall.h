@@ -12,6 +12,9 @@ int64_t wall_decimate(int32_t angle, uint32_t counts_per_rev, uint32_t native_co
 /* Torque in N·m at `count`, `before` that of the sample before; quantum_rad of a count, interval_s between samples. */
 double wall_torque(int64_t count, int64_t before, double quantum_rad, double interval_s, double stiffness, double damping);
 
+/* Torque in N·m that the damping takes at `count`, inside the wall. */
+double wall_brake(int64_t count, int64_t before, double quantum_rad, double interval_s, double damping);
+
 /* Torque in N·m where a controller gives `depth`, in counts of the spring; the damping acts beside it, inside the wall. */
 double wall_controlled(double depth, int64_t count, int64_t before, double quantum_rad, double interval_s, double stiffness,
                        double damping);

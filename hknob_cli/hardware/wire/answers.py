@@ -1,21 +1,28 @@
 """What a target sends: answers, blocks of samples, events, and how these lie in a body."""
 
 import struct
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Control, Settings, Simulated
-from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import (
-    ZERO,
+from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Squeeze
+from hknob_cli.hardware.wire.acts import (
+    Piece,
+    Table,
     pack_control,
-    pack_settings,
-    pack_simulated,
+    pack_piece,
+    pack_pulse,
+    pack_squeeze,
+    pack_table,
     unpack_control,
-    unpack_settings,
-    unpack_simulated,
+    unpack_piece,
+    unpack_pulse,
+    unpack_squeeze,
+    unpack_table,
 )
+from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
+from hknob_cli.hardware.wire.commands import ZERO, pack_settings, pack_simulated, unpack_settings, unpack_simulated
 
 ACK = struct.Struct("<IBBBBII")
 HELLO = struct.Struct("<IIB16s")
@@ -25,7 +32,8 @@ EVENT = struct.Struct("<IIBIII")
 
 MOST_SAMPLES = 48
 SIMULATED_FLAG = RUNNING_FLAG = 1
-NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG = 2, 4, 8, 16
+NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG, KNOWS_PULSES_FLAG = 2, 4, 8, 16, 32
+KNOWS_OVER_ANGLE_FLAG = 64
 
 
 class About(NamedTuple):
@@ -39,9 +47,11 @@ class About(NamedTuple):
     own_time: bool = False
     knows_zero: bool = False
     knows_control: bool = False
+    knows_pulses: bool = False
+    knows_over_angle: bool = False
 
 
-Said = About | Settings | Simulated | Control | int
+Said = About | Settings | Simulated | Control | Pulse | Squeeze | Table | Piece | int
 
 
 class Ack(NamedTuple):
@@ -128,7 +138,8 @@ def _pack_said(said: Said | None) -> bytes:
         case About():
             flags = said.simulated * SIMULATED_FLAG + said.no_grip_cell * NO_GRIP_CELL_FLAG
             flags += said.own_time * OWN_TIME_FLAG + said.knows_zero * KNOWS_ZERO_FLAG
-            flags += said.knows_control * KNOWS_CONTROL_FLAG
+            flags += said.knows_control * KNOWS_CONTROL_FLAG + said.knows_pulses * KNOWS_PULSES_FLAG
+            flags += said.knows_over_angle * KNOWS_OVER_ANGLE_FLAG
             return HELLO.pack(said.native_counts, said.shortest_period_ns, flags, said.name.encode("ascii"))
         case int():
             return ZERO.pack(said)
@@ -138,6 +149,14 @@ def _pack_said(said: Said | None) -> bytes:
             return pack_simulated(said)
         case Control():
             return pack_control(said)
+        case Pulse():
+            return pack_pulse(said)
+        case Squeeze():
+            return pack_squeeze(said)
+        case Table():
+            return pack_table(said)
+        case Piece():
+            return pack_piece(said)
     return b""
 
 
@@ -156,19 +175,31 @@ def _unpack_said(of: int, status: Status, data: bytes) -> Said | None:
             own_time=bool(flags & OWN_TIME_FLAG),
             knows_zero=bool(flags & KNOWS_ZERO_FLAG),
             knows_control=bool(flags & KNOWS_CONTROL_FLAG),
+            knows_pulses=bool(flags & KNOWS_PULSES_FLAG),
+            knows_over_angle=bool(flags & KNOWS_OVER_ANGLE_FLAG),
         )
-    if status is Status.DONE and of == Kind.CONFIGURE:
-        return unpack_settings(data)
-    if status is Status.DONE and of == Kind.SIMULATE:
-        return unpack_simulated(data)
-    if status is Status.DONE and of == Kind.CONTROL:
-        return unpack_control(data)
-    if status is Status.DONE and of == Kind.ZERO:
-        (angle,) = ZERO.unpack(data)
-        return int(angle)
+    if status is Status.DONE and of in _UNPACK:
+        return _UNPACK[of](data)
     if data:
         raise ValueError("length")
     return None
+
+
+def _unpack_zero(data: bytes) -> int:
+    (angle,) = ZERO.unpack(data)
+    return int(angle)
+
+
+_UNPACK: dict[int, Callable[[bytes], Said]] = {
+    Kind.CONFIGURE: unpack_settings,
+    Kind.SIMULATE: unpack_simulated,
+    Kind.CONTROL: unpack_control,
+    Kind.PULSE: unpack_pulse,
+    Kind.SQUEEZE: unpack_squeeze,
+    Kind.OVER_ANGLE: unpack_table,
+    Kind.TORQUES: unpack_piece,
+    Kind.ZERO: _unpack_zero,
+}
 
 
 def _unpack_block(data: bytes) -> Samples:

@@ -19,6 +19,10 @@ class Kind(IntEnum):
     ZERO = 0x09
     SIMULATE = 0x10
     CONTROL = 0x11
+    PULSE = 0x12
+    SQUEEZE = 0x13
+    OVER_ANGLE = 0x14
+    TORQUES = 0x15
     ACK = 0x81
     BLOCK = 0x82
     EVENT = 0x83

@@ -3,17 +3,30 @@
 import struct
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import MOST_SINES, Control, Settings, Simulated, Sine
+from hknob_cli.hardware.port import MOST_SINES, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.wire.acts import (
+    SINE,
+    Piece,
+    Table,
+    pack_control,
+    pack_piece,
+    pack_pulse,
+    pack_squeeze,
+    pack_table,
+    unpack_control,
+    unpack_piece,
+    unpack_pulse,
+    unpack_squeeze,
+    unpack_table,
+)
 from hknob_cli.hardware.wire.codes import Kind
 
 NONCE = struct.Struct("<I")
 SETTINGS = struct.Struct("<IIddddIH")
 KNOB = struct.Struct("<9dBB")
-SINE = struct.Struct("<3d")
 ALIVE = struct.Struct("<I")
 AGAIN = struct.Struct("<IH")
 ZERO = struct.Struct("<i")
-LAW = struct.Struct("<4B")
 
 PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE)
 
@@ -98,7 +111,56 @@ class SetControl(NamedTuple):
         return Kind.CONTROL
 
 
-Command = Plain | Configure | Simulate | Alive | Again | Zero | SetControl
+class SetPulse(NamedTuple):
+    """The pulse of a trial, in place of its wall."""
+
+    nonce: int
+    pulse: Pulse
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.PULSE
+
+
+class SetSqueeze(NamedTuple):
+    """Who squeezes the simulated knob."""
+
+    nonce: int
+    squeeze: Squeeze
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.SQUEEZE
+
+
+class SetTable(NamedTuple):
+    """The head of the torque over the angle of a trial."""
+
+    nonce: int
+    table: Table
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.OVER_ANGLE
+
+
+class SetPiece(NamedTuple):
+    """The next torques of it."""
+
+    nonce: int
+    piece: Piece
+
+    @property
+    def kind(self) -> Kind:
+        """Its type."""
+        return Kind.TORQUES
+
+
+Acts = SetControl | SetPulse | SetSqueeze | SetTable | SetPiece
+Command = Plain | Configure | Simulate | Alive | Again | Zero | Acts
 
 
 def pack_settings(settings: Settings) -> bytes:
@@ -129,20 +191,6 @@ def unpack_simulated(data: bytes) -> Simulated:
     return Simulated._make((*knob, sines[:push_count], sines[push_count:], ()))
 
 
-def pack_control(control: Control) -> bytes:
-    """A controller as it lies in CONTROL, and in its ACK."""
-    numbers = (*control.numbers, *control.rows)
-    head = LAW.pack(control.law, control.places, len(control.numbers), len(control.rows))
-    return head + struct.pack(f"<{len(numbers)}d", *numbers)
-
-
-def unpack_control(data: bytes) -> Control:
-    """A controller; raises struct.error for another length."""
-    law, places, count, rows = LAW.unpack_from(data)
-    numbers = struct.unpack(f"<{count + rows}d", data[LAW.size :])
-    return Control(law, places, numbers[:count], numbers[count:])
-
-
 def pack_command(command: Command) -> bytes:
     """What follows version and type."""
     nonce = NONCE.pack(command.nonce)
@@ -161,6 +209,14 @@ def pack_command(command: Command) -> bytes:
             return nonce + ZERO.pack(command.angle)
         case SetControl():
             return nonce + pack_control(command.control)
+        case SetPulse():
+            return nonce + pack_pulse(command.pulse)
+        case SetSqueeze():
+            return nonce + pack_squeeze(command.squeeze)
+        case SetTable():
+            return nonce + pack_table(command.table)
+        case SetPiece():
+            return nonce + pack_piece(command.piece)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -179,6 +235,14 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return Zero(nonce, *ZERO.unpack(rest))
     if kind is Kind.CONTROL:
         return SetControl(nonce, unpack_control(rest))
+    if kind is Kind.PULSE:
+        return SetPulse(nonce, unpack_pulse(rest))
+    if kind is Kind.SQUEEZE:
+        return SetSqueeze(nonce, unpack_squeeze(rest))
+    if kind is Kind.OVER_ANGLE:
+        return SetTable(nonce, unpack_table(rest))
+    if kind is Kind.TORQUES:
+        return SetPiece(nonce, unpack_piece(rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

@@ -6,11 +6,27 @@ What was sent and what the target says it took, compared value by value, bit by 
 """
 
 import struct
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
-from hknob_cli.hardware.port import Block, Control, Settings, Simulated, Sine
+from hknob_cli.hardware.grip_trigger import pulse_of
+from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.wire.acts import Piece, Table, pieces_of
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
+from hknob_cli.hardware.wire.commands import (
+    Command,
+    Configure,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+)
+
+Sent = Settings | Simulated | Control | Pulse | Squeeze | Table | Piece
 
 AGAIN_AFTER_S = 0.03
 TIMES_AGAIN = 5
@@ -21,11 +37,40 @@ _AFTER = {
     Kind.SIMULATE: (State.IDLE,),
     Kind.ZERO: (State.IDLE,),
     Kind.CONTROL: (State.IDLE,),
+    Kind.PULSE: (State.IDLE,),
+    Kind.SQUEEZE: (State.IDLE,),
+    Kind.OVER_ANGLE: (State.IDLE,),
+    Kind.TORQUES: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
     Kind.RELEASE: (State.IDLE,),
 }
+
+
+def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[Sent, Callable[[int], Command]]]:
+    """What a target is told of a trial, in its order, each with how it is sent; what it took is compared with each.
+
+    CONFIGURE comes first, by which it forgets what acted before; SQUEEZE after SIMULATE, by which it forgets who did.
+    """
+    plain, control, over = settings.plain, settings.control, settings.over_angle
+    yield plain, lambda nonce: Configure(nonce, plain)
+    if control is not None:
+        yield control, lambda nonce: SetControl(nonce, control)
+    if settings.pulse is not None:
+        pulse = pulse_of(settings.pulse, settings.interval_s)
+        yield pulse, lambda nonce: SetPulse(nonce, pulse)
+    if over is not None:
+        table, pieces = pieces_of(over)
+        yield table, lambda nonce: SetTable(nonce, table)
+        for piece in pieces:
+            yield piece, partial(SetPiece, piece=piece)
+    if simulated is not None:
+        knob = simulated._replace(squeeze=())
+        yield knob, lambda nonce: Simulate(nonce, knob)
+        if simulated.squeeze:
+            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
+            yield squeeze, lambda nonce: SetSqueeze(nonce, squeeze)
 
 
 class Sending:
@@ -89,7 +134,7 @@ class AfterRelease:
             self.seen = f"the target acknowledged RELEASE, but goes on sending samples with {what}"
 
 
-def differences(sent: Settings | Simulated | Control, taken: object) -> list[str]:
+def differences(sent: Sent, taken: object) -> list[str]:
     """One text for each value that differs: its name, sent, taken."""
     if type(taken) is not type(sent):
         return ["the target did not say what it took"]
@@ -106,11 +151,16 @@ def _flat(values: Any) -> dict[str, Any]:
     for name, value in values._asdict().items():
         if isinstance(value, tuple):
             for index, one in enumerate(value):
-                parts = one._asdict() if isinstance(one, Sine) else {"": one}
+                parts = one._asdict() if isinstance(one, Sine) else _numbered(one)
                 flat |= {f"{name}[{index}]{part and f'.{part}'}": number for part, number in parts.items()}
         else:
             flat[name] = value
     return flat
+
+
+def _numbered(one: Any) -> dict[str, Any]:
+    """A number by no name; those of a row, which has no names, by their places."""
+    return {str(place): number for place, number in enumerate(one)} if isinstance(one, tuple) else {"": one}
 
 
 def _bits(value: Any) -> bytes:

@@ -4,6 +4,7 @@ from typing import Any
 
 from hknob_cli.report.scene_words import scene_sentences
 from hknob_cli.report.table import short
+from hknob_cli.specs.campaign import VIRTUAL
 from hknob_cli.specs.plan import Axes, Bias, Knob, Scene, Wall
 from hknob_cli.specs.pulses import THRESHOLD, PulsePlan
 from hknob_cli.stages.work import counted
@@ -23,12 +24,14 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     knob = Knob(*plan.knob)
     bias = Bias(torque=plan.person.push) if simulated else None
     scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.first.controller)
+    if plan.effects:
+        scene = scene._replace(**plan.effects._asdict())
     if simulated:
         parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
         wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
         parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
     else:
-        said = ("Wall:", "Encoder:", "Clock:", "Controller:")
+        said = ("Wall:", "Encoder:", "Clock:", "Controller:", "Profile:", "Detents:", "End stops:", "Dead zone:")
         parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
     course, limits = plan.course, plan.limits
     about = {
@@ -65,9 +68,16 @@ def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:
     person = (
         f"person {who.person}, drawn from table {who.table}" if who.person else f"the mean hand of table {who.table}"
     )
+    device = plan.device
+    simulated = device.driver == VIRTUAL or bool(device.target)
+    where = device.target or device.url or "computed here"
     about = {
-        "parts": [f"Person: simulated, {person}, whose hand follows the grip at which the pulse comes."],
-        "device": [f"{plan.device.driver}: computed here, a loop of {short(pulses.sample_rate)} Hz."],
+        "parts": [
+            f"Person: simulated, {person}, whose hand follows the grip at which the pulse comes."
+            if simulated
+            else "Person: whoever holds the knob."
+        ],
+        "device": [f"{device.driver}: {where}, a loop of {short(pulses.sample_rate)} Hz."],
         "trials": [
             f"Grips of {grips} N; each {counted(pulses.trials, 'time')} in {counted(plan.repeats, 'block')}.",
             f"{fires} It lasts {short(1e3 * pulses.width)} ms; its torque is {as_high}.",
@@ -77,7 +87,8 @@ def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:
         "not proven": ["Trials are recorded, not proven; hknob sysid identifies the hand from them, with error bars."],
     }
     count = len(plan.grips) * pulses.trials * plan.repeats
-    return f"{counted(count, 'trial')} on a simulated knob: a grip fires a torque pulse, for hknob sysid.", about
+    asked = "a simulated knob" if simulated else "a knob"
+    return f"{counted(count, 'trial')} on {asked}: a grip fires a torque pulse, for hknob sysid.", about
 
 
 def _tried(one: Any, reference: str) -> str:

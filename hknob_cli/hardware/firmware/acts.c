@@ -1,0 +1,177 @@
+/* Bodies of what acts in a trial beside the plain wall. */
+#include "acts.h"
+
+enum { CONTROL_SHORTEST = 6 + 4 };
+
+/* Counts beyond what there is room for are no message: no law takes so many. */
+bool control_read(struct control *c, struct reader *r, size_t count)
+{
+    if (count < CONTROL_SHORTEST) {
+        return false;
+    }
+    c->law = (uint8_t)get(r, 1u);
+    c->places = (uint8_t)get(r, 1u);
+    c->number_count = (uint8_t)get(r, 1u);
+    c->row_count = (uint8_t)get(r, 1u);
+    if (c->number_count > LAW_NUMBERS_MOST || c->row_count > LAW_ROWS_MOST ||
+        count != CONTROL_SHORTEST + 8u * ((unsigned)c->number_count + c->row_count)) {
+        return false;
+    }
+    for (unsigned i = 0; i < c->number_count; i++) {
+        c->numbers[i] = get_f64(r);
+    }
+    for (unsigned i = 0; i < c->row_count; i++) {
+        c->rows[i] = get_f64(r);
+    }
+    return true;
+}
+
+enum { PULSE_BYTES = 6 + 4 * 8 + 2 * 4 };
+
+bool pulse_read(struct pulse *p, struct reader *r, size_t count)
+{
+    if (count != PULSE_BYTES) {
+        return false;
+    }
+    p->grip_n = get_f64(r);
+    p->band_n = get_f64(r);
+    p->release_n = get_f64(r);
+    p->torque_nm = get_f64(r);
+    p->width = (uint32_t)get(r, 4u);
+    p->dwell = (uint32_t)get(r, 4u);
+    return true;
+}
+
+/* The six numbers of a squeeze, in their order on the wire. */
+double *squeeze_number(struct squeeze *s, unsigned i)
+{
+    double *numbers[] = {&s->aim_n, &s->rise_s, &s->overshoot, &s->reaction_s, &s->relax_s, &s->strength_n};
+    return numbers[i];
+}
+enum { SQUEEZE_SHORTEST = 6 + 6 * 8 + 3 };
+
+/* Counts beyond what there is room for are no message. */
+bool squeeze_read(struct squeeze *s, struct reader *r, size_t count)
+{
+    if (count < SQUEEZE_SHORTEST) {
+        return false;
+    }
+    for (unsigned i = 0; i < SQUEEZE_NUMBERS; i++) {
+        *squeeze_number(s, i) = get_f64(r);
+    }
+    s->climbs = (uint8_t)get(r, 1u);
+    s->hand_count = (uint8_t)get(r, 1u);
+    s->sine_count = (uint8_t)get(r, 1u);
+    if (s->hand_count > HANDS_MOST || s->sine_count > SINES_MOST ||
+        count != SQUEEZE_SHORTEST + 32u * s->hand_count + 24u * s->sine_count) {
+        return false;
+    }
+    for (unsigned i = 0; i < s->hand_count; i++) {
+        for (unsigned k = 0; k < 4u; k++) {
+            s->hands[i][k] = get_f64(r);
+        }
+    }
+    for (unsigned i = 0; i < s->sine_count; i++) {
+        s->sines[i].amplitude = get_f64(r);
+        s->sines[i].frequency_hz = get_f64(r);
+        s->sines[i].phase = get_f64(r);
+    }
+    return true;
+}
+
+enum { OVER_ANGLE_BYTES = 6 + 3 * 4 + 2 * 8, TORQUES_SHORTEST = 6 + 5 };
+
+bool over_angle_read(struct over_angle *o, struct reader *r, size_t count)
+{
+    if (count != OVER_ANGLE_BYTES) {
+        return false;
+    }
+    o->first = (int32_t)(uint32_t)get(r, 4u);
+    o->turn = (uint32_t)get(r, 4u);
+    o->size = (uint32_t)get(r, 4u);
+    o->below = get_f64(r);
+    o->above = get_f64(r);
+    return true;
+}
+
+bool torques_read(struct torques *t, struct reader *r, size_t count)
+{
+    if (count < TORQUES_SHORTEST) {
+        return false;
+    }
+    t->at = (uint32_t)get(r, 4u);
+    t->count = (uint8_t)get(r, 1u);
+    if (t->count > TORQUES_MOST || count != TORQUES_SHORTEST + 8u * t->count) {
+        return false;
+    }
+    for (unsigned i = 0; i < t->count; i++) {
+        t->values[i] = get_f64(r);
+    }
+    return true;
+}
+
+size_t control_write(uint8_t *body, size_t at, const struct control *c)
+{
+    at = put(body, at, c->law, 1u);
+    at = put(body, at, c->places, 1u);
+    at = put(body, at, c->number_count, 1u);
+    at = put(body, at, c->row_count, 1u);
+    for (unsigned i = 0; i < c->number_count; i++) {
+        at = put_f64(body, at, c->numbers[i]);
+    }
+    for (unsigned i = 0; i < c->row_count; i++) {
+        at = put_f64(body, at, c->rows[i]);
+    }
+    return at;
+}
+
+size_t pulse_write(uint8_t *body, size_t at, const struct pulse *p)
+{
+    at = put_f64(body, at, p->grip_n);
+    at = put_f64(body, at, p->band_n);
+    at = put_f64(body, at, p->release_n);
+    at = put_f64(body, at, p->torque_nm);
+    at = put(body, at, p->width, 4u);
+    return put(body, at, p->dwell, 4u);
+}
+
+size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *s)
+{
+    struct squeeze copy = *s;
+    for (unsigned i = 0; i < SQUEEZE_NUMBERS; i++) {
+        at = put_f64(body, at, *squeeze_number(&copy, i));
+    }
+    at = put(body, at, s->climbs, 1u);
+    at = put(body, at, s->hand_count, 1u);
+    at = put(body, at, s->sine_count, 1u);
+    for (unsigned i = 0; i < s->hand_count; i++) {
+        for (unsigned k = 0; k < 4u; k++) {
+            at = put_f64(body, at, s->hands[i][k]);
+        }
+    }
+    for (unsigned i = 0; i < s->sine_count; i++) {
+        at = put_f64(body, at, s->sines[i].amplitude);
+        at = put_f64(body, at, s->sines[i].frequency_hz);
+        at = put_f64(body, at, s->sines[i].phase);
+    }
+    return at;
+}
+
+size_t over_angle_write(uint8_t *body, size_t at, const struct over_angle *o)
+{
+    at = put(body, at, (uint32_t)o->first, 4u);
+    at = put(body, at, o->turn, 4u);
+    at = put(body, at, o->size, 4u);
+    at = put_f64(body, at, o->below);
+    return put_f64(body, at, o->above);
+}
+
+size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, const double *values)
+{
+    at = put(body, at, piece->at, 4u);
+    at = put(body, at, piece->count, 1u);
+    for (unsigned i = 0; i < piece->count; i++) {
+        at = put_f64(body, at, values[i]);
+    }
+    return at;
+}
