@@ -63,6 +63,8 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_general_trial_margins.py",
         f"{GENERAL}test_inner_region.py",
     ),
+    "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py",),
+    "general/laws/period.py": (f"{PROOF}test_law_period_margins.py",),
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": (f"{PROOF}test_law_rest_margins.py", f"{PROOF}test_law_settling_margins.py"),
     "general/laws/follow.py": LAWS,
