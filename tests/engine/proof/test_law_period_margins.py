@@ -44,7 +44,7 @@ def fading(**more: Any) -> Any:
 
 
 class Stage(NamedTuple):
-    """What a period is made to be: w -> w + (1 - matrix) (place - w) + off, with these margins, and what it remembers."""
+    """What a period is made to be: w -> w + (1 - matrix) (place - w) + off, with these margins; what it remembers."""
 
     matrix: np.ndarray = QUICK
     place: tuple[float, ...] = PLACE
@@ -372,7 +372,12 @@ def test_a_guard_must_clear_what_is_worn() -> None:
         stage = Stage(missed=2.0**-10)
         prove(stage, law, period=1)
         _, worn = wrong_of(stage, law, period=1)
-        for guard, status in ((worn, AT_SWITCH), (0.5 * worn, AT_SWITCH), (0.0, AT_SWITCH), (nextafter(worn, 1.0), PROVEN)):
+        for guard, status in (
+            (worn, AT_SWITCH),
+            (0.5 * worn, AT_SWITCH),
+            (0.0, AT_SWITCH),
+            (nextafter(worn, 1.0), PROVEN),
+        ):
             found = prove(stage._replace(guard=guard), law, period=1)
             assert (found.status, found.margin, found.edge) == (status, 1e9, 0.3)
             assert found.bound > 0.0
@@ -501,7 +506,12 @@ def test_what_fades_must_clear_the_guard_with_what_is_worn() -> None:
     prove(Stage(guard=3.0, missed=0.0), law)
     room = law.room[0]
     assert 2.9 < room < 3.0
-    for by, status in ((room, NOT_CAPTURED), (-room, NOT_CAPTURED), (room - 2.0**-40, PROVEN), (2.0**-40 - room, PROVEN)):
+    for by, status in (
+        (room, NOT_CAPTURED),
+        (-room, NOT_CAPTURED),
+        (room - 2.0**-40, PROVEN),
+        (2.0**-40 - room, PROVEN),
+    ):
         assert captured(Stage(guard=3.0, missed=0.0), law, {FADES: by}) == status
     law.guarded = False
     assert captured(Stage(guard=3.0, missed=0.0), law, {FADES: 2.0 * room}) == PROVEN
@@ -573,7 +583,7 @@ def test_what_fades_settles_and_then_the_torques_under_way(
         states.append(list(state))
         state[0] += 1.0
         past[FADES] = 0.5 * past[FADES] + 1.0 + 0.125 * (len(states) % period)
-        past[LINE : -PARTS] = past[LINE + PARTS :]
+        past[LINE:-PARTS] = past[LINE + PARTS :]
         past[-PARTS:] = [past[FADES], -past[FADES]]
         if len(states) == spoilt.get("at"):
             past[COUNTED] += 1.0
