@@ -205,8 +205,8 @@ def test_the_bound_is_of_every_error_through_the_inverse(form: str, name: str, p
     numbers = np.random.default_rng(n)
     matrix = QUICK if n == 2 else 0.3 * numbers.normal(size=(n, n))
     for missed, late, signed in ((0.0, 0.0, 1.0), (0.001, 0.0, 1.0), (-0.001, 0.002, -1.0)):
-        lates = (9.0, 9.0, 0.0, signed * 0.5 * late, signed * late, 0.0)
-        stage = Stage(matrix, (*PLACE, *([0.5] * (n - 2))), missed=missed, late=lates)
+        torques = (9.0, 9.0, 0.0, signed * 0.5 * late, signed * late, 0.0)
+        stage = Stage(matrix, (*PLACE, *([0.5] * (n - 2))), missed=missed, late=torques)
         if law.pair:
             stage = stage._replace(missed=0.0)
         found = prove(stage, law, one=one, wall=wall, period=period)
