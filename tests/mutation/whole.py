@@ -4,8 +4,9 @@ import datetime
 from pathlib import Path
 
 SCORES = Path(__file__).with_name("scores.md")
-HEAD = """\
-## Files tried whole
+TITLE = "## Files tried whole"
+HEAD = f"""\
+{TITLE}
 
 Every change of a file, by the tests that `table.py` lists for it: `python tests/mutation/campaign.py --note FILE`.
 *Explained* ones are in `accepted.toml`.
@@ -17,7 +18,7 @@ Every change of a file, by the tests that `table.py` lists for it: `python tests
 
 def rows() -> dict[str, str]:
     """The rows that are there, by file."""
-    _, _, told = SCORES.read_text().partition(HEAD)
+    _, _, told = SCORES.read_text().partition(TITLE)
     return {line.split("`")[1]: line for line in told.splitlines() if line.startswith("| `")}
 
 
@@ -30,5 +31,5 @@ def note(name: str, *, changes: int, killed: int, explained: int, survived: int)
     """Put the counts of a file into `scores.md`, with today's date."""
     today = datetime.date.today()
     line = f"| `{name}` | {changes} | {killed} | {explained} | {survived} | {today:%Y-%m-%d} |"
-    before, _, _ = SCORES.read_text().partition(HEAD)
+    before, _, _ = SCORES.read_text().partition(TITLE)
     SCORES.write_text(f"{before.rstrip()}\n\n{section({name: line})}")
