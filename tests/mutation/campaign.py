@@ -2,8 +2,9 @@
 
 `python tests/mutation/campaign.py rest.py sets/ball.py` tries these files of the engine, without names all of them.
 One process collects the tests and runs them once; for each change it forks, gives the function its changed code, and
-runs the quickest tests that call it until one fails. Nothing is written. A change that hangs counts as found. What is
-allowed to survive is listed in `accepted.toml`, with the reason. Exit code 1 if any other change survives.
+runs the quickest tests that call it until one fails. Nothing is written, except the counts with `--note`. A change that
+hangs counts as found. What is allowed to survive is listed in `accepted.toml`, with the reason. Exit code 1 if any
+other change survives.
 """
 
 import argparse
@@ -29,6 +30,7 @@ sys.path.insert(0, str(Path(__file__).parents[2]))
 from tests.mutation.accepted import Accepted
 from tests.mutation.mutate import Mutant, mutants, noting
 from tests.mutation.table import LEFT_OUT, ROOT, WATCHED, path_of, watchers_of
+from tests.mutation.whole import note
 
 SLOWEST_S = 40.0  # a test that takes longer does not run, and cannot watch over anything
 MEMORY_BYTES = 8 * 2**30  # of a changed program that fills its memory
@@ -260,6 +262,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="*", default=list(WATCHED), help="as in table.py; all by default")
     parser.add_argument("--function", help="this one alone")
+    parser.add_argument("--note", action="store_true", help="put the counts of whole files into scores.md")
     options = parser.parse_args()
     code = 0
     for name in options.files:
@@ -295,6 +298,9 @@ def main() -> int:
             f"{counts or '0 accepted'}, {len(survived)} survived; {time.monotonic() - begin:.0f} s",
             flush=True,
         )
+        if options.note and options.function is None and not found.failed:
+            explained = accepted.counts.total()
+            note(name, changes=len(chosen), killed=len(killed), explained=explained, survived=len(survived))
         code |= bool(found.failed or survived or accepted.stale())
     return code
 

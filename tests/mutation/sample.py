@@ -24,10 +24,10 @@ from tests.mutation.accepted import Accepted
 from tests.mutation.campaign import NOT_CALLED, NOT_PLACED, OUT_OF_TIME, SURVIVES, Budget, run
 from tests.mutation.mutate import Mutant, mutants
 from tests.mutation.table import GROUPS, PACKAGE, ROOT, files_of, watchers_of
+from tests.mutation.whole import SCORES, section
 
 BUDGET = Budget(slowest_s=6.0, in_all_s=20.0, whole=False)
 FOLDER = ROOT / "results" / "mutation"
-SCORES = Path(__file__).with_name("scores.md")
 VERDICTS = (SURVIVES, OUT_OF_TIME, NOT_CALLED, NOT_PLACED)  # beside those that count as killed
 
 
@@ -142,7 +142,7 @@ def table(seed: int) -> str:
             name = one.path.relative_to(PACKAGE).as_posix()
             listed.append(f"- {name}:{one.line} `{one.name}`: `{one.change}`: {reason or verdict + ', not looked at'}")
         listed.append("")
-    return "\n".join([*lines, *listed]).rstrip() + "\n"
+    return "\n".join([*lines, *listed]).rstrip() + "\n\n" + section()
 
 
 def main() -> int:

@@ -154,7 +154,7 @@ def advance(region, count, most, limits, room, loop):
             if high > low:
                 cloud[2 * total], cloud[2 * total + 1] = interval(x, v, 0.0, high - stiffness * x, loop)
                 total += 1
-    most_push = max(abs(limits[1]), abs(limits[2]), abs(limits[3]), abs(limits[4]))
+    most_push = max(-limits[1], limits[2], -limits[3], limits[4])
     pull = most_push + (loop.kappa + loop.beta) * far
     next_far, next_fast = 0.0, 0.0
     for k in range(total):
@@ -177,7 +177,7 @@ def trace_back(region, count, most, limits, room, loop):
     for k in range(count):
         far, fast = max(far, abs(region[2 * k])), max(fast, abs(region[2 * k + 1]))
     s, g, f = loop.s2, loop.g2, loop.f2
-    most_push = max(abs(limits[1]), abs(limits[2]), abs(limits[3]), abs(limits[4]))
+    most_push = max(-limits[1], limits[2], -limits[3], limits[4])
     far, fast = far + abs(g) * most_push, fast + abs(s) * most_push
     total, error_x, error_v = 0, 0.0, 0.0
     for side in range(2):

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.attractors import StoppedError
 from hknob_cli.engine.loop import Loop, interval, level_of, make_loop
 from hknob_cli.engine.sets import region as regions
-from hknob_cli.engine.sets.absorbing import Region, RegionFinder, pushes, states_in
+from hknob_cli.engine.sets.absorbing import RegionFinder, pushes
 from hknob_cli.engine.sets.region import (
     advance,
     area_of,
@@ -197,22 +197,6 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
         assert holds(around, (Fraction(x), Fraction(v)))
 
 
-def test_the_pushes_are_all_that_rounding_adds() -> None:
-    """A wall that knows the angle, and a push within the bounds, is the wall with its encoder."""
-    from hknob_cli.engine.loop import drive_of
-
-    for sense in (1.0, -1.0):
-        for offset in (0.0, 0.4):
-            loop = make_loop(0.3, 0.08, 0.5, 0.2, sense, offset, 0.0)
-            edge, outside, low, high = pushes(loop)
-            inside = np.append(np.linspace(edge - 5.0, edge, 4001)[:-1], [np.nextafter(edge, -9.0)])
-            beside = [drive_of(level_of(x, sense), loop) + loop.kappa * x for x in inside]
-            assert low - 1e-12 <= min(beside) < low + 2e-3
-            assert high - 2e-3 < max(beside) <= high + 1e-12
-            assert drive_of(level_of(edge + 1e-9, sense), loop) == outside
-            assert drive_of(level_of(edge - 1e-9, sense), loop) != outside or offset == 0.0
-
-
 def test_every_motion_comes_into_the_region() -> None:
     """From a thousand times as far, and a million times."""
     for loop in (knob(), knob(-1.0), knob(1.0, 0.3), make_loop(2.5, 0.1, 0.5, 0.3, 1.0, 0.0, 0.0)):
@@ -311,17 +295,6 @@ def test_no_time_and_an_interruption() -> None:
     assert finder().find(knob(), until=0.0) is None
     with pytest.raises(StoppedError):
         RegionFinder(lambda name: getattr(regions, name), make_region_room(zeros), lambda: True).find(knob())
-
-
-def test_random_states_of_a_region_fill_it_evenly() -> None:
-    """All lie in it, and half of them in the half of it."""
-    corners = (0.0, 0.0, 4.0, 0.0, 4.0, 1.0, 2.0, 2.0, 0.0, 1.0)
-    states = np.array(states_in(corners, 4000)).reshape(-1, 2)
-    around = hull(exact(list(corners), 5))
-    assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in states[:200].tolist())
-    assert np.mean(states[:, 0] < 2.0) == pytest.approx(0.5, abs=0.04)
-    assert np.mean(states[:, 1] < 1.0) == pytest.approx(4.0 / 6.0, abs=0.04)
-    assert Region(corners, 0).ranges == (0.0, 4.0, 0.0, 2.0)
 
 
 def test_measures_of_a_region() -> None:

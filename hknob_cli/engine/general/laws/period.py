@@ -82,7 +82,7 @@ def find_periodic_past(z, past, period, body, wall, law, space):
         return False
     settle_faded(law.periodic, past, period, law)
     done = 0
-    while done < law.ages or done == 0:
+    while done < law.ages:
         copy_to(space.state, z)
         for _ in range(period):
             advance_with_law(space.state, law.periodic, body, wall, law, space.pad)
@@ -192,10 +192,8 @@ def certify_with_law(z, past, period, body, wall, law, space):
             part += rounding * 2.0 * pace + drift if slow else rounding * (reach + pace) + shift
             total += abs(space.matrix[i * 2 * n + n + j]) * part
         space.away[i] = total
-    bound = space.away[0]
+    bound = distance(space.away, body) + body.reach * wrong * period  # at every sample; no end where nothing holds it
     scale = max(pace / (reach + pace), LEAST_SCALE) if pace > 0.0 else 1.0
-    if body.reach < float("inf"):
-        bound = max(bound, distance(space.away, body) + body.reach * wrong * period)
     if body.friction > 0.0:
         speed = norm(space.away, body) + wrong * period
         short = space.away[n - 1] if body.lag > 0.0 else 0.0

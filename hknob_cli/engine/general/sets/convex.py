@@ -1,13 +1,12 @@
 """Convex polygons, relative to a centre: cut by any line, widened, made simpler; points and segments are polygons, too.
 
-Corners are flat: dx, dv of each, in order around. All results hold what they are made from, to within `ROUNDINGS`
+Corners are flat: dx, dv of each, in order around. All results hold what they are made from, to within 64
 roundings of the polygon's size.
 """
 
 from math import sqrt
 
 MOST_CORNERS = 12  # that a widened polygon keeps
-ROUNDINGS = 64.0
 
 
 def extent(corners, count):
