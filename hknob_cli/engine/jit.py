@@ -33,6 +33,7 @@ GENERAL = (
     "general.slide_two",
     "general.slide_many",
     "general.columns",
+    "general.teeth",
     "general.advance",
     "general.hysteresis",
     "general.interval",

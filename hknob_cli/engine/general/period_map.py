@@ -15,9 +15,11 @@ from hknob_cli.engine.general.controller import command, count_gap, edge_gap, in
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
+from hknob_cli.engine.general.teeth import flank_room
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
+PARTS = 7  # teeth part within the period: its map contracts to first order
 NEWTON_STEPS = 8
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
@@ -207,11 +209,19 @@ def certify(z, before, ring, head, period, body, wall, space):
         late = space.away[n - 1] if body.lag > 0.0 else 0.0
         if not (space.marks[0] > 2.0 * (stiffness(body) * speed + late) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
+    parts = False
+    if body.play > 0.0:
+        room = flank_room(space.marks[0], body)
+        parts = not room > bound
+        if not parts:
+            margin = min(margin, room)
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
-        # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
-        return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
+        # With a continuous sensor, or with teeth that part, motions part: the trial passed by an orbit that it will leave again.
+        return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
+    if parts:
+        return PARTS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:

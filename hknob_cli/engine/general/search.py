@@ -29,7 +29,7 @@ from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_
 from hknob_cli.engine.general import ensemble, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.torque_table import HEAD
@@ -39,6 +39,7 @@ GENERAL_FATES = {
     **FATES,
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
+    CYCLE_PARTS: (Outcome.CYCLE, Reason.PARTS),
     CYCLE_AT_SWITCH: (Outcome.CYCLE, Reason.AT_SWITCH),
     CYCLE_NOT_AFFINE: (Outcome.CYCLE, Reason.NOT_AFFINE),
     REST_NOT_PROVEN: (Outcome.REST, Reason.EXPANDS),
