@@ -37,6 +37,7 @@ GENERAL = (
     "general.advance",
     "general.hysteresis",
     "general.interval",
+    "general.parting",
     "general.powers",
     "general.period_map",
     "general.inner_region",

@@ -219,6 +219,15 @@ EXCEPTIONS = {
         (part, "virtual_damping", "general"): (REFUSED, "the last reading is not kept beside the count before it")
         for part in ("hysteresis", "backlash")
     },
+    **{
+        (part, "play", "general"): (REFUSED, why)
+        for part, why in (
+            ("friction", "one kind of events is followed at a time, teeth that part or a motor that sticks"),
+            ("hysteresis", "turning points of the count are not followed from flank to flank"),
+            ("backlash", "turning points of the count are not followed from flank to flank"),
+            ("bare", "what is proven of teeth on one flank rests on counts"),
+        )
+    },
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
     ("bare", "dead_band", "general"): (REFUSED, "the angle at which the torque jumps is not that of a count"),

@@ -117,6 +117,20 @@ def over_now(pad, side, toward, body):
     return touches(pad, n, 1, body) or touches(pad, n, -1, body)
 
 
+def least_torque(z, pad, side, h, twist, body):
+    """Bound from below on the torque of the mesh over a step ``h``, whose end is in the second half of ``pad``.
+
+    A monotone torque is least at an end. Else there are two bounds: the chord less its error, which is at most an
+    eighth of ``twist`` times the square of the step, and what shows that it keeps its sign.
+    """
+    first = pressing(z, 0, side, body)
+    slope = side * (body.pad_stiffness * pad[2] + body.pad_damping * pad[3])
+    ends = min(first, pressing(pad, body.order, side, body))
+    if abs(slope) > twist * h:
+        return ends
+    return max(ends - 0.125 * twist * h * h, first + min(slope, 0.0) * h - 0.5 * twist * h * h)
+
+
 def press(z, u, side, toward, left, fresh, body, pad):
     """Move ``z`` on one flank, or on none, until that ends or ``left`` is over: ``(time, whether it ended, least)``.
 
@@ -161,9 +175,7 @@ def press(z, u, side, toward, left, fresh, body, pad):
             accept(z, pad, n)
             return total + 0.5 ** (HALVINGS - 1), True, -1.0
         if side != 0:
-            # A chord and its error, which is at most an eighth of the bound times the square of the step.
-            ends = min(pressing(z, 0, side, body), pressing(pad, n, side, body))
-            least = min(least, ends - 0.125 * twist * h * h)
+            least = min(least, least_torque(z, pad, side, h, twist, body))
         accept(z, pad, n)
         total += h
         left -= h
