@@ -121,7 +121,7 @@ def loss_form(body: Body, teeth: int = WALL) -> Array:
 def relaxed(body: Body, start: float, end: float) -> float:
     """Energy, per inertia of the knob, that springs of teeth apart lose between two angles of the mesh, in counts.
 
-    Teeth that have parted while they overlap carry nothing, and what they stored when they do no longer overlap is lost.
+    Teeth that have parted while they overlap carry nothing, and what they stored is lost by the time they do not.
     """
     stored = [max(d, 0.0) ** 2 + max(-(d + body.play), 0.0) ** 2 for d in (start, end)]
     return 0.5 * body.pad_stiffness * (stored[0] - stored[1])

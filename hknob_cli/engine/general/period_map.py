@@ -5,6 +5,8 @@ derivative is carried through every event. Where the encoder has counts, two mot
 same commands, and the energy of their difference never grows, friction or not. So a trial that is nearer to the orbit
 than any sample of it is to an edge has the same readings for ever; the derivative says that it then converges. With a
 continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
+Teeth with play keep that energy while they stay on one flank, which is one more margin; where they part it may grow,
+and the derivative alone says that nearby motions come closer: that is no proof.
 """
 
 from typing import Any, NamedTuple
@@ -218,7 +220,8 @@ def certify(z, before, ring, head, period, body, wall, space):
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
-        # With a continuous sensor, or with teeth that part, motions part: the trial passed by an orbit that it will leave again.
+        # With a continuous sensor, or teeth that part, motions part: the trial passed by an orbit that it will leave
+        # again.
         return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
     if parts:
         return PARTS, margin, edge, closure, bound

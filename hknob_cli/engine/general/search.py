@@ -92,8 +92,8 @@ def torque_range(wall: Controller) -> TorqueRange:
 class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
-    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `teeth.play_chart` has them; ``commands`` (m): command acting; ``states``
-    (m + 1, n): state at the start of each piece and at the end.
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `teeth.play_chart` has them;
+    ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start of each piece and at the end.
     """
 
     def __init__(self, spans: Array, modes: Array, commands: Array, states: Array) -> None:

@@ -1,10 +1,10 @@
 """Teeth with play: the motion from flank to flank, exact; teeth press, they never pull.
 
 The mesh's angle d is counted from the flank on which the wall holds the push; the other flank is at -play. With o, the
-overlap of teeth on a flank, they carry max(0, k o + c o') where o > 0, and nothing else: a tooth whose spring and damper
-would pull is left, and relaxes. The torque is that of the state alone, so that it needs no memory. It jumps, by c o',
-where teeth meet; where they part it is 0 on both sides. So there are three linear modes, and their ends are zeros of
-o, or of the torque. As in `slide_many` a step is halved until each can be shown to keep its sign in it or to be
+overlap of teeth on a flank, they carry max(0, k o + c o') where o > 0, and nothing else: a tooth whose spring and
+damper would pull is left, and relaxes. The torque is that of the state alone, so that it needs no memory. It jumps, by
+c o', where teeth meet; where they part it is 0 on both sides. So there are three linear modes, and their ends are zeros
+of o, or of the torque. As in `slide_many` a step is halved until each can be shown to keep its sign in it or to be
 monotone: second derivatives are bounded by the energy of the rates, which never grows within a mode.
 
 A difference of two motions keeps its direction where teeth part; where they meet, the rates jump by -c o' in the mesh,
@@ -73,7 +73,7 @@ def teeth_rate(z, u, side, body, out):
 
 
 def keeps_sign(value, slope, bound, h):
-    """Whether a value stays above 0 over ``h``: its rate now is ``slope``, and ``bound`` is on its second derivative."""
+    """Whether a value stays above 0 over ``h``: ``slope`` is its rate now, ``bound`` is on its second derivative."""
     return value + min(slope, 0.0) * h - 0.5 * bound * h * h > 0.0 or (value > 0.0 and slope == 0.0 and bound == 0.0)
 
 
