@@ -1,11 +1,13 @@
 """How far the knob behind a gear that yields swings, which a hand feels, and what the mesh carries.
 
-The knob is the second body, at x - d, and the mesh carries k d + c d'. Where that keeps its sign, the teeth stay on one
-flank: the motion is one of the same gear with any backlash, too. A piece of motion between events is cut into steps of
+The knob is the second body, at x - d, and the mesh carries k d + c d', on the other flank of a backlash k (d + play) +
+c d', and between them nothing. Where it carries a torque one way all the time, the teeth stay on one flank: the motion
+is one of the same gear with any backlash, too. A piece of motion between events is cut into steps of
 a part of the fastest mode, and each turn of the number in question is refined by Newton's method on the exact motion:
 z' = G z.
 """
 
+from collections.abc import Callable
 from math import ceil, nan
 
 import numpy as np
@@ -13,7 +15,8 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.search import PeriodSegments
-from hknob_cli.measure.forms import generator, piece_starts
+from hknob_cli.engine.general.teeth import APART, BACK
+from hknob_cli.measure.forms import WALL, generator, piece_starts, regimes
 
 Array = NDArray[np.float64]
 
@@ -23,30 +26,39 @@ _TERMS = 24  # of the series of exp over a step, whose generator has a norm of P
 _NEWTON = 6
 
 
-def knob_row(body: Body) -> Array:
-    """What makes the angle of the knob of a vector (z, 1, u, f), in counts: (order + 3,)."""
+def knob_row(body: Body, teeth: int = WALL) -> Array:
+    """What makes the angle of the knob of a vector (z, 1, u, f), in counts: (order + 3,); the same on all ``teeth``."""
+    del teeth
     row = np.zeros(body.order + 3)
     row[0], row[2] = 1.0, -1.0
     return row
 
 
-def mesh_row(body: Body) -> Array:
+def mesh_row(body: Body, teeth: int = WALL) -> Array:
     """What makes the torque of the mesh on the knob, as an acceleration of the motor, of such a vector."""
     row = np.zeros(body.order + 3)
-    row[2], row[3] = body.pad_stiffness, body.pad_damping
+    if teeth != APART:
+        row[2], row[3] = body.pad_stiffness, body.pad_damping
+    if teeth == BACK:
+        row[body.order] = body.pad_stiffness * body.play
     return row
 
 
-def extremes(body: Body, chart: PeriodSegments, row: Array) -> tuple[float, float]:
-    """Smallest and largest value of a ``row`` of (z, 1, u, f) over a period; NaN of a period with too many pieces."""
+def extremes(body: Body, chart: PeriodSegments, row_of: Callable[[Body, int], Array]) -> tuple[float, float]:
+    """Smallest and largest value over a period of (z, 1, u, f) times what ``row_of`` says for the teeth.
+
+    NaN of a period with too many pieces.
+    """
     start = piece_starts(body, chart)
     width = start.shape[1]
-    found = [float(value) for value in chart.states @ row[: body.order]]
-    for held in (False, True):
-        these = (chart.modes == 0.0) == held
-        if not these.any():
-            continue
-        g = generator(body, held=held)
+    found: list[float] = []
+    if body.play == 0.0:
+        found = [float(value) for value in chart.states @ row_of(body, WALL)[: body.order]]
+    for these, held, teeth in regimes(chart.modes):
+        g, row = generator(body, held=held, teeth=teeth), row_of(body, teeth)
+        if body.play > 0.0:
+            for states in (chart.states[:-1][these], chart.states[1:][these]):
+                found += [float(value) for value in states @ row[: body.order] + row[body.order]]
         pace = float(np.abs(_balanced(g)).sum(axis=1).max())
         steps = max(1, ceil(float(chart.spans[these].max()) * pace / PART))
         if steps * int(these.sum()) * width > MOST_NUMBERS:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from hknob_cli.engine.general.body import CONSTANT, CONSTANT_HELD, ENTRY, HELD, RATES, Body, coil_at
 from hknob_cli.engine.general.search import PeriodSegments
+from hknob_cli.engine.general.teeth import APART, BACK
 from hknob_cli.engine.orbit import forms
 from hknob_cli.engine.orbit.forms import RULE
 
@@ -48,13 +49,38 @@ class Integrals(NamedTuple):
     power: Array
 
 
-def generator(body: Body, *, held: bool) -> Array:
+class Regime(NamedTuple):
+    """Pieces of a motion with one generator: ``these`` (m,) of all; ``held`` by friction, or on which ``teeth``.
+
+    ``teeth``: `WALL` on the flank on which the wall holds the push, `teeth.APART` on none, `teeth.BACK` on the other.
+    """
+
+    these: NDArray[np.bool_]
+    held: bool
+    teeth: int
+
+
+WALL = 1
+
+
+def regimes(modes: Array) -> list[Regime]:
+    """Which pieces have which generator, from their ``modes`` (m,) as `engine.general.trace` writes them."""
+    kinds = np.abs(modes)
+    found = [Regime(kinds == kind, kind == 0, kind or WALL) for kind in (WALL, 0, APART, BACK)]
+    return [one for one in found if one.these.any()]
+
+
+def generator(body: Body, *, held: bool, teeth: int = WALL) -> Array:
     """Matrix of d/dt (z, 1, u, f), shape (n + 3, n + 3)."""
     n = body.order
     g = np.zeros((n + 3, n + 3))
-    first, vectors = (HELD if held else RATES) * n * n, np.reshape(body.vectors[: 3 * n], (3, n))
+    other = held or teeth == APART
+    first, vectors = (HELD if other else RATES) * n * n, np.reshape(body.vectors[: 3 * n], (3, n))
     g[:n, :n] = np.reshape(body.matrices[first : first + n * n], (n, n))
-    g[:n, n] = vectors[CONSTANT_HELD if held else CONSTANT]
+    g[:n, n] = vectors[CONSTANT_HELD if other else CONSTANT]
+    if teeth == BACK:
+        g[1, n] -= body.pad_stiffness * body.play
+        g[3, n] -= (1.0 + body.ratio) * body.pad_stiffness * body.play
     if body.lag > 0.0:
         g[n - 1, n + 1] = body.lag
     elif not held:
@@ -86,29 +112,41 @@ def exponential(g: Array, t: float) -> Array:
     return total
 
 
-def loss_form(body: Body) -> Array:
-    """Form of the power that the dampers take, and the resistance of a winding, per inertia of the knob."""
+def loss_form(body: Body, teeth: int = WALL) -> Array:
+    """Form of the power that the dampers take, and the resistance of a winding, per inertia of the knob.
+
+    Teeth apart take none of it; what their springs lose meanwhile: `relaxed`.
+    """
     n = body.order
     form = np.zeros((n + 3, n + 3))
     form[1, 1] = body.alpha
     if body.ratio > 0.0:
         finger = np.zeros(n + 3)
         finger[1], finger[3] = 1.0, -1.0
-        form[3, 3] += body.pad_damping
+        form[3, 3] += 0.0 if teeth == APART else body.pad_damping
         form += body.finger_damping / body.ratio * np.outer(finger, finger)
     if body.coil > 0.0:
         form[coil_at(body), coil_at(body)] = body.coil * body.coil_rate
     return form
 
 
-def integrate(body: Body, duration: float, *, held: bool) -> Integrals:
+def relaxed(body: Body, start: float, end: float) -> float:
+    """Energy, per inertia of the knob, that springs of teeth apart lose between two angles of the mesh, in counts.
+
+    Teeth that have parted while they overlap carry nothing, and what they stored is lost by the time they do not.
+    """
+    stored = [max(d, 0.0) ** 2 + max(-(d + body.play), 0.0) ** 2 for d in (start, end)]
+    return 0.5 * body.pad_stiffness * (stored[0] - stored[1])
+
+
+def integrate(body: Body, duration: float, *, held: bool, teeth: int = WALL) -> Integrals:
     """Integrals over a piece of length ``duration``."""
     n = body.order
-    g = generator(body, held=held)
+    g = generator(body, held=held, teeth=teeth)
     size = float(np.abs(g).sum(axis=1).max()) * duration
     doublings = max(0, ceil(log2(size)) + 1) if size > 0.0 else 0
     h = duration / 2.0**doublings
-    loss, power = loss_form(body), np.zeros((n + 3, n + 3))
+    loss, power = loss_form(body, teeth), np.zeros((n + 3, n + 3))
     if body.lag > 0.0:
         power[n - 1, 1] = 1.0
     width = n + 3

@@ -16,15 +16,28 @@ import numpy as np
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.search import GeneralEngine, PeriodSegments
+from hknob_cli.engine.general.teeth import APART
 from hknob_cli.engine.orbit.forms import RULE
 from hknob_cli.engine.orbit.leak import find_leak
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.measure.behind import extremes, knob_row, mesh_row
-from hknob_cli.measure.forms import Array, Forms, Integrals, generator, hold_forms, integrate, piece_starts
+from hknob_cli.measure.forms import (
+    WALL,
+    Array,
+    Forms,
+    Integrals,
+    generator,
+    hold_forms,
+    integrate,
+    piece_starts,
+    regimes,
+    relaxed,
+)
 from hknob_cli.measure.harmonics import Complex, Harmonics, harmonic_count, scaled
 from hknob_cli.measure.orbit import OrbitMeasures, at_rest
 from hknob_cli.scene.general_knob import GeneralKnob
 
+RATTLE = 4096  # samples over which a motion that does not repeat is measured
 MOST_WORK = 400_000_000  # pieces times harmonics of an orbit, some seconds
 _BLOCK = 1 << 19  # numbers worked on at once
 _SAME = 1e-11  # samples; what roundings of lengths leave between a sum of them and the sample where it ends
@@ -69,14 +82,12 @@ def of_chart(
     seen = knob_row(body) if behind else np.eye(width)[0]
     total = np.zeros(count, dtype=np.complex128)
     w: Array = np.asarray(2.0 * np.pi / period_samples * np.arange(1, count + 1), dtype=np.float64)
-    for held in (False, True):
-        these = ((chart.modes == 0.0) == held)[:, None]
-        if not these.any():
-            continue
+    for mask, held, teeth in regimes(chart.modes):
+        these = mask[:, None]
         # The piece before the first is the last, one period ago.
         jumps = np.roll(these * after, 1, axis=0) - these * before
         # What sees the angle of (G - iω)^-1, one row per harmonic: its first.
-        shifted = generator(body, held=held).T[None] - 1j * w[:, None, None] * np.eye(width)
+        shifted = generator(body, held=held, teeth=teeth).T[None] - 1j * w[:, None, None] * np.eye(width)
         rows = np.linalg.solve(shifted, seen[:, None])[..., 0]
         total += (rows * _transform(starts, jumps, period_samples, split, w)).sum(axis=1)
     return 2.0 / period_samples * total
@@ -114,6 +125,7 @@ def find_turns(chart: PeriodSegments) -> Turns:
     """Local maxima and minima of a period; a stretch at which the knob is held counts once."""
     sliding = np.flatnonzero(chart.modes != 0.0)
     modes, x = chart.modes[sliding], chart.states[sliding, 0]
+    modes = np.sign(modes)
     turned = modes != np.roll(modes, 1)
     return Turns(maxima=x[turned & (modes < 0.0)], minima=x[turned & (modes > 0.0)])
 
@@ -134,7 +146,7 @@ class GeneralMeasurer:
         self.knob = knob
         self.engine = engine
         self._forms: dict[float, Forms] = {}
-        self._integrals: dict[tuple[float, bool], Integrals] = {}
+        self._integrals: dict[tuple[float, int], Integrals] = {}
 
     def harmonics(self, attractor: Attractor, highest_hz: float) -> Harmonics:
         """Harmonics of a cycle up to ``highest_hz``; none of one with too many pieces to chart."""
@@ -153,7 +165,7 @@ class GeneralMeasurer:
             least, most = attractor.span or (attractor.x, attractor.x)
             return at_rest(self.knob.angle_rad(least), self.knob.angle_rad(most))
         if attractor.outcome is not Outcome.CYCLE:
-            return OrbitMeasures()
+            return self._rattle(attractor)
         chart = self.engine.chart(self.knob.body, self.knob.wall, attractor)
         return OrbitMeasures() if chart is None else self._cycle(attractor, chart)
 
@@ -194,13 +206,25 @@ class GeneralMeasurer:
         knob, body = self.knob, self.knob.body
         if not knob.behind:
             return {}
-        least, most = extremes(body, chart, knob_row(body))
-        lightest, heaviest = extremes(body, chart, mesh_row(body))
+        least, most = extremes(body, chart, knob_row)
+        lightest, heaviest = extremes(body, chart, mesh_row)
         return {
             "knob_p2p_rad": (most - least) * knob.quantum_rad,
             "mesh_least_nm": lightest * knob.torque_nm,
             "mesh_most_nm": heaviest * knob.torque_nm,
         }
+
+    def _rattle(self, attractor: Attractor) -> OrbitMeasures:
+        """Where teeth part and trials do not repeat: swing of the knob, and chaos, of one after its last sample."""
+        knob, body = self.knob, self.knob.body
+        if not (body.play > 0.0 and attractor.state):
+            return OrbitMeasures()
+        chart = self.engine.chart(body, knob.wall, attractor._replace(period=RATTLE))
+        if chart is None:
+            return OrbitMeasures()
+        least, most = extremes(body, chart, knob_row)
+        rate = self.engine.parting_rate(body, knob.wall, attractor, RATTLE)
+        return OrbitMeasures(rattle_p2p_rad=(most - least) * knob.quantum_rad, parting_per_s=rate / knob.period_s)
 
     def _leak(self, x: Array, commands: Array) -> Leak:
         wall = self.knob.wall
@@ -235,14 +259,16 @@ class GeneralMeasurer:
         body, n = self.knob.body, self.knob.body.order
         total = np.zeros(4)
         for i, (span, mode) in enumerate(zip(chart.spans, chart.modes, strict=True)):
-            key = float(span), mode == 0.0
-            found = self._integrals.get(key) or integrate(body, key[0], held=key[1])
+            key = float(span), int(abs(mode))
+            found = self._integrals.get(key) or integrate(body, key[0], held=key[1] == 0, teeth=key[1] or WALL)
             if key[0] in (1.0, self.knob.wall.split, 1.0 - self.knob.wall.split):
                 self._integrals[key] = found
             zeta = np.concatenate([chart.states[i], [1.0, chart.commands[i], -mode * body.friction]])
             mean = float(found.mean @ zeta)
             square = float(zeta @ found.square @ zeta) - 2.0 * reference * mean + reference * reference * key[0]
             total += (mean - reference * key[0], square, zeta @ found.loss @ zeta, zeta @ found.power @ zeta)
+            if key[1] == APART:
+                total[2] += relaxed(body, float(chart.states[i, 2]), float(chart.states[i + 1, 2]))
         assert n > 2
         return Totals(*(float(value) for value in total))
 

@@ -31,6 +31,8 @@ class OrbitMeasures(NamedTuple):
     knob_p2p_rad: float = nan
     mesh_least_nm: float = nan
     mesh_most_nm: float = nan
+    rattle_p2p_rad: float = nan
+    parting_per_s: float = nan
 
 
 def at_rest(least_rad: float, most_rad: float) -> OrbitMeasures:

@@ -176,6 +176,7 @@ class _Words:
             "friction {}": ("motor_coulomb_torque", "N*m"),
             "a mesh of stiffness {} at the knob": ("stiffness", "N*m/rad"),
             "with a damping of {}": ("mesh_damping", "N*m*s/rad"),
+            "teeth with a backlash of {} at the knob": ("backlash", "rad"),
         }
         found = [
             form.format(text.strip())

@@ -87,6 +87,20 @@ BEHIND = (
     ),
     Column("mesh_most_nm", _REAL, "N*m", "largest torque of the mesh on the knob, out of the wall"),
 )
+PLAY = (
+    Column(
+        "rattle_p2p_rad",
+        _REAL,
+        "rad",
+        "where trials with backlash do not repeat: largest less smallest angle of the knob, over 4096 samples of one",
+    ),
+    Column(
+        "parting_per_s",
+        _REAL,
+        "1/s",
+        "there: rate at which the distance of nearby motions grows (largest Lyapunov exponent); above 0: chaos",
+    ),
+)
 EVERY_START = (
     Column("complete", _FLAG, "", "whether every start in question is proven to end in one of the listed attractors"),
     Column("piece_count", _WHOLE, "1", "sets of starts followed to their end; of one start, arcs of its clock phases"),

@@ -117,6 +117,7 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
         *commands,
         body.friction,
         body.push,
+        body.play,
         *body.matrices,
         *body.vectors,
     ]
@@ -194,6 +195,11 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     if lag:
         a[order - 1, order - 1] = held[order - 1, order - 1] = -lag
         a[:, order - 1] += entry
+    if scene.play:
+        # Nothing is held by friction: the second matrix is that of teeth that do not press.
+        held, held_constant = a.copy(), c.copy()
+        held[1, 2:4] = 0.0
+        held[3, 2:4] = -finger[1], -finger[0]
     second_order = order == 2
     reach = 1.0 / sqrt(beta) if beta > 0.0 else inf
     if tip:
@@ -229,6 +235,7 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         matrices=np.concatenate([a.ravel(), held.ravel(), *_increments(a, held, split, alpha, beta)]).tolist(),
         terms=len(series) // 2,
         vectors=np.concatenate([c, held_constant, entry, series]).tolist(),
+        play=scene.play / quantum,
         halt=[0.0],
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)

@@ -125,6 +125,7 @@ PARTS = {
     "eddy_brake": Part("an eddy brake", "eddy_brake.flux_density"),
     "gear": Part("a gear", "gear.ratio"),
     "mesh": Part("a gear with compliance", "gear.stiffness"),
+    "play": Part("backlash of a gear", "gear.backlash"),
     "squeeze": Part("a grip that follows the push", "squeeze.friction"),
     "undamped": Part("nothing that damps the knob", of=("knob.damping", "hand.damping", "knob.coulomb_torque")),
     "unheld": Part("nothing that holds the knob", of=("hand.stiffness",)),
@@ -179,6 +180,7 @@ _TABLE = {
     "eddy_brake":      "P-PPP PPPPP PEE~ ~P~E-",
     "gear":            "PEPPP PPPPP -EE~ ~P~--",
     "mesh":            "--P-P ---P- -EE~ -----",
+    "play":            "--E-- ----- -E-~ -----",
     "squeeze":         "PEPPP PPPPP PEE~ ~P~--",
     "undamped":        "EEEEE --E-- EEE~ ~E~E-",
     "unheld":          "EEEPE --E-- EEE~ ~E~E-",
@@ -215,6 +217,15 @@ EXCEPTIONS = {
     **{
         (part, "virtual_damping", "general"): (REFUSED, "the last reading is not kept beside the count before it")
         for part in ("hysteresis", "backlash")
+    },
+    **{
+        (part, "play", "general"): (REFUSED, why)
+        for part, why in (
+            ("friction", "one kind of events is followed at a time, teeth that part or a motor that sticks"),
+            ("hysteresis", "turning points of the count are not followed from flank to flank"),
+            ("backlash", "turning points of the count are not followed from flank to flank"),
+            ("bare", "what is proven of teeth on one flank rests on counts"),
+        )
     },
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),

@@ -7,7 +7,7 @@ torques ratio, and its encoder ratio times as many counts. Source: Hasser, secti
 from typing import Annotated, NamedTuple
 
 from hknob_cli.specs.declared import declared
-from hknob_cli.specs.quantity import AddedInertia, Bounds, Damping, Quantity, Torque
+from hknob_cli.specs.quantity import AddedInertia, Bounds, Damping, Quantity, Torque, Width
 
 
 @declared()
@@ -26,9 +26,12 @@ class Gear(NamedTuple):
         "of shafts and teeth, torque at the knob over its turn with the motor held; null: rigid",
     ] = None
     mesh_damping: Annotated[Damping, "of shafts and teeth, beside the stiffness, at the knob"] = 0.0
+    backlash: Annotated[Width, "play of the teeth: angle by which the knob turns freely with the motor held"] = 0.0
 
     def wrong(self) -> str:
         """What does not go together; empty if all does."""
         if self.stiffness is None and self.mesh_damping:
             return "mesh_damping: must be absent where the gear has no stiffness: nothing yields, so nothing is damped"
+        if self.stiffness is None and self.backlash:
+            return "backlash: must be absent where the gear has no stiffness: rigid teeth that meet are not followed"
         return ""

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from hknob_cli.specs.capabilities import EXCEPTIONS, PARTS
 from hknob_cli.specs.controller import MODELLED
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
@@ -19,8 +20,9 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
             text = "must be absent where 'gear' is given: a turn of the knob need not be a whole number of counts"
             yield ("scene", name), text
     if gear.stiffness is None and "gear.stiffness" not in axes:
-        if "gear.mesh_damping" in axes:
-            yield ("grid", "gear.mesh_damping"), "must be absent where the gear has no stiffness"
+        for key in ("mesh_damping", "backlash"):
+            if f"gear.{key}" in axes:
+                yield ("grid", f"gear.{key}"), "must be absent where the gear has no stiffness"
         return
     where = "where the gear has a stiffness"
     if min(axes.get("gear.motor_inertia", [gear.motor_inertia])) == 0.0:
@@ -44,3 +46,23 @@ def gear_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, s
             ("scene", "hand", "finger"),
             f"must be absent {where}: motor and knob are the two bodies that are followed",
         )
+    yield from _play_contradictions(scene, axes)
+
+
+def _play_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place, str]]:
+    """What does not go beside teeth that part, by the pairs of the table."""
+    gear = scene.gear
+    assert gear
+    if not any(axes.get("gear.backlash", [gear.backlash])):
+        return
+    place = ("grid", "gear.backlash") if "gear.backlash" in axes else ("scene", "gear", "backlash")
+    beside = {
+        "friction": any(axes.get("gear.motor_coulomb_torque", [gear.motor_coulomb_torque])),
+        "bare": scene.encoder == "none",
+    }
+    for part in ("hysteresis", "backlash"):
+        key = PARTS[part].path.partition(".")[2]
+        beside[part] = scene.encoder != "none" and any(axes.get(PARTS[part].path, [getattr(scene.encoder, key)]))
+    for part, there in beside.items():
+        if there:
+            yield place, f"must be 0 beside {PARTS[part].title}: {EXCEPTIONS[part, 'play', 'general'][1]}"

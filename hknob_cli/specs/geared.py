@@ -53,4 +53,5 @@ def _in_two(scene: Scene, gear: Gear) -> Scene:
             fingerpad=Fingerpad(gear.mesh_damping, gear.stiffness or 0.0),
         ),
         behind=True,
+        play=gear.backlash,
     )

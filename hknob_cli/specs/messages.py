@@ -54,15 +54,9 @@ def nearest(key: str, allowed: list[str]) -> str:
         return "unknown key"
     close = closest(key, allowed)
     hint = f"did you mean '{close}'? " if close else ""
-    hint = _NOT_FOLLOWED.get(key, hint)
     return f"unknown key; {hint}allowed: {', '.join(allowed)}"
 
 
-# Keys that a user may look for, and why there are none.
-_NOT_FOLLOWED = {
-    "backlash": "a backlash is not followed, a sweep's mesh_least_nm tells whether it would show: "
-    "give stiffness, and read docs/explanation/gear.md; "
-}
 # What people call a key, and the keys that may be meant.
 _ALSO_CALLED = {
     "friction": ("coulomb_torque",),

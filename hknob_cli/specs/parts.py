@@ -159,7 +159,8 @@ class Scene(NamedTuple):
 
     ``encoder`` None: a continuous sensor. ``sampled``: whether the controller has a sample clock and a hold. No keys of
     a spec are ``coil``, what `specs.electrical` makes of a motor whose winding has inductance, and what `specs.geared`
-    makes of a gear: ``turns`` of the encoder for one of the knob, and ``behind``, whether the push acts on the finger.
+    makes of a gear: ``turns`` of the encoder for one of the knob, ``behind``, whether the push acts on the finger, and
+    ``play`` (rad) between its teeth.
     """
 
     knob: Knob
@@ -181,3 +182,4 @@ class Scene(NamedTuple):
     coil: Coil | None = None
     turns: float = 1.0
     behind: bool = False
+    play: float = 0.0

@@ -206,6 +206,12 @@ def may_yield(plan: SweepPlan) -> bool:
     return gear is not None and (gear.stiffness is not None or "gear.stiffness" in plan.axes)
 
 
+def may_part(plan: SweepPlan) -> bool:
+    """Whether a sweep has a gear with backlash, in some of its cells at least."""
+    gear = plan.scene.gear
+    return gear is not None and (gear.backlash > 0.0 or any(plan.axes.get("gear.backlash", [])))
+
+
 def placed(scene: Scene, cell: Cell) -> Scene:
     """The scene with a cell's values in place, its motor as it is written."""
     if GRIP in cell and scene.hand:

@@ -26,7 +26,7 @@ def _wall_or_another(schema: dict[str, Any]) -> None:
 
 
 _Listed = model_with_fields(
-    Scene, "Listed", but=("sampled", "coil", "turns", "behind"), json_schema_extra=_wall_or_another
+    Scene, "Listed", but=("sampled", "coil", "turns", "behind", "play"), json_schema_extra=_wall_or_another
 )
 
 

@@ -1,14 +1,10 @@
 """The numbers of docs/explanation/gear.md, from the experiments that it names."""
 
-from math import pi
+from math import log
 
-import numpy as np
 import pyarrow as pa
-import pytest
 
 from tests.conftest import EXPERIMENTS, swept
-from tests.verification.backlash_reference import Backlash
-from tests.verification.test_gear import YIELDING
 
 from .page import agrees, says, table
 
@@ -75,14 +71,20 @@ def test_where_teeth_would_part() -> None:
     assert all(row["mesh_least_nm"] > 0.0 for row in by_push if row["bias.torque"] > 2.9e-3)
 
 
-@pytest.mark.long
-@pytest.mark.parametrize(("push", "row"), [(3e-4, 0), (1e-4, 1)])
-def test_a_backlash_under_a_light_push(push: float, row: int) -> None:
-    """To within a third, as the page says: such motion is sensitive to its start."""
-    mesh = {"ratio": 7.4, "motor_inertia": 1e-8, "stiffness": 10.0, "mesh_damping": 2e-4}
-    printed = table(PAGE, "at 3 mN·m in none")[row]
-    for degrees, shown in zip((0.0, 0.1, 0.3, 1.0), printed[1:], strict=True):
-        scene = {**YIELDING, "bias": {"torque": push}, "gear": mesh}
-        teeth = Backlash(scene, rate_hz=1000.0, counts=360, backlash=degrees * pi / 180.0)
-        ends = teeth.run(np.array([0.02 + teeth.h, 0.0, 0.02, 0.0]), 1000).extremes[-300:]
-        assert 1e3 * (ends[:, 1].max() - ends[:, 0].min()) == pytest.approx(float(shown), rel=1.0 / 3.0)
+def test_a_backlash() -> None:
+    found = swept(EXPERIMENTS / "gear_backlash.yaml")
+    rows = _rows(found.orbits)
+    printed = table(PAGE, "(`rattle_p2p_rad`)")
+    cells = sorted({(row["bias.torque"], row["gear.backlash"]) for row in rows})
+    assert len(cells) == 12
+    for line, push in zip(printed, sorted({push for push, _ in cells}), strict=True):
+        for shown, backlash in zip(line[1:], sorted({play for _, play in cells}), strict=True):
+            there = [row for row in rows if (row["bias.torque"], row["gear.backlash"]) == (push, backlash)]
+            repeats = backlash == 0.0 or push > 9e-4
+            assert all(row["certified"] == repeats for row in there)
+            column = "knob_p2p_rad" if repeats else "rattle_p2p_rad"
+            assert agrees(shown, 1e3 * max(row[column] for row in there)), (push, backlash, there)
+    rates = [row["parting_per_s"] for row in rows if row["parting_per_s"] is not None]
+    assert len(rates) == 6
+    says(PAGE, f"grows by {min(rates):.0f} to {max(rates):.0f} per second")
+    says(PAGE, f"tenfold within {1e3 * log(10.0) / max(rates):.0f} to {1e3 * log(10.0) / min(rates):.0f} ms")

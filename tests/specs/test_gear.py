@@ -128,6 +128,7 @@ def faults(*changes: dict[str, Any]) -> list[str]:
 
 
 STIFF = {"scene": {"gear": {"ratio": N, "motor_inertia": 1e-8, "stiffness": 5.0}}}
+PLAY = {"scene": {"gear": {**STIFF["scene"]["gear"], "backlash": 0.005}}}
 FINGER = {
     "scene": {
         "hand": {
@@ -146,9 +147,26 @@ FINGER = {
     [
         ((GEARED, {"scene": {"gear": {"ratio": 0.0}}}), "scene.gear.ratio: must be > 0, got 0.0"),
         ((GEARED, {"scene": {"gear": {"mesh_damping": 1e-3}}}), "mesh_damping: must be absent where the gear has no"),
+        ((GEARED, {"scene": {"gear": {"backlash": 0.01}}}), "backlash: must be absent where the gear has no stiffness"),
         (
-            (GEARED, {"scene": {"gear": {"backlash": 0.01}}}),
-            "scene.gear.backlash: unknown key; a backlash is not followed, a sweep's mesh_least_nm tells",
+            (GEARED, {"grid": {"gear.backlash": [0.0, 0.01]}}),
+            'grid["gear.backlash"]: must be absent where the gear has no',
+        ),
+        ((STIFF, {"scene": {"gear": {"backlash": -0.01}}}), "scene.gear.backlash: must be >= 0"),
+        ((PLAY, {"scene": {"gear": {"motor_coulomb_torque": 1e-5}}}), "scene.gear.backlash: must be 0 beside Coulomb"),
+        (
+            (PLAY, {"scene": {"encoder": {"hysteresis_counts": 0.5}}}),
+            "scene.gear.backlash: must be 0 beside hysteresis",
+        ),
+        ((PLAY, {"scene": {"encoder": {"backlash": 0.01}}}), "scene.gear.backlash: must be 0 beside slack"),
+        (
+            (PLAY, {"scene": {"encoder": "none"}, "grid": {COUNTS: None}}),
+            "scene.gear.backlash: must be 0 beside a continuous",
+        ),
+        ((PLAY, {"grid": {"gear.motor_coulomb_torque": [0.0, 1e-5]}}), "scene.gear.backlash: must be 0 beside Coulomb"),
+        (
+            (PLAY, {"scene": {"controller": {"kind": "bounded_lag"}}}),
+            "scene.gear.backlash: must be absent where a cont",
         ),
         ((GEARED, {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}}), "scene.detents: must be absent"),
         ((GEARED, {"grid": {"gear.mesh_damping": [1e-3]}}), 'grid["gear.mesh_damping"]: must be absent where the gear'),

@@ -1,4 +1,4 @@
-"""A gear with backlash, integrated from event to event: what the program does not follow, and says so.
+"""A gear with backlash, integrated from event to event.
 
 Teeth only push: T = max(0, k (d - h) + c d') on one flank, d > h, its mirror on the other, and 0 between; h is half of
 the backlash, d the turn of the motor over the ratio less that of the knob. Angles are counted from the flank on which
@@ -25,7 +25,9 @@ class Motion(NamedTuple):
 
 
 class Backlash:
-    """Two bodies at the knob's scale, and the flanks between them."""
+    """Two bodies at the knob's scale, and the flanks between them; ``steps``: of the integrator a sample, at least."""
+
+    steps = 8
 
     def __init__(self, scene: dict[str, Any], *, rate_hz: float, counts: int, backlash: float) -> None:
         gear, hand, knob = scene["gear"], scene["hand"], scene["knob"]
@@ -84,7 +86,7 @@ class Backlash:
                 rtol=TOLERANCE,
                 atol=1e-15,
                 first_step=short,
-                max_step=self.period / 8,
+                max_step=self.period / self.steps,
             )
             z, t = found.y[:, -1], float(found.t[-1])
             ends += found.y[2].tolist()

@@ -1,9 +1,10 @@
 """The loop with whatever else a scene lists: friction, finger, lag, limits, virtual damping, a continuous sensor.
 
 - `body`, `controller`, `torque_table` the scene in numbers
-- `advance` from event to event, `hysteresis` of the count on the way
+- `advance` from event to event, `hysteresis` of the count on the way, `teeth` of a gear that part and meet
 - `period_map` the proof, `powers` of its derivative
 - `inner_region` rest that is never reached
+- `parting` of nearby motions, where they do not repeat
 - `laws/` the same loop under a controller
 
 Beyond the plain loop (`engine/general/`). Between events the motion is linear; the events are zeros of the velocity

@@ -8,6 +8,7 @@ from hknob_cli.engine.general.body import acceleration, rate_of
 from hknob_cli.engine.general.columns import spread_many, spread_two, turn_round
 from hknob_cli.engine.general.slide_many import slide_many, stretch
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction, until_zero, way
+from hknob_cli.engine.general.teeth import play_columns, play_many
 
 FREE = 2  # mode of a motion whose turning points do not matter
 
@@ -30,7 +31,10 @@ def next_mode(mode, z, u, body):
 
 
 def rub_many(z, u, span, body, pad):
-    """More states, with friction: move ``z`` over a hold from event to event."""
+    """More states, with friction or play: move ``z`` over a hold from event to event."""
+    if body.play > 0.0:
+        play_many(z, u, span, body, pad)
+        return
     left = span
     mode = way(z[1], acceleration(z, u, body), body.friction)
     while left > 0.0:
@@ -83,6 +87,9 @@ def rub_columns(z, u, span, s, g, f, body, pad, cols, command, count, width, mar
     distance of a torque from the friction level where that decides [0], and of a velocity from zero at the end of a
     hold [1].
     """
+    if body.play > 0.0:
+        play_columns(z, u, span, body, pad, cols, command, count, width, marks)
+        return
     left = span
     known = left > 0.0
     pull = acceleration(z, u, body)

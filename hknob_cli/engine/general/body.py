@@ -48,11 +48,12 @@ class Body(NamedTuple):
     terms: int  # of second order: of the power series of S / t and G / t^2; 0 where they converge slowly
     matrices: Any  # RATES, HELD, FIRST, SECOND, HALVES..., HALVES_HELD..., (order * order) each
     vectors: Any  # CONSTANT, CONSTANT_HELD, ENTRY, (order) each; then both series, (terms) each
+    play: float  # between the teeth of a gear; 0 where they cannot part
     halt: Any  # (1); above 0 where the search is to be given up, what is under way without a result
 
 
 HALVINGS = 53  # D down to the last bit of a sample period
-RATES, HELD = 0, 1  # A, sliding and held by friction
+RATES, HELD = 0, 1  # A, sliding and held by friction; or with teeth that press and teeth apart
 FIRST, SECOND = 2, 3  # D over the part of an interval under the older command, and over the rest
 HALVES, HALVES_HELD = 4, 4 + HALVINGS  # D(1), D(1/2), D(1/4), ...; not of second order
 ADDED = 4 + 2 * HALVINGS  # D over the pieces of an interval under a law, without friction; not of second order

@@ -52,7 +52,7 @@ def spread_many(cols, command, count, width, span, mode, body, pad):
                 at = c * width
                 for i in range(n):
                     total = 0.0
-                    if mode != 0 and body.lag == 0.0:
+                    if (mode != 0 or body.play > 0.0) and body.lag == 0.0:
                         total = body.vectors[ENTRY * n + i] * cols[command + c]
                     for j in range(n):
                         total += body.matrices[rates + i * n + j] * cols[at + j]

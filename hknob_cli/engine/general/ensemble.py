@@ -14,9 +14,9 @@ from hknob_cli.engine.follow import (
 )
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.controller import read, read_after
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, follow_trial
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS, KNOWN, follow_trial
 from hknob_cli.engine.general.interval import advance, pass_over
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 
 
 class TrialSpace(NamedTuple):
@@ -48,6 +48,7 @@ def is_cycle(fate):
         or fate == CYCLE_CONTINUUM
         or fate == CYCLE_AT_EVENT
         or fate == CYCLE_EXPANDS
+        or fate == CYCLE_PARTS
     )
 
 
@@ -57,6 +58,8 @@ def downgrade(status):
         return CYCLE_ON_EDGE
     if status == AT_EVENT:
         return CYCLE_AT_EVENT
+    if status == PARTS:
+        return CYCLE_PARTS
     return CYCLE_EXPANDS if status == EXPANDS else UNSETTLED
 
 

@@ -19,15 +19,17 @@ from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read, read_after
 from hknob_cli.engine.general.inner_region import stands
 from hknob_cli.engine.general.interval import advance
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, certify
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS, certify
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.standstill import SETTLING, settles
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
 CYCLE_AT_EVENT = 9
 CYCLE_EXPANDS = 10
+CYCLE_PARTS = 15
 KNOWN = 11  # reaches an orbit that another trial has proven
 WAIT = -1  # a candidate left for later
+BESIDE = 1e-6  # counts from a cycle through the play of teeth, at which a trial is not followed further
 PATIENCE = 12  # times that one is, each at a quarter of the gap
 PROOF_COST = 8  # periods that a trial with a continuous sensor goes on for after an attempt that took about as many
 FIELDS = 10  # of an attractor: fate, period, margin, edge, closure, bound, trials, least, most position, reading before
@@ -67,6 +69,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
     """Whether a trial that came back to within ``gap`` has the same readings again, and comes no less close.
 
     Motions with the same readings never part, so a candidate period that fails is none; this is cheaper than a proof.
+    Where teeth part, motions may part for a while, too, and only the readings are compared.
     ``space.trail`` has the readings of the period that led here, as far as it reaches.
     """
     n = body.order
@@ -90,7 +93,7 @@ def closes_in(z, before, ring, head, period, gap, body, wall, space):
             before, head = advance(space.state, before, space.line, head, body, wall, space.pad)
     for j in range(n):
         space.away[j] = space.state[j] - z[j]
-    return distance(space.away, body) <= gap
+    return body.play > 0.0 or distance(space.away, body) <= gap
 
 
 def contracts_to_rest(z, shown, before, ring, head, body, wall, space):
@@ -213,15 +216,26 @@ def follow_trial(
                             ring[j] = space.orbit_line[j]
                         fate = CYCLE_PROVEN if status == PROVEN else CYCLE_CONTINUUM
                         return fate, since, space.reading[0], head, i
-                    if status == ON_EDGE or status == AT_EVENT or status == EXPANDS:
+                    if status == ON_EDGE or status == AT_EVENT or status == EXPANDS or status == PARTS:
                         kept, kept_head, kept_before = since, head, space.reading[0]
                         kept_fate = CYCLE_ON_EDGE
                         if status != ON_EDGE:
                             kept_fate = CYCLE_AT_EVENT if status == AT_EVENT else CYCLE_EXPANDS
+                        if status == PARTS:
+                            kept_fate = CYCLE_PARTS
                         for j in range(n):
                             keep[j] = space.orbit[j]
                         for j in range(delay):
                             keepring[j] = space.orbit_line[j]
+                        if status == PARTS:
+                            for j in range(n):
+                                space.away[j] = z[j] - keep[j]
+                            if distance(space.away, body) < BESIDE:
+                                for j in range(n):
+                                    z[j] = keep[j]
+                                for j in range(delay):
+                                    ring[j] = keepring[j]
+                                return CYCLE_PARTS, since, kept_before, head, i
                     if status != WAIT:
                         tolerance = 0.5 * gap
                     if status == NOT_CAPTURED:

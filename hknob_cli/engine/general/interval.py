@@ -30,7 +30,7 @@ def hold(z, u, ring, head, body, wall, pad):
             y = u + body.drive - body.beta * x
             x, v = x + (body.s2 * v + body.g2 * y), body.f2 * v + body.s2 * y
         z[0], z[1] = x, v
-    elif body.friction > 0.0:
+    elif body.friction > 0.0 or body.play > 0.0:
         if wall.split > 0.0:
             rub_many(z, older, wall.split, body, pad)
         rub_many(z, u, 1.0 - wall.split, body, pad)

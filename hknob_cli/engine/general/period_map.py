@@ -5,6 +5,8 @@ derivative is carried through every event. Where the encoder has counts, two mot
 same commands, and the energy of their difference never grows, friction or not. So a trial that is nearer to the orbit
 than any sample of it is to an edge has the same readings for ever; the derivative says that it then converges. With a
 continuous sensor the command follows the motion, and the growth of a difference is bounded by the derivative's powers.
+Teeth with play keep that energy while they stay on one flank, which is one more margin; where they part it may grow,
+and the derivative alone says that nearby motions come closer: that is no proof.
 """
 
 from typing import Any, NamedTuple
@@ -15,9 +17,11 @@ from hknob_cli.engine.general.controller import command, count_gap, edge_gap, in
 from hknob_cli.engine.general.hysteresis import hold_and_count
 from hknob_cli.engine.general.interval import advance_columns
 from hknob_cli.engine.general.powers import bound_growth, dissipates, invert
+from hknob_cli.engine.general.teeth import flank_room
 
 AT_EVENT = 5  # a standstill of the motion could, within rounding, go another way
 EXPANDS = 6  # the period map does not contract
+PARTS = 7  # teeth part within the period: its map contracts to first order
 NEWTON_STEPS = 8
 LEAST_SCALE = 1e-3  # of speeds against positions, in a norm of differences; a rest point has no speed
 
@@ -207,11 +211,20 @@ def certify(z, before, ring, head, period, body, wall, space):
         late = space.away[n - 1] if body.lag > 0.0 else 0.0
         if not (space.marks[0] > 2.0 * (stiffness(body) * speed + late) and space.marks[1] > speed):
             return AT_EVENT, margin, edge, closure, bound
+    parts = False
+    if body.play > 0.0:
+        room = flank_room(space.marks[0], body)
+        parts = not room > bound
+        if not parts:
+            margin = min(margin, room)
     if not margin > bound:
         return ON_EDGE, margin, edge, closure, bound
     if not dissipates(space.cols, width, space.power, space.spare, m, scale, period):
-        # With a continuous sensor, motions part: the trial passed by an orbit that it will leave again.
-        return (EXPANDS if wall.analog == 0.0 else DIFFERENT), margin, edge, closure, bound
+        # With a continuous sensor, or teeth that part, motions part: the trial passed by an orbit that it will leave
+        # again.
+        return (EXPANDS if wall.analog == 0.0 and not parts else DIFFERENT), margin, edge, closure, bound
+    if parts:
+        return PARTS, margin, edge, closure, bound
     for i in range(n):
         space.residual[i] = z[i] - space.orbit[i]
     if wall.analog == 0.0:

@@ -26,10 +26,10 @@ from hknob_cli.engine.attractors import (
     why_unrepeated,
 )
 from hknob_cli.engine.budget import FINEST, TrialBudget, sample_limit, settling_samples, trial_scale
-from hknob_cli.engine.general import ensemble, trace
+from hknob_cli.engine.general import ensemble, parting, trace
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS
+from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, CYCLE_PARTS, FIELDS
 from hknob_cli.engine.general.laws.law import CYCLE_AT_SWITCH, CYCLE_NOT_AFFINE, REST_NOT_PROVEN
 from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.torque_table import HEAD
@@ -39,6 +39,7 @@ GENERAL_FATES = {
     **FATES,
     CYCLE_AT_EVENT: (Outcome.CYCLE, Reason.AT_EVENT),
     CYCLE_EXPANDS: (Outcome.CYCLE, Reason.EXPANDS),
+    CYCLE_PARTS: (Outcome.CYCLE, Reason.PARTS),
     CYCLE_AT_SWITCH: (Outcome.CYCLE, Reason.AT_SWITCH),
     CYCLE_NOT_AFFINE: (Outcome.CYCLE, Reason.NOT_AFFINE),
     REST_NOT_PROVEN: (Outcome.REST, Reason.EXPANDS),
@@ -91,8 +92,8 @@ def torque_range(wall: Controller) -> TorqueRange:
 class PeriodSegments:
     """One period, piece by piece between events; ``m`` pieces, order ``n``.
 
-    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; ``commands`` (m): command acting; ``states``
-    (m + 1, n): state at the start of each piece and at the end.
+    ``spans`` (m): length; ``modes`` (m): +1, -1 sliding, 0 held; with teeth that part as `teeth.play_chart` has them;
+    ``commands`` (m): command acting; ``states`` (m + 1, n): state at the start of each piece and at the end.
     """
 
     def __init__(self, spans: Array, modes: Array, commands: Array, states: Array) -> None:
@@ -147,6 +148,7 @@ class GeneralEngine:
         self.compiled = functions is not None
         self._run_trials: Callable[..., Any] = functions["general.run_trials"] if functions else ensemble.run_trials
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
+        self._part: Callable[..., Any] = functions["general.parting_rate"] if functions else parting.parting_rate
 
     def zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
@@ -239,6 +241,7 @@ class GeneralEngine:
                 [float(value) for value in trial.lines[row * delay_line : (row + 1) * delay_line]],
                 why,
                 grew,
+                keep=body.play > 0.0,
             )
             for row in range(rows)
         ]
@@ -248,6 +251,14 @@ class GeneralEngine:
         if left:
             found.append(unfinished(left, seconds, self.patience, compiled=self.compiled))
         return Search(attractors=ranked(found), samples=samples)
+
+    def parting_rate(self, body: Body, wall: Controller, end: Attractor, samples: int) -> float:
+        """How fast motions near the end of a trial part, per sample: see `engine.general.parting`."""
+        ready = as_arrays(body) if self.compiled else body
+        wall = wall if self.compiled else as_list(wall)
+        space = make_space(body.order, len(end.line), self.zeros)
+        state, line = self._filled([end.x, end.v, *end.state]), self._filled(end.line)
+        return float(self._part(state, end.before, line, samples, ready, wall, space))
 
     def chart(self, body: Body, wall: Controller, orbit: Attractor) -> PeriodSegments | None:
         """One period of an orbit from event to event; None if it has too many pieces."""
@@ -274,9 +285,18 @@ class GeneralEngine:
 
 
 def attractor_of(
-    row: Any, state: list[float], line: list[float], unrepeated: Reason, grew: Reason = Reason.GREW
+    row: Any,
+    state: list[float],
+    line: list[float],
+    unrepeated: Reason,
+    grew: Reason = Reason.GREW,
+    *,
+    keep: bool = False,
 ) -> Attractor:
-    """Attractor from a row of the kernel's tables; why one's levels never repeated, and why it went past the limit."""
+    """Attractor from a row of the kernel's tables; why one's levels never repeated, and why it went past the limit.
+
+    ``keep``: whether an undecided end has the state of the first trial in it, to be followed further.
+    """
     fate, n, margin, edge, closure, bound, trials, least, most, before = (float(value) for value in row)
     outcome, reason = GENERAL_FATES[int(fate)]
     if reason is Reason.NO_REPEAT:
@@ -284,7 +304,10 @@ def attractor_of(
     elif reason is Reason.GREW:
         reason = grew
     if int(n) == 0:
-        return whole(outcome, reason, trials)
+        found = whole(outcome, reason, trials)
+        if keep and outcome is Outcome.UNDECIDED:
+            found = found._replace(x=state[0], v=state[1], state=tuple(state[2:]), line=tuple(line), before=before)
+        return found
     rest = outcome is Outcome.REST
     x = state[0]
     return Attractor(

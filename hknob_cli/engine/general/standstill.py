@@ -6,6 +6,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, coil_at, distance
 from hknob_cli.engine.general.controller import command, edge_gap, goes_on
 from hknob_cli.engine.general.inner_region import ROUNDINGS, come_to_rest, keeps_reading
+from hknob_cli.engine.general.teeth import flank_room
 from hknob_cli.engine.general.torque_table import is_there
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
 
@@ -113,6 +114,8 @@ def settles(z, shown, before, ring, body, wall, orbit, away):
     gap = edge_gap(rest, shown, shown, wall)
     bound = rest_rounding(z, rest, u, body)
     reach = distance(away, body)
+    if body.play > 0.0 and not reach + bound < flank_room(body.pad_stiffness * orbit[2], body):
+        return MOVING, gap
     if reach + bound < gap:
         return (AT_REST if body.damped else RINGS), gap
     if abs(gap) <= bound and reach < 1e-6:

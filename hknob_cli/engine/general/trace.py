@@ -7,6 +7,7 @@ from hknob_cli.engine.general.body import acceleration
 from hknob_cli.engine.general.controller import command, read_after
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.slide_two import way
+from hknob_cli.engine.general.teeth import play_chart
 
 
 def run(z, before, ring, head, samples, body, wall, pad, states, torques):
@@ -44,6 +45,8 @@ def chart(z, u, span, body, pad, rows, pieces):
 
     Full rows end the chart.
     """
+    if body.play > 0.0:
+        return play_chart(z, u, span, body, pad, rows, pieces)
     n = body.order
     left = span
     mode = way(z[1], acceleration(z, u, body), body.friction)

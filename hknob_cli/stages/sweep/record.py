@@ -139,7 +139,10 @@ def energy(scene: Scene, push: float, one: Instant) -> float:
     total += push * (one.finger if scene.behind else one.angle)
     if hand.finger and hand.fingerpad:
         total += 0.5 * hand.finger.inertia * one.finger_velocity**2 + 0.5 * hand.finger.stiffness * one.finger**2
-        return total + 0.5 * hand.fingerpad.stiffness * (one.angle - one.finger) ** 2
+        twist = one.angle - one.finger
+        if scene.play:
+            twist = max(twist, 0.0, -(twist + scene.play))
+        return total + 0.5 * hand.fingerpad.stiffness * twist**2
     return total + 0.5 * hand.stiffness * one.angle**2
 
 

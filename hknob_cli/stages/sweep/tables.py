@@ -25,6 +25,7 @@ from hknob_cli.results.columns import (
     ONE_START,
     ORBITS,
     PEOPLE,
+    PLAY,
     SAMPLED,
     Column,
     axis_column,
@@ -32,7 +33,7 @@ from hknob_cli.results.columns import (
 from hknob_cli.scene.sampled_cells import hands_of
 from hknob_cli.scene.torque_over_angle import is_shaped
 from hknob_cli.specs.cells import WHOLE
-from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_yield, scene_at
+from hknob_cli.specs.plan import COUNTS, PERSON, SweepPlan, knob_counts, may_part, may_yield, scene_at
 from hknob_cli.stages.sweep.cell import CellResult, may_bounce
 from hknob_cli.stages.sweep.every_start import INCOMPLETE, why_incomplete
 
@@ -168,6 +169,7 @@ def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
         *ORBITS,
         *(FRICTION if _has_friction(plan) else ()),
         *(BEHIND if may_yield(plan) else ()),
+        *(PLAY if may_part(plan) else ()),
     )
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:

@@ -25,12 +25,13 @@ from hknob_cli.engine.general import follow
 from hknob_cli.engine.general.follow import (
     CYCLE_AT_EVENT,
     CYCLE_EXPANDS,
+    CYCLE_PARTS,
     KNOWN,
     PATIENCE,
     PROOF_COST,
     follow_trial,
 )
-from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS
+from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, PARTS
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.standstill import SETTLING
 from hknob_cli.engine.rest import AT_REST, LEAVES, MOVING, REST_ON_EDGE, RINGS
@@ -168,7 +169,7 @@ def test_a_first_return_is_worth_an_attempt_below_its_tolerance(trial: Callable[
 
 def test_after_a_failure_it_must_come_twice_as_near(trial: Callable[..., Trial]) -> None:
     gap, half = 2.0**-6, 2.0**-7
-    for status in (DIFFERENT, ON_EDGE, AT_EVENT, EXPANDS):
+    for status in (DIFFERENT, ON_EDGE, AT_EVENT, EXPANDS, PARTS):
         below = nextafter(half, 0.0)
         assert tried([gap, half, below, below], trial, proofs=lambda _, s=status: s) == [True, False, True, False]
     # A return to the last bit: another period may show another, unless it is the one on an edge.
@@ -265,7 +266,8 @@ def test_what_friction_holds_is_no_cycle(trial: Callable[..., Trial], friction: 
 
 
 def test_what_is_not_proven_is_reported_when_samples_are_over(trial: Callable[..., Trial]) -> None:
-    for status, fate in ((ON_EDGE, CYCLE_ON_EDGE), (AT_EVENT, CYCLE_AT_EVENT), (EXPANDS, CYCLE_EXPANDS)):
+    ends = ((ON_EDGE, CYCLE_ON_EDGE), (AT_EVENT, CYCLE_AT_EVENT), (EXPANDS, CYCLE_EXPANDS), (PARTS, CYCLE_PARTS))
+    for status, fate in ends:
         found, at = verdict(trial, [status, DIFFERENT])
         assert found == (fate, 2, READING, 1, 6)
         assert (at.z, at.ring) == (ORBIT, LINE)

@@ -1,0 +1,42 @@
+"""How fast nearby motions part: the largest Lyapunov exponent, by the derivative along one motion.
+
+Above 0 neighbours part for good, and a bounded motion that repeats is not to be expected (Benettin et al. 1980). The
+derivative goes through every event exactly; the exponent is an average over a time that ends.
+"""
+
+from math import log, sqrt
+
+from hknob_cli.engine.general.interval import advance_columns
+
+
+def parting_rate(z, before, ring, samples, body, wall, space):
+    """Mean growth of the logarithm of a difference of motions with the same readings, per sample.
+
+    Args:
+        z: State at the start, left at the end.
+        before: Reading one sample before.
+        ring: Commands under way, oldest first.
+        samples: How long the motion is followed.
+        body: What moves.
+        wall: What commands.
+        space: Work space of the general loop.
+    """
+    n, width = body.order, space.width
+    for c in range(n):
+        for i in range(width):
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
+    total, head = 0.0, 0 * len(ring)
+    for _ in range(samples):
+        before, head = advance_columns(z, before, ring, head, body, wall, space.pad, space.cols, n, width, space.marks)
+        size = 0.0
+        for c in range(n):
+            for i in range(n):
+                size += space.cols[c * width + i] * space.cols[c * width + i]
+        size = sqrt(size)
+        if not size > 0.0:
+            return -float("inf")
+        total += log(size)
+        for c in range(n):
+            for i in range(n):
+                space.cols[c * width + i] /= size
+    return total / samples

@@ -1,0 +1,81 @@
+"""Teeth on one flank, on their margins: how near a motion must be so that they do not part, and what is proven then."""
+
+from math import inf, sqrt
+
+import numpy as np
+import pytest
+
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
+from hknob_cli.engine.general.body import norm
+from hknob_cli.engine.general.period_map import PARTS
+from hknob_cli.engine.general.standstill import settles
+from hknob_cli.engine.general.teeth import flank_room, pressing
+from hknob_cli.engine.rest import AT_REST, MOVING
+
+from .test_period_map_margins import Stage, prove
+from .test_standstill_margins import FINGER, WALL
+
+MESH = FINGER._replace(order=4, lag=0.0, friction=0.0, reach=0.5, play=3.0, push=0.0)
+PLACE = np.array([-2.5, 0.25, 1.0, 0.25, 0.0])
+STAGE = Stage(np.diag([0.5, 0.5, 0.5, 0.5]), PLACE)
+STIFF = sqrt(2.0) + 0.25 * (1.0 + 2.0)  # of the torque, by a unit of the energy's root: spring, and damper
+
+
+def test_teeth_that_carry_a_torque_stay_on_their_flank_that_far() -> None:
+    """From above: no difference of that energy takes more. From below: one takes half of it."""
+    assert flank_room(0.0, MESH) == flank_room(-1.0, MESH) == 0.0
+    assert flank_room(STIFF, MESH) == pytest.approx(MESH.reach, rel=1e-15)
+    chance = np.random.default_rng(7)
+    most = 0.0
+    for _ in range(4000):
+        dz = chance.normal(size=4) * np.exp(chance.normal(size=4) * 2.0)
+        dz /= norm(dz.tolist(), MESH)
+        for side in (1, -1):
+            most = max(most, abs(pressing(dz, 0, side, MESH._replace(play=0.0))))
+    assert 0.5 * STIFF < most <= STIFF
+
+
+@pytest.mark.parametrize(("torque", "margin"), [(inf, 0.4), (0.81 * STIFF, 0.4), (0.6 * STIFF, 0.3)])
+def test_a_cycle_on_one_flank_is_proven_as_far_as_teeth_do_not_part(
+    monkeypatch: pytest.MonkeyPatch, torque: float, margin: float
+) -> None:
+    stage = STAGE._replace(marks=(torque, inf))
+    for part, status in ((0.999, PROVEN), (1.001, NOT_CAPTURED)):
+        off = np.array([0.0, 0.0, 1.0, 0.0])
+        near = PLACE[:4] + part * margin / (MESH.reach * norm(off.tolist(), MESH)) * off
+        found = prove(monkeypatch, stage, near, MESH)
+        assert (found.status, found.margin) == (status, pytest.approx(margin, rel=1e-12))
+    # Without play there are no teeth that could part.
+    assert prove(monkeypatch, STAGE._replace(marks=(-1.0, inf)), PLACE[:4], MESH._replace(play=0.0)).status == PROVEN
+
+
+def test_a_cycle_whose_teeth_part_is_not_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    bound = prove(monkeypatch, STAGE, PLACE[:4], MESH).bound
+    assert 0.0 < bound < 1e-12
+    for part, status in ((1.001, PROVEN), (0.999, PARTS), (-1.0, PARTS)):
+        torque = part * bound / MESH.reach * STIFF
+        found = prove(monkeypatch, STAGE._replace(marks=(torque, inf)), PLACE[:4], MESH)
+        # A trial as near as a rounding to it is within half of that room only where the room is larger.
+        assert found.status == status or (status == PROVEN and found.status == NOT_CAPTURED)
+        assert (found.status == PARTS) == (status == PARTS)
+    apart = STAGE._replace(matrix=np.diag([1.5, 0.5, 0.5, 0.5]), marks=(-1.0, inf))
+    assert prove(monkeypatch, apart, PLACE[:4], MESH).status == DIFFERENT
+
+
+def test_rest_on_one_flank_needs_room_from_the_other() -> None:
+    """At rest the mesh is 1 count deep, and carries 2: as far off as that lets go of the flank, all else lets it."""
+    body = MESH._replace(finger_stiffness=8.0, shift=-1.0)
+    orbit, away = [0.0] * 4, [0.0] * 4
+    wall = WALL._replace(kappa=0.0)
+    assert settles([0.5, 0.0, 0.0, 0.0], 0.0, 0.0, [], body, wall, orbit, away)[0] == MOVING  # nothing presses
+    driven = body._replace(push=-2.0)  # out of the wall, as the wall's torque would
+    fate, gap = settles([2.5, 0.0, 1.0, 0.0], 0.0, 0.0, [], driven, wall, orbit, away)
+    assert fate == AT_REST
+    assert orbit == [1.0 + 4.0 * 2.0 / 8.0 + 1.0, 0.0, 1.0, 0.0]
+    room = flank_room(2.0, driven)
+    for part, expected in ((0.99, AT_REST), (1.01, MOVING)):
+        speed = part * room / driven.reach  # of both bodies alike: the energy is that of both
+        z = [orbit[0], speed / sqrt(1.25), 1.0, 0.0]
+        assert norm([0.0, z[1], 0.0, 0.0], driven) == pytest.approx(speed, rel=1e-12)
+        assert settles(z, 0.0, 0.0, [], driven, wall, orbit, away)[0] == expected
+    assert gap > room
