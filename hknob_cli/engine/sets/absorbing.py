@@ -14,6 +14,7 @@ from time import monotonic
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.attractors import StoppedError
+from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, upper_edge
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.engine.sets.polygon import CORNERS
@@ -125,7 +126,11 @@ class RegionFinder:
                 return None
             low_x, high_x, low_v, high_v = ranges_of(region, count)
             used += more
-        count = self._function("simplify_hull")(region, count, CORNERS, room.chain, room.rough)
+        # Grown by the rounding of the last hull and of the corners dropped from it, as `region.advance` has it.
+        rounding = 64.0 * count * EPSILON
+        grow_x, grow_v = rounding * max(-low_x, high_x), rounding * max(-low_v, high_v)
+        count = self._function("enclose")(region, count, grow_x, grow_v, room.chain, room.rough)
+        count = self._function("simplify")(room.rough, count, CORNERS, room.chain)
         corners = tuple(float(room.rough[k]) for k in range(2 * count))
         if not 3 <= count <= CORNERS:
             corners = (low_x, low_v, high_x, low_v, high_x, high_v, low_x, high_v)

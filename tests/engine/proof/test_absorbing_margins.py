@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, drive_of, level_of, make_loop
 from hknob_cli.engine.sets import absorbing
 from hknob_cli.engine.sets.absorbing import MOST_SAMPLES, Region, RegionFinder, pushes, states_in
 from hknob_cli.engine.sets.polygon import CORNERS
+from hknob_cli.engine.sets.region import enclose, ranges_of, simplify
 from hknob_cli.engine.sets.room import make_region_room
 from tests.engine.sets.test_region import exact, holds, hull
 
@@ -28,7 +30,7 @@ class Script:
         self.ranges = (-3.0, 5.0, -2.0, 4.0)
         self.squares: list[float] = []
         self.shrunk: list[Any] = []
-        self.simplified: list[int] = []
+        self.grown: list[tuple[int, float, float]] = []
 
     def function(self, name: str) -> Any:
         return getattr(self, name)
@@ -51,9 +53,12 @@ class Script:
     def ranges_of(self, region: Any, count: int) -> tuple[float, float, float, float]:
         return self.ranges
 
-    def simplify_hull(self, region: Any, count: int, most: int, chain: Any, out: Any) -> int:
-        assert most == CORNERS
-        self.simplified.append(count)
+    def enclose(self, region: Any, count: int, dx: float, dv: float, chain: Any, out: Any) -> int:
+        self.grown.append((count, dx, dv))
+        return count + 4
+
+    def simplify(self, out: Any, count: int, most: int, areas: Any) -> int:
+        assert (count, most) == (self.grown[-1][0] + 4, CORNERS)
         out[: 2 * self.left] = [float(k) for k in range(2 * self.left)]
         return self.left
 
@@ -82,7 +87,7 @@ def test_no_size_is_tried_for_ever() -> None:
     script = Script((4, 10, 0.5), *[(4, 80, inf)] * 100)
     assert script.find() is None
     assert len(script.squares) == 1 + absorbing.TRIES
-    assert script.simplified == []
+    assert script.grown == []
 
 
 def test_a_loop_that_does_not_come_in_without_a_push_has_none() -> None:
@@ -138,7 +143,7 @@ def test_a_region_that_gets_lost_is_none() -> None:
         script = Script((4, 10, 0.5), (4, 10, 0.0), (0, 3, inf))
         assert script.find(ways) is None
         assert len(script.shrunk) == 3
-        assert script.simplified == []
+        assert script.grown == []
 
 
 def test_a_region_is_moved_on_while_it_becomes_smaller() -> None:
@@ -153,7 +158,7 @@ def test_a_region_is_moved_on_while_it_becomes_smaller() -> None:
         stride = script.shrunk[2][1]
         assert stride == max(8, -int(-1.0 // (0.5 * LOOP.alpha)))
         assert found == Region(tuple(float(k) for k in range(10)), 10 + moved * min(10, stride))
-        assert script.simplified == [6]
+        assert script.grown == [(6, 64.0 * 6 * EPSILON * 5.0, 64.0 * 6 * EPSILON * 4.0)]
     for wide, fast, moved in ((0.02, 0.0, 1), (0.0, 0.0, 0), (0.009, 0.0, 0), (0.0, 0.009, 0), (0.0, 0.011, 1)):
         script = Script()
         script.ranges = (1.0 - wide, 1.0, 2.0 - fast * sqrt(LOOP.beta), 2.0)
@@ -172,6 +177,48 @@ def test_a_region_of_too_few_corners_or_too_many_is_its_rectangle(left: int) -> 
     else:
         assert found.corners == (-1.0, -2.0, 5.0, -2.0, 5.0, 4.0, -1.0, 4.0)
         assert found.ranges == script.ranges
+
+
+@pytest.mark.parametrize(
+    ("ranges", "far", "fast"), [((-7.0, 5.0, -2.0, 4.0), 7.0, 4.0), ((1.0, 5.0, -9.0, 4.0), 5.0, 9.0)]
+)
+def test_a_region_is_grown_by_the_rounding_of_its_last_hull(
+    ranges: tuple[float, float, float, float], far: float, fast: float
+) -> None:
+    script = Script()
+    script.ranges = ranges
+    script.find()
+    assert script.grown == [(6, 64.0 * 6 * EPSILON * far, 64.0 * 6 * EPSILON * fast)]
+
+
+class Drawn(Script):
+    """A region of random corners, with its last hull as it is."""
+
+    def __init__(self, corners: np.ndarray) -> None:
+        super().__init__((4, 10, 0.0), (4, 10, 0.0))
+        self.corners = corners
+        self.enclose, self.simplify = enclose, simplify  # type: ignore[method-assign]
+
+    def shrink(self, region: Any, count: int, *rest: Any) -> tuple[int, int, float]:
+        region[: self.corners.size] = self.corners.ravel()
+        super().shrink(region, count, *rest)
+        return len(self.corners), 10, 0.0
+
+    def ranges_of(self, region: Any, count: int) -> tuple[float, float, float, float]:
+        return ranges_of(region, count)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_region_holds_all_that_it_is_made_from(seed: int) -> None:
+    """In fractions: corners on an ellipse, many almost on one line, wherever it lies and however flat it is."""
+    rng = np.random.default_rng(seed)
+    angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, int(rng.integers(3, 128))))
+    shape = np.array([[1.0, rng.normal()], [0.0, 10.0 ** rng.uniform(-6.0, 0.0)]])
+    corners = np.column_stack([np.cos(angle), np.sin(angle)]) @ shape * 10.0 ** rng.uniform(0.0, 4.0) + rng.normal(2)
+    found = Drawn(corners).find()
+    assert found is not None
+    around = exact(list(found.corners), len(found.corners) // 2)
+    assert all(holds(around, corner) for corner in exact(corners.ravel().tolist(), len(corners)))
 
 
 def test_slices_go_on_from_each_other() -> None:
