@@ -9,6 +9,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import re
 import signal
 import subprocess
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -53,8 +54,17 @@ starts: {angle: 0.02, phases: 8}
 """
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Order tests by how long those of their folder take."""
+    """Order tests by how long those of their folder take; of a test with ``one_in(n)`` one case in n is not long."""
+    before: Counter[str] = Counter()
+    for item in items:
+        one_in = item.get_closest_marker("one_in")
+        if one_in is not None:
+            test = item.nodeid.partition("[")[0]
+            if before[test] % one_in.args[0] != 0:
+                item.add_marker(pytest.mark.long)
+            before[test] += 1
 
     def place(item: pytest.Item) -> int:
         folder = item.path.relative_to(ROOT / "tests").parts[0]

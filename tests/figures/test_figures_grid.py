@@ -3,6 +3,7 @@
 import re
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -182,7 +183,7 @@ def drawn(evidence: ResultSet, name: str, of: object, options: dict) -> str:
 
 
 @pytest.mark.parametrize(("name", "of", "options", "said"), CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
-def test_a_drawing_says_what_it_shows_and_is_the_same_twice(
+def test_a_drawing_says_what_it_shows(
     evidence: ResultSet, name: str, of: object, options: dict, said: tuple[str, ...]
 ) -> None:
     svg = drawn(evidence, name, of, options)
@@ -192,7 +193,13 @@ def test_a_drawing_says_what_it_shows_and_is_the_same_twice(
     assert "<image" not in svg
     assert "nan" not in text
     assert len(svg) < 150_000
-    assert svg == drawn(evidence, name, of, options)
+
+
+@pytest.mark.one_in(10)
+@pytest.mark.parametrize("case", CASES, ids=[f"{c[0]}-{i}" for i, c in enumerate(CASES)])
+def test_a_drawing_is_the_same_twice(evidence: ResultSet, case: Any) -> None:
+    name, of, options, _ = case
+    assert drawn(evidence, name, of, options) == drawn(evidence, name, of, options)
 
 
 def test_every_drawing_of_grids_is_tried() -> None:

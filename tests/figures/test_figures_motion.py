@@ -96,7 +96,13 @@ def test_figures_say_what_they_show(evidence: ResultSet, name: str, of: Any, opt
     assert "<image" not in svg
     assert "#000000" not in svg
     assert len(svg) < 150_000
-    assert svg == drawn(evidence, name, of, options)
+
+
+@pytest.mark.one_in(10)
+@pytest.mark.parametrize("figure", FIGURES)
+def test_figures_are_the_same_twice(evidence: ResultSet, figure: Any) -> None:
+    name, of, options, _ = figure
+    assert drawn(evidence, name, of, options) == drawn(evidence, name, of, options)
 
 
 @pytest.mark.parametrize(
