@@ -18,9 +18,10 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Control, Settings, Sine
+from hknob_cli.hardware.port import Block, Control, OverAngle, Pulse, PulseOrder, Settings, Sine
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.wire import pump
+from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.codes import Kind, State, Trip
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, frame
@@ -231,7 +232,7 @@ def another(name: str) -> Callable[[Any], Any]:
     return alter
 
 
-UNSENT = ("control", "pulse", "squeeze")  # sent by itself; not sent
+UNSENT = ("control", "over_angle", "pulse", "squeeze")  # sent by themselves, or not sent
 SENT = [name for name in (*Settings._fields, *Control._fields, *type(WITH_SINES)._fields) if name not in UNSENT]
 
 
@@ -240,6 +241,32 @@ def test_a_target_that_took_another_value_is_not_armed(name: str) -> None:
     with PtyTarget(Manners(alter=another(name))) as served, SerialDevice(served.url) as device:
         with pytest.raises(DeviceError, match=f"took other values, and was not armed: {name}.* sent .*, taken "):
             device.configure(SETTINGS._replace(control=told("lag").control), WITH_SINES)
+        with pytest.raises(DeviceError, match="not armed"):
+            device.arm()
+        assert Kind.ARM not in served.target.heard
+
+
+TABLE = OverAngle(-20, 7, 0.5, -0.25, tuple(float(k) / 64.0 for k in range(40)))  # in two pieces
+PULSE = PulseOrder(2.0, 0.1, 0.01, 0.5, 1e-3, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("acts", "name"),
+    [
+        *(({"over_angle": TABLE}, name) for name in (*Table._fields, *Piece._fields)),
+        *(({"pulse": PULSE}, name) for name in Pulse._fields),
+    ],
+)
+def test_a_target_that_took_another_act_is_not_armed(acts: dict[str, Any], name: str) -> None:
+    settings = SETTINGS._replace(wall_damping=0.0, **acts)
+    with PtyTarget(Manners(knows_acts=True)) as served, SerialDevice(served.url) as device:
+        device.configure(settings, WITH_SINES)
+    with (
+        PtyTarget(Manners(knows_acts=True, alter=another(name))) as served,
+        SerialDevice(served.url) as device,
+    ):
+        with pytest.raises(DeviceError, match=f"took other values, and was not armed: {name}.* sent .*, taken "):
+            device.configure(settings, WITH_SINES)
         with pytest.raises(DeviceError, match="not armed"):
             device.arm()
         assert Kind.ARM not in served.target.heard

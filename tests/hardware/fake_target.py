@@ -20,7 +20,18 @@ import numpy as np
 from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetControl, Simulate
+from hknob_cli.hardware.wire.commands import (
+    Again,
+    Alive,
+    Configure,
+    Plain,
+    SetControl,
+    SetPiece,
+    SetPulse,
+    SetSqueeze,
+    SetTable,
+    Simulate,
+)
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 
@@ -44,6 +55,7 @@ class Manners:
     mute: bool = False
     simulated: bool = True
     outside: bool = False  # the wall, where the made-up angles are: it has no torque there, as was agreed
+    knows_acts: bool = False  # pulses, and torques over the angle
     own_time: bool = False  # it says that its clock is made up, too: nobody holds it against this computer's
     late_s: float = 0.0
     version: int = 1
@@ -132,7 +144,9 @@ class FakeTarget:
                 self.host_has = message.expected
             case Again():
                 return b"".join(map(self._send, self.blocks[message.first : message.first + message.count]))
-            case Plain() | Configure() | SetControl() | Simulate():
+            case (
+                Plain() | Configure() | SetControl() | SetPulse() | SetSqueeze() | SetTable() | SetPiece() | Simulate()
+            ):
                 if self._done is not None and self._done[0] == message.nonce:
                     return self._send(self._done[1])
                 out, said = self._carry_out(message, now)
@@ -145,13 +159,15 @@ class FakeTarget:
                 return out + self._send(ack)
         return b""
 
-    def _carry_out(self, message: Plain | Configure | SetControl | Simulate, now: float) -> tuple[bytes, Any]:
+    def _carry_out(self, message: Any, now: float) -> tuple[bytes, Any]:
         out = b""
         match message.kind, self.state:
             case Kind.HELLO, _:
                 manners = self.manners
                 about = About(10_000, 20_000, simulated=manners.simulated, name="made up", knows_control=True)
-                return out, about._replace(own_time=manners.own_time)
+                knows = manners.knows_acts
+                about = about._replace(own_time=manners.own_time, knows_pulses=knows, knows_over_angle=knows)
+                return out, about
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None
@@ -162,6 +178,8 @@ class FakeTarget:
             case Kind.CONTROL, State.IDLE if self.settings is not None:
                 assert isinstance(message, SetControl)
                 return out, self.manners.alter(message.control)
+            case Kind.PULSE | Kind.SQUEEZE | Kind.OVER_ANGLE | Kind.TORQUES, State.IDLE if self.settings is not None:
+                return out, self.manners.alter(message[1])
             case Kind.SIMULATE, State.IDLE:
                 assert isinstance(message, Simulate)
                 self.simulated = message.simulated
