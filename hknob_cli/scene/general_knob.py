@@ -111,16 +111,8 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     )
     body, slowest = make_body(scene, period=period, quantum=quantum, shift=shift, split=split)
     commands = [] if table is None else table[HEAD : HEAD + (len(table) - HEAD) // 3].tolist()
-    numbers = [
-        *wall[: wall._fields.index("limit")],
-        wall.band,
-        *commands,
-        body.friction,
-        body.push,
-        body.play,
-        *body.matrices,
-        *body.vectors,
-    ]
+    numbers = [*wall[: wall._fields.index("limit")], wall.band, *commands, body.friction, body.push, body.play]
+    numbers += [*body.matrices, *body.vectors]
     if not all(isfinite(value * value) for value in numbers):
         place = f"at {sample_rate_hz:g} Hz" + (f" and {counts_per_rev} counts" if counts_per_rev else "")
         raise ComputationError(f"{place} the scene's numbers overflow")

@@ -17,6 +17,8 @@ PATCHED = (
     "sys.argv[0] = 'hknob'; "
     "from hknob_cli.cli.main import main; main()"
 )
+pytestmark = pytest.mark.long
+
 GRID = EXPERIMENTS / "hand_on_knob_half_quantum.yaml"
 
 

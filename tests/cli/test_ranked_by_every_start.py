@@ -53,6 +53,7 @@ def test_one_start_is_as_before(hknob, spec_file, tmp_path: Path) -> None:
         assert every[column].to_pylist() == one[column].to_pylist()
 
 
+@pytest.mark.long
 def test_designs_are_judged_by_their_largest_cycles(hknob, spec_file, tmp_path: Path) -> None:
     done = hknob("design", spec_file(SEARCH), "-o", "out")
     assert (done.returncode, done.stderr) == (0, "")

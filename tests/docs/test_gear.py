@@ -3,6 +3,7 @@
 from math import log
 
 import pyarrow as pa
+import pytest
 
 from tests.conftest import EXPERIMENTS, swept
 
@@ -47,6 +48,7 @@ def test_a_rigid_gear_and_its_rival() -> None:
     says(PAGE, f"A motor of {1.9e-6 / 7.4**2 * 1e7:.2f} g·cm² already doubles")
 
 
+@pytest.mark.long
 def test_a_mesh_that_yields() -> None:
     rigid = {row["gear.motor_inertia"]: row for row in cells("gear_inertia")}
     rows = cells("gear_compliance")
@@ -63,6 +65,7 @@ def test_a_mesh_that_yields() -> None:
     says(PAGE, f"at {min(pitches):.0f} to {max(pitches):.0f} Hz")
 
 
+@pytest.mark.long
 def test_where_teeth_would_part() -> None:
     found = orbits("gear_compliance")
     says(PAGE, f"in {sum(row['mesh_least_nm'] > 0.0 for row in found)} of the {len(found)} cycles found")
@@ -71,6 +74,7 @@ def test_where_teeth_would_part() -> None:
     assert all(row["mesh_least_nm"] > 0.0 for row in by_push if row["bias.torque"] > 2.9e-3)
 
 
+@pytest.mark.long
 def test_a_backlash() -> None:
     found = swept(EXPERIMENTS / "gear_backlash.yaml")
     rows = _rows(found.orbits)

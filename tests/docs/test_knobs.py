@@ -106,6 +106,7 @@ def told(cell: dict[str, float]) -> str:
 HELD = ("scene.hand={table: 1, grip_n: 0.71}", "scene.bias.torque=0.001")
 
 
+@pytest.mark.long
 def test_the_modes_of_a_smartknob() -> None:
     """Untouched, late by 2 and by 3.5 samples, and held lightly; by the detents that the page itself writes."""
     printed = table(PAGE, "## The detents of a SmartKnob")

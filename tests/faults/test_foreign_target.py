@@ -47,6 +47,7 @@ def run(hknob, folder: Path, fault: str, more: str = "", **changes: str) -> str:
     return done.stderr
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_is_named_and_the_torque_released(hknob, tmp_path: Path, fault: str) -> None:
     said = run(hknob, tmp_path, fault)

@@ -21,6 +21,7 @@ VALUES = st.recursive(
 )
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("kind", STAGES)
 @settings(
     max_examples=60,

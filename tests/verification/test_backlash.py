@@ -166,6 +166,7 @@ def cells() -> list[Cell]:
     return found
 
 
+@pytest.mark.long
 def test_energy_of_cycles_through_the_play(cells: list[Cell]) -> None:
     """Work of the wall is what dampers take, and what springs of teeth lose that have parted while they overlapped.
 

@@ -168,6 +168,7 @@ def check(scene: Scene, how: dict[str, Any]) -> tuple[int, int, int]:
     return (*check_sticking(scene, run, period, quantum), energies)
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_ten_thousand_scenes(part: int) -> None:
     """Seeded: the same scenes every time."""

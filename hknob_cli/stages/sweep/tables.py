@@ -165,12 +165,8 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
 
 def orbits_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     """One row per attractor."""
-    columns: tuple[Column, ...] = (
-        *ORBITS,
-        *(FRICTION if _has_friction(plan) else ()),
-        *(BEHIND if may_yield(plan) else ()),
-        *(PLAY if may_part(plan) else ()),
-    )
+    parts = ((FRICTION, _has_friction), (BEHIND, may_yield), (PLAY, may_part))
+    columns: tuple[Column, ...] = (*ORBITS, *(one for some, has in parts if has(plan) for one in some))
     more: dict[str, list[Any]] = {}
     if not plan.scene.sampled:
         columns = (*(one for one in columns if one.name not in SAMPLED), *CONTACT)

@@ -105,6 +105,7 @@ def test_a_continuous_sensor_with_friction_comes_to_rest(rate_hz: float) -> None
     assert rests(search(loop)) == 4
 
 
+@pytest.mark.long
 def test_the_share_at_rest_never_falls_with_the_limit() -> None:
     """A slow loop with a continuous sensor, |lambda| = 0.9998."""
     loop = knob(

@@ -107,6 +107,7 @@ def test_a_table_of_the_wall_is_the_wall_to_the_last_bit(name: str) -> None:
         assert other.bound <= 64.0 * one.bound
 
 
+@pytest.mark.one_in(3)
 @pytest.mark.parametrize("friction", [0.0, 1e-4])
 @pytest.mark.parametrize("delay", [0.0, 1.5])
 def test_a_turn_of_the_pattern_shifts_nothing_but_the_angle(friction: float, delay: float) -> None:
@@ -148,6 +149,7 @@ def test_push_over_the_detents() -> None:
     assert {one.outcome for one in held} == {Outcome.REST}
 
 
+@pytest.mark.long
 def test_a_start_that_is_fast_enough_spins_for_ever() -> None:
     """Below the detents' torque a push keeps a lightly damped knob turning that turns already; this is not proven."""
     one = knob(hand=Hand(3e-7, 1e-4), push=0.007, detents=Detents(0.008, 12))

@@ -224,6 +224,7 @@ def drive(x: float, loop: Loop) -> float:
     return drive_of(level_of(x, loop.sense), loop)
 
 
+@pytest.mark.long
 def test_a_wall_too_stiff_for_its_rate_throws_every_motion_farther() -> None:
     """No region takes them in; from beyond the other region all that is tried grows."""
     loop = make_loop(0.00321, 0.00345, 0.219, 0.1, 1.0, 0.0, 0.0)

@@ -161,6 +161,7 @@ def test_tables_are_those_of_the_cells_one_by_one(functions: Functions, scene: A
         assert_same(all_at_once(plan, functions), one_by_one(plan, functions))
 
 
+@pytest.mark.long
 @settings(max_examples=100, deadline=None)
 @given(scene=SCENES, axes=AXES)
 def test_tables_of_every_phase_are_those_of_the_cells_one_by_one(

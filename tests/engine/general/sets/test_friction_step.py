@@ -113,6 +113,7 @@ def shapes(draw: st.DrawFn) -> list[float]:
     return convex(points - points.mean(axis=0))
 
 
+@pytest.mark.long
 @settings(deadline=None, max_examples=400, phases=[Phase.explicit, Phase.reuse, Phase.generate])
 @given(
     body=bodies,
