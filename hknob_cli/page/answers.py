@@ -34,6 +34,7 @@ from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultS
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
 _SHARES = ("at_rest_fraction", "certified_fraction")
+_OTHERS = ("complete", "sustained", "growth_j_per_s2", "rattle_max_rad")
 
 
 def answers_of(evidence: ResultSet) -> tuple[str, ...]:
@@ -84,7 +85,7 @@ def buzz_in(result: Result) -> Buzz | None:
     size, pitch = WORST
     axes = list(result.axes)
     found = Buzz(0, 0, 0, None, None, "")
-    for table in result.tables("cells", [*axes, *WORST, *_SHARES, "complete", "sustained", "growth_j_per_s2"]):
+    for table in result.tables("cells", [*axes, *WORST, *_SHARES, *_OTHERS]):
         if "growth_j_per_s2" in table.column_names or size not in table.column_names:
             return None
         column = columns_of(table, [size, pitch, *({_SHARES[0]} & set(table.column_names))])
@@ -103,7 +104,8 @@ def _part(table: pa.Table, sizes: "np.ndarray", resting: "np.ndarray", *, comple
         places = (moving[np.argmax(sizes[moving])], moving[np.argmin(sizes[moving])])
         ends = [table.slice(int(place), 1).to_pylist()[0] for place in places]
     scope = scope_of(table.column_names, complete=complete)
-    return Buzz(table.num_rows, int(moving.size), int((resting == 1.0).sum()), ends[0], ends[1], scope)
+    swings = table["rattle_max_rad"].drop_null().to_pylist() if "rattle_max_rad" in table.column_names else []
+    return Buzz(table.num_rows, int(moving.size), int((resting == 1.0).sum()), ends[0], ends[1], scope, tuple(swings))
 
 
 def _merged(one: Buzz, other: Buzz) -> Buzz:
@@ -117,6 +119,7 @@ def _merged(one: Buzz, other: Buzz) -> Buzz:
         max(most, key=lambda row: row[size], default=None),
         min(least, key=lambda row: row[size], default=None),
         one.scope if one.cells and one.scope != scope_of(("complete",), complete=True) else other.scope,
+        (*one.rattles, *other.rattles),
     )
 
 

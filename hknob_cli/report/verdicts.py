@@ -20,7 +20,8 @@ class Buzz(NamedTuple):
     """What the cells of a sweep, or of a campaign on a knob, say together.
 
     ``most`` and ``least``: rows of the cells with the largest and the smallest of the cells' largest cycles; None where
-    none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts.
+    none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts. ``rattles``:
+    swings of the knob (rad) in cells where the teeth of a gear part and no trial repeats.
     """
 
     cells: int
@@ -29,9 +30,13 @@ class Buzz(NamedTuple):
     most: Row | None
     least: Row | None
     scope: str
+    rattles: tuple[float, ...] = ()
 
     def text(self, axes: Collection[str]) -> str:
-        """The answer in a sentence or three; ``axes``: the names that vary."""
+        """The answer in a sentence or four; ``axes``: the names that vary."""
+        return self._cycles(axes) + rattle_text(self.rattles, f" in {_of_cells(len(self.rattles), self.cells)}")
+
+    def _cycles(self, axes: Collection[str]) -> str:
         if not self.cells:
             return "No trial could be measured."
         if self.most is None or self.least is None:
@@ -59,7 +64,16 @@ def buzz_of(cells: Sequence[Row]) -> Buzz:
         max(buzz, key=lambda row: row["p2p_max_rad"], default=None),
         min(buzz, key=lambda row: row["p2p_max_rad"], default=None),
         scope_of(cells[0], complete=all(row.get("complete", True) for row in cells)) if cells else "",
+        tuple(row["rattle_max_rad"] for row in cells if row.get("rattle_max_rad")),
     )
+
+
+def rattle_text(swings: Sequence[float], where: str = "") -> str:
+    """A sentence, after a space, on teeth that part and meet again in no order; empty where none do."""
+    if not swings:
+        return ""
+    swing = f"the knob swings by {_range([1e3 * one for one in swings], 'mrad')} (one trial each, not proven)"
+    return f" The teeth of its gear rattle{where}: no trial repeats, and {swing}."
 
 
 def grid_verdict(cells: Sequence[Row], axes: Collection[str]) -> str:

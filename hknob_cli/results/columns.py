@@ -87,6 +87,9 @@ BEHIND = (
     ),
     Column("mesh_most_nm", _REAL, "N*m", "largest torque of the mesh on the knob, out of the wall"),
 )
+RATTLE = (
+    Column("rattle_max_rad", _REAL, "rad", "where trials with backlash do not repeat: largest rattle_p2p_rad of them"),
+)
 PLAY = (
     Column(
         "rattle_p2p_rad",

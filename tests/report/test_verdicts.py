@@ -6,6 +6,7 @@ import pytest
 
 from hknob_cli.report.verdicts import biased, calibrated, compared, grid_verdict, identified, people_buzz
 from hknob_cli.stages.remedies.text import _line as remedy_line
+from hknob_cli.stages.sweep.text import one_cell_text
 
 Row = dict[str, Any]
 
@@ -96,3 +97,24 @@ def test_a_remedy_whose_trials_have_no_decided_end_does_not_diverge() -> None:
     grid = {"ratio_median": 2.0}
     assert remedy_line(row, grid, 8)[0] == "undecided"
     assert remedy_line({**row, "diverged_fraction": 0.5}, grid, 8)[0] == "diverges"
+
+
+def test_teeth_that_rattle_are_said_beside_the_cycles() -> None:
+    """An end that no cycle tells of is no silence."""
+    calm, loose = cell(2e-3, rattle_max_rad=None), cell(0.0, rattle_max_rad=3e-3) | {"at_rest_fraction": 0.0}
+    said = "The teeth of its gear rattle in 1 of 2 cells: no trial repeats, and the knob swings by 3 mrad (one trial "
+    assert said in grid_verdict([calm, loose], [])
+    both = grid_verdict([loose, {**loose, "rattle_max_rad": 7.152e-3}], [])
+    assert both.startswith("No limit cycle in any of 2 cells")
+    assert "rattle in all 2 cells: no trial repeats, and the knob swings by 3 to 7.152 mrad (one trial each" in both
+    assert "rattle" not in grid_verdict([calm, calm], [])
+
+
+def test_one_cell_that_rattles_says_so() -> None:
+    end = {"outcome": "undecided", "basin_fraction": 1.0, "certified": False, "reason": "unproven: x"}
+    (said,) = one_cell_text([{**end, "rattle_p2p_rad": 4e-3}])
+    assert said.startswith("No limit cycle was found")
+    assert said.endswith(
+        " The teeth of its gear rattle: no trial repeats, and the knob swings by 4 mrad (one trial each, not proven)."
+    )
+    assert "rattle" not in one_cell_text([end])[0]

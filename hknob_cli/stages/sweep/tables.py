@@ -26,6 +26,7 @@ from hknob_cli.results.columns import (
     ORBITS,
     PEOPLE,
     PLAY,
+    RATTLE,
     SAMPLED,
     Column,
     axis_column,
@@ -133,6 +134,9 @@ def cells_table(plan: SweepPlan, results: Sequence[CellResult]) -> pa.Table:
     more: dict[str, list[Any]] = {}
     if may_bounce(plan):
         columns, more = (*CELLS, *GROWTH), _growth(results)
+    if may_part(plan):
+        swings = [np.array([one.rattle_p2p_rad for one in result.measures]) for result in results]
+        columns, more = (*columns, *RATTLE), {"rattle_max_rad": [float(np.fmax.reduce(one)) for one in swings]}
     if not plan.starts.sampled and plan.scene.sampled:
         columns = (*columns, *EVERY_START)
         more |= {"complete": [one.complete for one in results], "piece_count": [one.pieces for one in results]}
@@ -303,16 +307,10 @@ def _has_friction(plan: SweepPlan) -> bool:
 
 
 def _growth(results: Sequence[CellResult]) -> dict[str, list[Any]]:
-    names = {
-        "growth_j_per_s2": "growth_j_per_s2",
-        "growth_std_j_per_s2": "growth_std_j_per_s2",
-        "growth_residual": "residual",
-        "growth_fits": "fits",
-        "bounces": "bounces",
-    }
+    fields = ("growth_j_per_s2", "growth_std_j_per_s2", "residual", "fits", "bounces")
     return {
-        name: [getattr(result.growth, field) if result.growth else None for result in results]
-        for name, field in names.items()
+        column.name: [getattr(result.growth, field) if result.growth else None for result in results]
+        for column, field in zip(GROWTH, fields, strict=True)
     }
 
 

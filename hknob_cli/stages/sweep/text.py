@@ -10,7 +10,7 @@ import pyarrow as pa
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.verdicts import grid_verdict
+from hknob_cli.report.verdicts import grid_verdict, rattle_text
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import PERSON
@@ -22,15 +22,16 @@ _ALMOST = 1.0 - 1e-9  # of the starts, all
 
 def describe_one(orbits: list[Row]) -> list[Row]:
     """The ends of the trials as plain data: what each is, how large, at what pitch, of how many, and if proven."""
-    keys = ("outcome", "p2p_rad", "frequency_hz", "basin_fraction", "certified", "reason")
-    return [{key: row[key] for key in keys} for row in orbits]
+    keys = ("outcome", "p2p_rad", "frequency_hz", "basin_fraction", "certified", "reason", "rattle_p2p_rad")
+    return [{key: row[key] for key in keys if key in row} for row in orbits]
 
 
 def one_cell_text(orbits: list[Row]) -> list[str]:
     """The sentence, and a table where there are several cycles."""
     cycles = sorted((row for row in orbits if row["outcome"] == "cycle"), key=lambda row: -row["p2p_rad"])
+    rattles = rattle_text([row["rattle_p2p_rad"] for row in orbits if row.get("rattle_p2p_rad")])
     if not cycles:
-        return [_without_cycle(orbits)]
+        return [_without_cycle(orbits) + rattles]
     share = sum(row["basin_fraction"] for row in cycles)
     worst = cycles[0]
     of = "" if len(cycles) == 1 else f" in the largest of {len(cycles)} limit cycles"
@@ -45,7 +46,7 @@ def one_cell_text(orbits: list[Row]) -> list[str]:
             sentence += f" The mean of the starts that cycle is {mean}."
     others = [row for row in orbits if row["outcome"] != "cycle"]
     if others:
-        sentence += f" The others: {_ends(others)}."
+        sentence += f" The others: {_ends(others)}.{rattles}"
     if len(cycles) == 1:
         return [sentence]
     body = [
