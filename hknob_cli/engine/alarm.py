@@ -27,8 +27,10 @@ class Alarm:
         return timer
 
     def __enter__(self) -> "Alarm":
-        if self._timer:
+        if self._timer and self._left > 0.0:
             self._timer.start()
+        elif self._timer:
+            self._halt[0] = 1.0  # a thread might be heard only after a short search is done
         return self
 
     def __exit__(

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hknob_cli.hardware.port import Block, Settings
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Command, Configure, Plain
-from hknob_cli.hardware.wire.sending import AGAIN_AFTER_S, TIMES_AGAIN, Sending
+from hknob_cli.hardware.wire.sending import AGAIN_AFTER_S, OWN_TIME_AGAIN_AFTER_S, TIMES_AGAIN, Sending
 from hknob_cli.hardware.wire.session import READER_PATIENCE_S, Session
 from tests.hardware.fake_target import FakeTarget, Manners, made_up, spoiler
 from tests.hardware.golden import SETTINGS
@@ -143,12 +143,24 @@ def test_a_command_sent_again_is_carried_out_once() -> None:
     assert wire.target.run == run
 
 
-def test_a_command_is_sent_six_times_30_ms_apart_and_given_up() -> None:
-    sending = Sending(nonce=1, kind=Kind.HELLO, data=b"hello")
-    times = [ms for ms in range(400) if sending.due(ms * 1e-3)]
-    assert times == [round(1e3 * AGAIN_AFTER_S) * count for count in range(TIMES_AGAIN + 1)]
-    assert not sending.is_given_up(0.179)
-    assert sending.is_given_up(0.181)
+@pytest.mark.parametrize(("own_time", "apart_s"), [(False, AGAIN_AFTER_S), (True, OWN_TIME_AGAIN_AFTER_S)])
+def test_a_command_is_sent_six_times_and_given_up(own_time: bool, apart_s: float) -> None:
+    sending = Sending(nonce=1, kind=Kind.HELLO, data=b"hello", own_time=own_time)
+    times = [ms for ms in range(6000) if sending.due(ms * 1e-3)]
+    assert times == [round(1e3 * apart_s) * count for count in range(TIMES_AGAIN + 1)]
+    assert not sending.is_given_up(6 * apart_s - 0.001)
+    assert sending.is_given_up(6 * apart_s + 0.001)
+
+
+def test_a_target_in_its_own_time_is_waited_for() -> None:
+    """From the answer on that says so; and one that answers late is not told again meanwhile."""
+    wire = Wire(Manners(own_time=True))
+    wire.do(Kind.HELLO)
+    assert wire.session.own_time
+    assert wire.session.due(wire.now) == b""
+    wire.session.command(lambda nonce: Configure(nonce, SETTINGS))
+    sent = [ms for ms in range(600) if wire.session.due(wire.now + 1e-3 * ms)]
+    assert sent == [0, 500]
 
 
 def test_alive_is_sent_every_10_ms_from_arming_to_the_end_and_not_otherwise() -> None:

@@ -143,9 +143,10 @@ int main(void)
     target_begin();
     for (;;) {
         target_serve();
-        /* A byte that comes between these two lines is seen a system tick later. */
+        board_lock(); /* a byte that comes after the look still ends the wait: an interrupt does, though it is held back */
         if ((UART(UART_STATE) & UART_RECEIVED) == 0u) {
             __asm__ volatile("wfi" ::: "memory");
         }
+        board_unlock();
     }
 }

@@ -1,6 +1,7 @@
 """A command under way: sent again until it is answered, what the target took of it, and the state it leaves it in.
 
-A command under way: sent, sent again unchanged every 30 ms, given up after five times more.
+A command under way: sent, sent again unchanged every 30 ms, given up after five times more; every half second to a target
+whose clock is not this computer's.
 
 What was sent and what the target says it took, compared value by value, bit by bit.
 """
@@ -29,6 +30,8 @@ from hknob_cli.hardware.wire.commands import (
 Sent = Settings | Simulated | Control | Pulse | Squeeze | Table | Piece
 
 AGAIN_AFTER_S = 0.03
+# An emulator on a busy computer may need a multiple of that for a long message, and would have to read each copy too.
+OWN_TIME_AGAIN_AFTER_S = 0.5
 TIMES_AGAIN = 5
 
 # After these a target that did as it was told is in this state. One that trips meanwhile, armed or running, says so.
@@ -76,9 +79,10 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
 class Sending:
     """A command that has no answer yet. The caller says what time it is, in seconds of any clock."""
 
-    def __init__(self, *, nonce: int, kind: Kind, data: bytes) -> None:
+    def __init__(self, *, nonce: int, kind: Kind, data: bytes, own_time: bool) -> None:
         self.nonce = nonce
         self.kind = kind
+        self._again_after_s = OWN_TIME_AGAIN_AFTER_S if own_time else AGAIN_AFTER_S
         self._data = data
         self._sent = 0
         self._next = -float("inf")
@@ -88,7 +92,7 @@ class Sending:
         if now < self._next or self._sent > TIMES_AGAIN:
             return b""
         self._sent += 1
-        self._next = now + AGAIN_AFTER_S
+        self._next = now + self._again_after_s
         return self._data
 
     def is_given_up(self, now: float) -> bool:

@@ -159,7 +159,8 @@ class Session:
     def _send(self, make: Callable[[int], Command]) -> tuple[int, Kind]:
         self._nonce = (self._nonce + 1) & 0xFFFFFFFF
         command = make(self._nonce)
-        self._sending = Sending(nonce=self._nonce, kind=command.kind, data=frame(encode(command)))
+        data = frame(encode(command))
+        self._sending = Sending(nonce=self._nonce, kind=command.kind, data=data, own_time=self.own_time)
         if command.kind is Kind.RELEASE:
             self.released = AfterRelease(boot=self.boot)
         return self._nonce, command.kind
