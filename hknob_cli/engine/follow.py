@@ -112,6 +112,8 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
         x, v = interval(x, v, older, newer, loop)
         if delay > 0:
             head = (head + 1) % delay
+    if not final:  # what has repeated without proof may yet be left, or proven
+        return (UNSETTLED if damped else UNDAMPED), 0, x, v, head, budget
     if edge_n > 0:
         for j in range(delay):
             ring[j] = edge_ring[j]
@@ -119,10 +121,9 @@ def follow(x, v, ring, head, budget, limit, loop, final=True):
     if resting_on_edge:
         _, rest, _, _ = settles(x, v, level, loop)
         return REST_EDGE, 1, rest, 0.0, head, budget
-    if final:
-        # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
-        level = level_of(x, loop.sense)
-        fate, rest, _, _ = settles(x, v, level, loop)
-        if fate == AT_REST and constant_line(ring, level):
-            return REST_PROVEN, 1, rest, 0.0, head, budget
+    # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
+    level = level_of(x, loop.sense)
+    fate, rest, _, _ = settles(x, v, level, loop)
+    if fate == AT_REST and constant_line(ring, level):
+        return REST_PROVEN, 1, rest, 0.0, head, budget
     return (UNSETTLED if damped else UNDAMPED), 0, x, v, head, budget

@@ -9,8 +9,9 @@ import pytest
 
 from hknob_cli.engine import compiling, jit
 from hknob_cli.engine.attractors import PATIENCE
-from hknob_cli.stages.sweep import run as sweep
-from hknob_cli.stages.sweep.run import LOADING_S, SweepStage
+from hknob_cli.stages.sweep import engines
+from hknob_cli.stages.sweep.engines import LOADING_S, Engines
+from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import loaded
 
 # Two functions of the smallest group.
@@ -66,24 +67,24 @@ def test_one_cell_does_not_wait_for_a_compiler(monkeypatch: pytest.MonkeyPatch) 
     """Without compiled code on disk the interpreter goes on until it has taken as long as compiling would."""
     monkeypatch.setattr(jit, "is_kept", lambda _group="plain": False)
     told: list[str] = []
-    stage = SweepStage(loaded(ONE_CELL), jobs=1, notify=told.append)
+    stage = SweepStage(loaded(ONE_CELL), jobs=1, engines=Engines(notify=told.append))
     result = stage.run()
     assert result.cells.num_rows == 1
     assert not stage.compiled
     assert told == []
-    patience = stage._patience(GROUP)
+    patience = stage.engines.patience(GROUP)
     assert patience.samples == int(PATIENCE * compiling.COMPILING_S[GROUP] / LOADING_S)
     assert 0.0 < patience.seconds < compiling.COMPILING_S[GROUP]
 
 
 def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[str] = []
-    monkeypatch.setattr(SweepStage, "_compile", lambda self, group: asked.append(group))
+    monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     monkeypatch.setattr(SweepStage, "_results", lambda self, some, expected: iter(()))
     for kept in (True, False):
         monkeypatch.setattr(jit, "is_kept", lambda _group="plain", kept=kept: kept)
         stage = SweepStage(loaded(ONE_CELL.replace("[1000]", "{log: [500, 5000, 12]}")), jobs=1)
-        assert stage.expected[GROUP] * sweep.HEAVIER[GROUP] > sweep.COMPILE_ABOVE
+        assert stage.expected[GROUP] * engines.HEAVIER[GROUP] > engines.COMPILE_ABOVE
         stage._find(None)
     assert asked == [GROUP]
 
@@ -91,9 +92,9 @@ def test_work_that_takes_longer_than_compiling_is_compiled_at_once(monkeypatch: 
 def test_an_interpreter_that_has_taken_its_time_gives_way(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jit, "is_kept", lambda _group="plain": False)
     asked: list[str] = []
-    monkeypatch.setattr(SweepStage, "_compile", lambda self, group: asked.append(group))
+    monkeypatch.setattr(Engines, "compile", lambda self, group: asked.append(group))
     stage = SweepStage(loaded(ONE_CELL), jobs=1)
-    stage._interpreted_s[GROUP] = compiling.COMPILING_S[GROUP] + 1.0
+    stage.engines.note(GROUP, compiling.COMPILING_S[GROUP] + 1.0)
     with pytest.raises(Exception, match=GROUP):
         stage.run()
     assert asked == [GROUP]

@@ -24,14 +24,15 @@ def is_cheap(path: Path, sets: tuple[str, ...]) -> bool:
 
 
 def _sweep(plan: Any) -> bool:
-    from hknob_cli.stages.sweep.run import HEAVIER, SweepStage
+    from hknob_cli.stages.sweep.engines import work_of
+    from hknob_cli.stages.sweep.run import SweepStage
 
     stage = SweepStage(plan, jobs=1)
     if stage.cell_count > 9 or _rows(plan) > ROWS:
         return False
     if plan.scene.controller:
         return stage.cell_count * plan.starts.phases <= TRIALS
-    return sum(HEAVIER[group] * samples for group, samples in stage.expected.items()) <= SAMPLES
+    return work_of(stage.expected) <= SAMPLES
 
 
 def _rows(plan: Any) -> float:

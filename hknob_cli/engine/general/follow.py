@@ -263,6 +263,8 @@ def follow_trial(
             before = shown
         else:
             before, head = advance(z, before, ring, head, body, wall, space.pad)
+    if not final:  # what has repeated without proof may yet be left, or proven
+        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
     if kept > 0:
         for j in range(n):
             z[j] = keep[j]
@@ -275,8 +277,6 @@ def follow_trial(
             for j in range(n):
                 z[j] = space.orbit[j]
         return REST_EDGE, 1, before, head, budget
-    if not final:
-        return (UNSETTLED if body.damped else UNDAMPED), 0, before, head, budget
     # The tests grow rare: without one more, the share at rest could fall when the limit is raised.
     shown = read_after(z[0], before, wall)
     fate, _ = settles(z, shown, before, ring, body, wall, space.orbit, space.away)

@@ -1,7 +1,7 @@
 """A command under way: sent again until it is answered, what the target took of it, and the state it leaves it in.
 
-A command under way: sent, sent again unchanged every 30 ms, given up after five times more; every half second to a target
-whose clock is not this computer's.
+A command under way: sent, sent again unchanged every 30 ms, given up after five times more; every half second to
+a target whose clock is not this computer's.
 
 What was sent and what the target says it took, compared value by value, bit by bit.
 """

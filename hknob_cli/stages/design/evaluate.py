@@ -13,6 +13,7 @@ from hknob_cli.stages.attractor_sizes import sizes_of_result
 from hknob_cli.stages.design.space import Design, cell_of
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.sweep.cell import CellResult
+from hknob_cli.stages.sweep.engines import Engines
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import cells_table
 
@@ -28,9 +29,10 @@ class Evaluator:
         self.others = other_sets(plan)
         how = plan.perceive._replace(others=self.others)
         sweeps = [one.sweep._replace(perceive=how) for one in plan.candidates]
-        self._stages = [SweepStage(sweep, jobs=jobs, notify=notify) for sweep in sweeps]
-        self._singles = [SweepStage(one_start(sweep), jobs=jobs, notify=notify) for sweep in sweeps if plan.ranged]
-        self._presses = [SweepStage(_press(one), jobs=jobs, notify=notify) for one in plan.candidates]
+        engines = Engines(notify=notify)
+        self._stages = [SweepStage(sweep, jobs=jobs, engines=engines) for sweep in sweeps]
+        self._singles = [SweepStage(one_start(sweep), jobs=jobs, engines=engines) for sweep in sweeps if plan.ranged]
+        self._presses = [SweepStage(_press(one), jobs=jobs, engines=engines) for one in plan.candidates]
 
     def evaluate(self, some: Sequence[Design]) -> list[tuple[Rows, float]]:
         """Rows of all people, and the least stiffness for any of them (N·m/rad). Raises `ComputationError`."""

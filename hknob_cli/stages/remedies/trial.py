@@ -7,6 +7,7 @@ cell may have another value.
 """
 
 from collections.abc import Sequence
+from functools import cache
 from math import inf, nan
 from typing import Any
 
@@ -16,13 +17,20 @@ from hknob_cli.specs.remedies_plan import KNOCKS, RemediesPlan, Remedy
 from hknob_cli.stages.attractor_sizes import sizes_of_rows
 from hknob_cli.stages.lag_domain import in_domain
 from hknob_cli.stages.remedies.columns import level_columns
-from hknob_cli.stages.sweep.record import record_sweep
+from hknob_cli.stages.sweep.engines import Engines
+from hknob_cli.stages.sweep.record import trajectories
 from hknob_cli.stages.sweep.run import SweepStage
 
 SHARES = ("certified_fraction", "at_rest_fraction", "diverged_fraction")
 
 Row = dict[str, Any]
 Rows = list[Row]
+
+
+@cache
+def engines() -> Engines:
+    """Of all trials of a process: each is short, and together they are worth a compiler."""
+    return Engines()
 
 
 def grid_rows(plan: RemediesPlan, remedy: Remedy) -> Rows:
@@ -66,7 +74,7 @@ def _swept(plan: RemediesPlan, sweep: SweepPlan) -> Rows:
 
 def _cells(sweep: SweepPlan) -> tuple[Rows, dict[tuple[Any, ...], Rows]]:
     """Rows of the cells, and those of their orbits by the cell's values on the axes."""
-    tables = SweepStage(sweep, jobs=1).run()
+    tables = SweepStage(sweep, jobs=1, engines=engines()).run()
     orbits: dict[tuple[Any, ...], Rows] = {}
     for row in tables.orbits.to_pylist():
         orbits.setdefault(tuple(row[name] for name in sweep.axes), []).append(row)
@@ -81,7 +89,7 @@ def _beside(row: Row, sweep: SweepPlan, single: Rows) -> Row:
 def _depths(plan: RemediesPlan, sweep: SweepPlan, torque: float) -> list[float]:
     """Angle about which each hand's knob ends under a steady push, rad: the middle of its motion."""
     pushed = one_start(sweep)._replace(scene=sweep.scene._replace(bias=Bias(torque=torque)))
-    orbits = SweepStage(pushed, jobs=1).run().orbits.to_pylist()
+    orbits = SweepStage(pushed, jobs=1, engines=engines()).run().orbits.to_pylist()
     found = []
     for person in range(1, len(plan.hands) + 1):
         ends = [row for row in orbits if row[PERSON] == person and row["min_rad"] is not None]
@@ -99,9 +107,8 @@ def _knocks(plan: RemediesPlan, sweep: SweepPlan) -> list[float]:
         record=Record(plan.duration, plan.duration / 200.0, KNOCKS),
     )
     deepest: dict[tuple[int, int], float] = {}
-    for row in record_sweep(knocked).to_pylist():
-        key = row[PERSON], row["trial"]
-        deepest[key] = min(deepest.get(key, 0.0), row["angle_rad"])
+    for cell, _, trial, instants in trajectories(knocked):
+        deepest[int(cell[PERSON]), trial] = min(0.0, min(one.angle for one in instants))
     return [
         -sum(deepest[person, trial] for trial in range(KNOCKS)) / KNOCKS for person in range(1, len(plan.hands) + 1)
     ]

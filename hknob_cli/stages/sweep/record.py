@@ -52,17 +52,27 @@ class Instant(NamedTuple):
     finger_velocity: float = nan
 
 
+def trajectories(plan: SweepPlan) -> Iterator[tuple[Cell, float, int, Iterator[Instant]]]:
+    """Cell, angle of the start (rad), number of the trial and instants of each trial that a sweep records.
+
+    Going through the instants raises `ComputationError` if a scene's numbers overflow.
+    """
+    assert plan.record
+    for cell in cells_of(plan):
+        scene = scene_at(plan.scene, cell)
+        trials = min(plan.record.trials, plan.starts.phases) if scene.sampled else 1
+        for start, trial in product(plan.record.angles or (plan.starts.angle,), range(trials)):
+            yield cell, start, trial, _instants(plan, scene, cell, trial, start)
+
+
 def record_sweep(plan: SweepPlan) -> pa.Table:
     """Trajectories of a sweep that asks for them. Raises `ComputationError` if a scene's numbers overflow."""
     assert plan.record
     rows: list[dict[str, Any]] = []
-    for cell in cells_of(plan):
+    for cell, start, trial, instants in trajectories(plan):
         scene = scene_at(plan.scene, cell)
         push = _push(scene, cell)
-        trials = min(plan.record.trials, plan.starts.phases) if scene.sampled else 1
-        for start, trial in product(plan.record.angles or (plan.starts.angle,), range(trials)):
-            for one in _instants(plan, scene, cell, trial, start):
-                rows.append({**cell, "start_rad": start, "trial": trial, **_row(one, scene, push)})
+        rows += ({**cell, "start_rad": start, "trial": trial, **_row(one, scene, push)} for one in instants)
     axes = [axis_column(name, plan.units[name]) for name in plan.axes]
     finger = plan.scene.hand is not None and plan.scene.hand.finger is not None
     starts = START if plan.record.angles else ()

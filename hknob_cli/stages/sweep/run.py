@@ -8,32 +8,20 @@ from math import ceil
 from time import perf_counter
 from typing import Any, TypeVar
 
-from hknob_cli.engine.attractors import PATIENCE, NeedsCompilerError, Patience
+from hknob_cli.engine.attractors import NeedsCompilerError
 from hknob_cli.results.parted import PART_CELLS
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Cell, SweepPlan
 from hknob_cli.spread.cores import usable_cores
 from hknob_cli.stages.sweep.cell import CellFinder, CellResult, expected_samples
+from hknob_cli.stages.sweep.engines import COMPILE_ABOVE, Engines, work_of
 from hknob_cli.stages.sweep.tables import SweepTables, cells_table, joined, orbits_table
 
-COMPILE_ABOVE = 600_000  # trial-samples; the interpreter does as many in the time that loading compiled code takes
-LOADING_S = 0.5  # that time, with some room; where nothing is kept, compiling takes many times as long
 THREADS_ABOVE = 20_000_000
 MANY = 2048  # plain cells, from which on they are found in runs of so many: a Python object each would cost more
 SLOW = 50_000_000  # trial-samples worth a progress bar
 SPREAD_ABOVE = 2_000_000_000  # and worth processes, whose results are kept piece by piece
 LOOKED_AT = 256  # cells by which the work of a large grid is estimated
-HEAVIER = {
-    "plain": 1.0,
-    "bounces": 1.0,
-    "general": 10.0,
-    "laws": 10.0,
-    "sets": 1.0,
-    "general sets": 20.0,
-    "friction sets": 50.0,
-    "unsampled": 1.0,
-}  # times that a sample takes longer than in the plain loop
-
 T = TypeVar("T")
 Progress = Callable[[int, int], None]
 
@@ -41,18 +29,13 @@ Progress = Callable[[int, int], None]
 class SweepStage:
     """A sweep that is ready to run."""
 
-    def __init__(
-        self, plan: SweepPlan, *, jobs: int | None = None, notify: Callable[[str], None] | None = None
-    ) -> None:
-        """Make ready; ``jobs`` threads, all cores if None; ``notify``, else whoever was before, is told of waits."""
+    def __init__(self, plan: SweepPlan, *, jobs: int | None = None, engines: Engines | None = None) -> None:
+        """Make ready; ``jobs`` threads, all cores if None; ``engines``: shared with other sweeps, own ones if None."""
         self.plan = plan
-        self.notify = notify
+        self.engines = engines or Engines()
         self.jobs = jobs or usable_cores()
         self._local = threading.local()
         self._stop = threading.Event()
-        self._functions: dict[str, dict[str, Callable[..., Any]]] = {}
-        self._worth: dict[str, float] = {}
-        self._interpreted_s: dict[str, float] = {}
 
     @property
     def cell_count(self) -> int:
@@ -62,7 +45,7 @@ class SweepStage:
     @property
     def compiled(self) -> bool:
         """Whether the engine was compiled for this run."""
-        return bool(self._functions)
+        return bool(self.engines.functions)
 
     @cached_property
     def expected(self) -> dict[str, float]:
@@ -94,7 +77,7 @@ class SweepStage:
 
     @property
     def _work(self) -> float:
-        return sum(samples * HEAVIER[group] for group, samples in self.expected.items())
+        return work_of(self.expected)
 
     @cached_property
     def plain(self) -> bool:
@@ -113,12 +96,7 @@ class SweepStage:
         from hknob_cli.stages.sweep.plain_chunk import chunk_group
 
         for group in [chunk_group(self.plan)] if self.plain else self.expected:
-            self._compile(group)
-
-    def functions(self, group: str) -> dict[str, Callable[..., Any]]:
-        """Compiled functions of a group, by name."""
-        self._compile(group)
-        return self._functions[group]
+            self.engines.compile(group)
 
     def run(self, progress: Progress = lambda _done, _total: None) -> SweepTables:
         """Run all cells; ``progress`` is told cells done and in all. Raises `ComputationError`."""
@@ -133,14 +111,15 @@ class SweepStage:
         """The tables of cells ``start`` to ``stop``, all `plain`. Raises `ComputationError`."""
         from hknob_cli.stages.sweep.plain_chunk import chunk_group, plain_chunk
 
-        columns = cells_of(self.plan).columns(start, stop)
-        return plain_chunk(self.plan, columns, self.functions(chunk_group(self.plan)), self.stopped)
+        group, columns = chunk_group(self.plan), cells_of(self.plan).columns(start, stop)
+        self.engines.compile(group)
+        return plain_chunk(self.plan, columns, self.engines.functions[group], self.stopped)
 
     def _run_plain(self, progress: Progress) -> SweepTables:
         """All cells, a run of them to a thread at a time."""
         from hknob_cli.stages.sweep.plain_chunk import chunk_group
 
-        self._compile(chunk_group(self.plan))
+        self.engines.compile(chunk_group(self.plan))
         size = min(MANY, ceil(self.cell_count / (4 * self.jobs)))
         starts = range(0, self.cell_count, size)
         found = []
@@ -158,17 +137,14 @@ class SweepStage:
     ) -> tuple[list[CellResult], int]:
         """Results of some cells, all if None, and the trial-samples they took."""
         expected = self.expected if some is None else self._expected(some)
-        for group, samples in expected.items():
-            if samples * HEAVIER[group] > COMPILE_ABOVE * self._compiler_s(group) / LOADING_S:
-                self._compile(group)
+        self.engines.compile_for(expected)
         results: list[CellResult] = []
         taken = 0
         for result in self._results(some, expected):
             results.append(result)
             taken += result.samples
-            group = result.group
-            if group in HEAVIER and group not in self._functions and self._patience(group).seconds == 0.0:
-                self._compile(group)
+            if self.engines.is_due(result.group):
+                self.engines.compile(result.group)
             progress(len(results), self.cell_count)
         return results, taken
 
@@ -178,56 +154,22 @@ class SweepStage:
         try:
             result = self._finder().find(self.plan, cell)
         except NeedsCompilerError as need:
-            self._compile(need.group)
+            self.engines.compile(need.group)
             return self._finder().find(self.plan, cell)
-        if result.group not in self._functions:
-            spent = self._interpreted_s.get(result.group, 0.0) + perf_counter() - begin
-            self._interpreted_s[result.group] = spent
+        self.engines.note(result.group, perf_counter() - begin)
         return result
-
-    def _compiler_s(self, group: str) -> float:
-        """Seconds that it takes to have compiled code of a group: to load it, or to make it."""
-        from hknob_cli.engine.compiling import COMPILING_S
-        from hknob_cli.engine.jit import is_kept
-
-        if group not in self._worth:
-            self._worth[group] = LOADING_S if is_kept(group) else COMPILING_S[group]
-        return self._worth[group]
-
-    def _patience(self, group: str) -> Patience:
-        """How much the interpreter tries: until it has taken as long as compiling would, so at most twice what is best.
-
-        What it finds is the same to the last bit, so that no result depends on the clock.
-        """
-        worth = self._compiler_s(group)
-        return Patience(
-            samples=int(PATIENCE * worth / LOADING_S), seconds=max(0.0, worth - self._interpreted_s.get(group, 0.0))
-        )
-
-    def _compile(self, group: str) -> None:
-        from hknob_cli.engine.compiling import tell, tell_compiling
-        from hknob_cli.engine.jit import compiled, waiting
-
-        if group in self._functions:
-            return
-        if self.notify:
-            tell_compiling(self.notify)
-        if text := waiting(group):
-            tell(text)
-        self._functions = {**self._functions, group: compiled(group)}
 
     def _finder(self) -> CellFinder:
         finder: CellFinder | None = getattr(self._local, "finder", None)
-        if finder is None or finder.functions is not self._functions:
-            finder = self._local.finder = CellFinder(self._functions, self._stop.is_set, self._patience)
+        if finder is None or finder.functions is not self.engines.functions:
+            finder = self._local.finder = CellFinder(self.engines.functions, self._stop.is_set, self.engines.patience)
         return finder
 
     def _results(self, some: Sequence[Cell] | None, expected: dict[str, float]) -> Iterator[CellResult]:
         """Results in the order of the cells; compiled kernels leave the interpreter to the other threads."""
         self._stop.clear()  # set at the end of cells found before
         every = cells_of(self.plan) if some is None else some
-        work = sum(samples * HEAVIER[group] for group, samples in expected.items())
-        if work < THREADS_ABOVE:
+        if work_of(expected) < THREADS_ABOVE:
             yield from map(self.run_cell, every)
         else:
             yield from self._spread(self.run_cell, every)

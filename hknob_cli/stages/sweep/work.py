@@ -12,6 +12,7 @@ from hknob_cli.specs.plan import COUNTS, PERSON, knob_counts, scene_at
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.make import stamp_of
 from hknob_cli.stages.sweep.completeness_text import completeness_text, describe_completeness
+from hknob_cli.stages.sweep.engines import Engines
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.text import describe_sweep, table_text
 from hknob_cli.stages.work import PerceivingWork, Tables, Work, note
@@ -47,7 +48,7 @@ class SweepWork(PerceivingWork):
         begin = time.perf_counter()
         _say_what_goes(job, self)
         _warn_of_lag(job)
-        stage = SweepStage(job.plan, jobs=job.jobs, notify=partial(note, job))
+        stage = SweepStage(job.plan, jobs=job.jobs, engines=Engines(notify=partial(note, job)))
         if stage.spreads or job.scheduler:
             from hknob_cli.stages.sweep.spread import spread_sweep
 

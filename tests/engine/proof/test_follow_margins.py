@@ -290,4 +290,7 @@ def test_an_orbit_within_rounding_of_an_edge_is_called_so(one: Orbit) -> None:
     for budget in range(4 * one.n, 4 * one.n + 4):
         fate, n, at_x, at_v, head, used, ring = followed(loop, x, v, budget, tuple(turned(one.ring, one.head)))
         assert (fate, used) == (CYCLE_ON_EDGE, budget)
+        # A trial that gets more samples may yet leave it, or be proven.
+        more = followed(loop, x, v, budget, tuple(turned(one.ring, one.head)), final=False)
+        assert more[0] == UNSETTLED
         assert repeats(loop, at_x, at_v, n, turned(ring, head))

@@ -191,12 +191,14 @@ def follow_with_law(
                 copy_to(checkpast, past)
         since += 1
         advance_with_law(z, past, body, wall, law, space.pad)
+    if not final:  # what has repeated without proof may yet be left, or proven
+        return (UNSETTLED if body.damped else UNDAMPED), 0, budget
     if kept > 0:
         copy_to(z, keep)
         copy_to(past, keeppast)
         return kept_fate, kept, budget
     if resting_on_edge:
         return REST_EDGE, 1, budget
-    if final and settling:
+    if settling:
         return REST_PROVEN, 1, budget
     return (UNSETTLED if body.damped else UNDAMPED), 0, budget
