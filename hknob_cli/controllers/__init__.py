@@ -1,4 +1,4 @@
-"""Controllers beside the plain virtual wall: what each is in a spec's numbers, for its function in the compiled loop.
+"""Controllers beside the plain virtual wall. Each turns the numbers of a spec into those of its compiled law.
 
 - one file a controller, with its source
 - `controller` what a controller is

@@ -88,7 +88,7 @@ def make_control_law(plan: Controller) -> ControlLaw:
 
 
 def act_named(name: str) -> Any:
-    """The function of this name of a controller. Raises `KeyError` where there is none."""
+    """The function of a law that has this name. Raises `KeyError` if no law has it."""
     for module in (*(kind.law.partition(":")[0] for kind in KINDS.values()), "estimated_velocity"):
         found = getattr(import_module(f"hknob_cli.controllers.{module}"), name, None)
         if found is not None:

@@ -7,7 +7,7 @@ import pyarrow as pa
 
 from hknob_cli.hardware.order import settings_of
 from hknob_cli.hardware.pulse_person import grip_of, hand_at, squeezer
-from hknob_cli.hardware.tables import timing_row
+from hknob_cli.hardware.tables import ending_of, missing, timing_row
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
 from hknob_cli.results.arrays import build_table
@@ -54,13 +54,7 @@ def _row(one: Recorded, plan: PulsePlan) -> dict[str, Any]:
         "pulse_torque_nm": settings.pulse.torque_nm,
         **(_pulse(one, settings.interval_s) if fired else {}),
         "grip_zero_n": one.zero_n,
-        "ended": one.ended,
-        "samples": one.table.num_rows,
-        "gaps": one.gaps,
-        "overruns": one.overruns,
-        "fault": "; ".join(_doubts(one)),
-        "device": one.device,
-        "native_counts": one.native_counts,
+        **ending_of(one, "; ".join(_doubts(one))),
     }
 
 
@@ -94,9 +88,4 @@ def _truth(one: Recorded, plan: PulsePlan) -> dict[str, Any]:
 
 def _doubts(one: Recorded) -> list[str]:
     """What is doubtful about a trial, in words."""
-    found = [text for ended, text in _DOUBTS.items() if one.ended == ended.value]
-    if one.gaps:
-        found.append(f"{one.gaps} samples are missing")
-    if one.overruns:
-        found.append(f"the loop was late {one.overruns} times")
-    return found
+    return [text for ended, text in _DOUBTS.items() if one.ended == ended.value] + missing(one)

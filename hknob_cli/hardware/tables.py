@@ -12,7 +12,7 @@ from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
 from hknob_cli.hardware.trial_phases import Ended
-from hknob_cli.hardware.wire.acts import pack_control, pack_piece, pack_table, pieces_of
+from hknob_cli.hardware.wire.acts import pack_act, pieces_of
 from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
@@ -47,7 +47,7 @@ def _acting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
         "remedy": acts.name,
         "wall_stiffness": acts.wall.stiffness,
         "wall_damping": acts.wall.damping,
-        "control_digest": hashlib.sha256(pack_control(control)).hexdigest()[:_DIGITS] if control else "",
+        "control_digest": hashlib.sha256(pack_act(control)).hexdigest()[:_DIGITS] if control else "",
     }
 
 
@@ -56,7 +56,7 @@ def _shaping(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
     over = settings_of(plan, trial).over_angle
     assert over is not None
     table, pieces = pieces_of(over)
-    digest = hashlib.sha256(pack_table(table) + b"".join(map(pack_piece, pieces)))
+    digest = hashlib.sha256(b"".join([pack_act(table), *map(pack_act, pieces)]))
     return {"over_angle_digest": digest.hexdigest()[:_DIGITS]}
 
 
@@ -100,17 +100,11 @@ def trial_row(one: Recorded, course: Course) -> dict[str, Any]:
         "grip_std_n": measured.grip_std_n if course.grip else None,
         "grip_zero_n": one.zero_n if course.grip else None,
         "wall_torque_nm": measured.wall_torque_nm,
-        "ended": one.ended,
         "settled_s": _settled_s(one),
         "steady_s": measured.steady_s,
         "steady_first": measured.steady[0],
         "steady_last": measured.steady[1],
-        "samples": one.table.num_rows,
-        "gaps": one.gaps,
-        "overruns": one.overruns,
-        "fault": "; ".join(_doubts(one, measured, course)),
-        "device": one.device,
-        "native_counts": one.native_counts,
+        **ending_of(one, "; ".join(_doubts(one, measured, course))),
     }
 
 
@@ -120,13 +114,7 @@ def _unmeasured(one: Recorded, why: str) -> dict[str, Any]:
         **dict.fromkeys(column.name for column in TRIALS),
         **place_of(one),
         "sustained": False,
-        "ended": one.ended,
-        "samples": one.table.num_rows,
-        "gaps": one.gaps,
-        "overruns": one.overruns,
-        "fault": why,
-        "device": one.device,
-        "native_counts": one.native_counts,
+        **ending_of(one, why),
     }
 
 
@@ -138,6 +126,19 @@ def place_of(one: Recorded) -> dict[str, Any]:
         "block": trial.block,
         "sample_rate_hz": trial.sample_rate_hz,
         "counts_per_rev": trial.counts_per_rev,
+    }
+
+
+def ending_of(one: Recorded, fault: str) -> dict[str, Any]:
+    """How a trial ended, what was recorded of it, on what, and what is doubtful about it."""
+    return {
+        "ended": one.ended,
+        "samples": one.table.num_rows,
+        "gaps": one.gaps,
+        "overruns": one.overruns,
+        "fault": fault,
+        "device": one.device,
+        "native_counts": one.native_counts,
     }
 
 
@@ -167,11 +168,13 @@ def _doubts(one: Recorded, measured: TrialMeasures, course: Course) -> list[str]
         found.append("the buzz is smaller than the device's own encoder can tell")
     if one.ended == Ended.OVER:
         found.append("the recording that was replayed was over before it had ended")
-    if one.gaps:
-        found.append(f"{one.gaps} samples are missing")
-    if one.overruns:
-        found.append(f"the loop was late {one.overruns} times")
-    return found
+    return found + missing(one)
+
+
+def missing(one: Recorded) -> list[str]:
+    """Samples that are missing, and the loop's late ones, in words; empty if there are none."""
+    found = [f"{one.gaps} samples are missing"] if one.gaps else []
+    return found + ([f"the loop was late {one.overruns} times"] if one.overruns else [])
 
 
 def timing_row(one: Recorded, place: dict[str, Any]) -> dict[str, Any]:

@@ -68,14 +68,11 @@ class Range(NamedTuple):
 
 
 class Ranges:
-    """Ranges in order; no piece cut from them crosses a multiple of ``part``, and cuts are at multiples of ``unit``."""
+    """Ranges in order; no piece cut from them crosses a multiple of ``part``."""
 
-    def __init__(
-        self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None, unit: int = 1
-    ) -> None:
+    def __init__(self, total: int, *, done: Iterable[tuple[int, int]] = (), part: int | None = None) -> None:
         """All of ``total`` items but those that are ``done``."""
         self.part = part or max(1, total)
-        self.unit = unit
         self._left: list[Range] = []  # the lowest last
         begin = 0
         for start, stop in [*sorted(done), (total, total)]:
@@ -101,7 +98,7 @@ class Ranges:
         first = self._left.pop()
         stop = min(first.stop, (first.start // self.part + 1) * self.part)
         if 2 * most < stop - first.start:
-            stop = min(stop, (first.start // self.unit + max(1, most // self.unit)) * self.unit)
+            stop = first.start + max(1, most)
         if stop < first.stop:
             self._left.append(first._replace(start=stop))
         return first._replace(stop=stop)
@@ -114,8 +111,7 @@ class Ranges:
     def give_back(self, lost: Iterable[Range]) -> None:
         """Items whose worker was lost, to be done again in halves: they may have been too many for its memory."""
         for one in lost:
-            units = -(-one.items // self.unit)
-            middle = min(one.stop, one.start + (units + 1) // 2 * self.unit)
+            middle = one.start + (one.items + 1) // 2
             halves = [Range(one.start, middle, one.deaths + 1), Range(middle, one.stop, one.deaths + 1)]
             self._left += [half for half in halves if half.items]
         self._left.sort(reverse=True)
@@ -157,19 +153,19 @@ class Sample(NamedTuple):
 class Again:
     """A sample of the items that were found, computed once more and compared; where ``sample`` is None, none."""
 
-    def __init__(self, workers: Workers, unit: int, name: Callable[[Range], str], sample: Sample | None) -> None:
+    def __init__(self, workers: Workers, name: Callable[[Range], str], sample: Sample | None) -> None:
         self.pending: dict[Future[Done], tuple[Range, Any]] = {}
-        self._workers, self._unit, self._name, self._sample = workers, unit, name, sample
+        self._workers, self._name, self._sample = workers, name, sample
 
     def ask(self, one: Range, results: bytes) -> None:
-        """Hand out a unit of a piece once more, where the piece's numbers draw one; the same of the same piece."""
+        """Hand out an item of a piece once more, where the piece's numbers draw one; the same of the same piece."""
         if self._sample is None:
             return
         dice = Random(f"{one.start} {one.stop}")
-        if dice.random() * SAMPLED * self._unit >= one.items:
+        if dice.random() * SAMPLED >= one.items:
             return
-        first = one.start + dice.randrange(-(-one.items // self._unit)) * self._unit
-        some = Range(first, min(one.stop, first + self._unit))
+        first = one.start + dice.randrange(one.items)
+        some = Range(first, first + 1)
         try:
             self.pending[self._workers.submit(some.start, some.stop)] = some, self._sample.part_of(one, results, some)
         except self._workers.lost:
@@ -210,7 +206,7 @@ def gather(
     """
     pace = pace or Pace()
     pending: dict[Future[Done], Range] = {}
-    again = Again(workers, left.unit, name, sample)
+    again = Again(workers, name, sample)
     try:
         while left or pending or again.pending:
             gone: list[Range] = []
@@ -251,8 +247,8 @@ def gather(
                 again.pending.clear()
                 workers.renew()
             left.put_back(gone)
-            _bury(dead, name, left.unit, "the process that computed this died {} times (out of memory?)")
-            _bury(spoilt, name, left.unit, "this was computed {} times in vain, and the last answer was spoilt")
+            _bury(dead, name, "the process that computed this died {} times (out of memory?)")
+            _bury(spoilt, name, "this was computed {} times in vain, and the last answer was spoilt")
             left.give_back([*dead, *spoilt])
     except BaseException:
         workers.close(now=True)
@@ -265,10 +261,10 @@ def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
     return left.deaths >= SUSPECT or any(one.deaths >= SUSPECT for one in pending.values())
 
 
-def _bury(dead: list[Range], name: Callable[[Range], str], unit: int, why: str) -> None:
+def _bury(dead: list[Range], name: Callable[[Range], str], why: str) -> None:
     """Raise `ComputationError` for what cost too many workers and cannot be halved any more."""
     for one in dead:
-        if one.deaths + 1 >= DEATHS and one.items <= unit:
+        if one.deaths + 1 >= DEATHS and one.items == 1:
             raise ComputationError(
                 f"{name(one)}: {why.format(one.deaths + 1)}; all else that is finished is kept, run the same command "
                 "again"

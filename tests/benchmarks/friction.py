@@ -69,13 +69,13 @@ if __name__ == "__main__":
     main()
 
 
-# 2026-11-21, two shared cores (x86-64, AVX-512), Python 3.11, numba 0.68.1, one thread; throughput without over with:
+# 2026-11-23, two shared cores, busy (load 2 to 3; x86-64, AVX-512), Python 3.11, numba 0.68.1, one thread. Least and
+# most of four runs at 64 phases, and of three at 1024; throughput without over with:
 #
-#   phases   1e-5 N m   1e-4 N m   5.6e-4 N m
-#       64       4.8        3.9        6.6
-#     1024       4.8        4.0        5.8
+#   phases    1e-5 N m     1e-4 N m   5.6e-4 N m
+#       64   4.0 to 5.3   2.8 to 4.5   3.1 to 4.1
+#     1024   2.1 to 2.7   1.9 to 2.3   2.7 to 3.1
 #
-# In time for the whole grid: x 3.6, 2.9, 5.5 and x 3.5, 3.0, 4.9, for trials with friction take fewer samples. Without,
-# 46 and 87 million trial-samples a second. The transient takes 24 ns a sample, 2 without (no vectors: one sample in six
-# has a standstill in it); a proof takes Newton steps with derivatives. At 5.6e-4 N m a third of the time goes to one
-# cell, 10 kHz x 512 counts, whose orbit has a period of 5382 samples, and in which candidates are many.
+# In time for the whole grid: x 3.0 to 4.0, 2.1 to 3.3, 2.6 to 3.4 at 64 phases, and x 1.6 to 2.0, 1.4 to 1.7, 2.2 to
+# 2.6 at 1024, because trials with friction take fewer samples. Without friction 29 to 37 and 34 to 39 million
+# trial-samples a second.

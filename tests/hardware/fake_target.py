@@ -18,20 +18,10 @@ from typing import Any, Self
 import numpy as np
 
 from hknob_cli.hardware.port import Block, Settings, Simulated
+from hknob_cli.hardware.wire.acts import UNPACK_ACT
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import (
-    Again,
-    Alive,
-    Configure,
-    Plain,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-)
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 
@@ -144,9 +134,7 @@ class FakeTarget:
                 self.host_has = message.expected
             case Again():
                 return b"".join(map(self._send, self.blocks[message.first : message.first + message.count]))
-            case (
-                Plain() | Configure() | SetControl() | SetPulse() | SetSqueeze() | SetTable() | SetPiece() | Simulate()
-            ):
+            case Plain() | Configure() | SetAct() | Simulate():
                 if self._done is not None and self._done[0] == message.nonce:
                     return self._send(self._done[1])
                 out, said = self._carry_out(message, now)
@@ -175,11 +163,9 @@ class FakeTarget:
                 assert isinstance(message, Configure)
                 self.settings = message.settings
                 return out, self.manners.alter(message.settings)
-            case Kind.CONTROL, State.IDLE if self.settings is not None:
-                assert isinstance(message, SetControl)
-                return out, self.manners.alter(message.control)
-            case Kind.PULSE | Kind.SQUEEZE | Kind.OVER_ANGLE | Kind.TORQUES, State.IDLE if self.settings is not None:
-                return out, self.manners.alter(message[1])
+            case kind, State.IDLE if kind in UNPACK_ACT and self.settings is not None:
+                assert isinstance(message, SetAct)
+                return out, self.manners.alter(message.act)
             case Kind.SIMULATE, State.IDLE:
                 assert isinstance(message, Simulate)
                 self.simulated = message.simulated

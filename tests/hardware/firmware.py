@@ -16,7 +16,7 @@ from hknob_cli.hardware.port import Control, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
 from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
-from hknob_cli.hardware.wire.codes import Kind
+from hknob_cli.hardware.wire.codes import Kind, State
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
@@ -263,6 +263,18 @@ class ScriptedTarget:
         """The answer to a command of its own nonce."""
         self.nonce += 1
         return self.command(Plain(kind, self.nonce))
+
+    def bring_to(self, state: State) -> None:
+        """Take it from idle, with settings, to a state; it trips while it runs, by its emergency stop."""
+        if state >= State.ARMED:
+            self.plain(Kind.ARM)
+        if state >= State.RUNNING:
+            self.plain(Kind.START)
+        if state == State.TRIPPED:
+            self.emergency = 1
+            self.sample()
+            self.c.target_serve()
+        self.said()
 
     def sample(self, late_ns: int = 0) -> None:
         """Let time pass to the next sample, and take it."""

@@ -11,19 +11,7 @@ from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, 
 from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
-from hknob_cli.hardware.wire.commands import (
-    Again,
-    Alive,
-    Configure,
-    Plain,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-    Zero,
-)
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate, Zero
 from hknob_cli.hardware.wire.frame import frame
 from hknob_cli.hardware.wire.messages import Message, encode
 
@@ -118,12 +106,12 @@ GOLDEN: dict[str, Message] = {
     "alive": Alive(9, 256),
     "again": Again(10, 3, 2),
     "zero": Zero(11, -1024),
-    "control": SetControl(12, LAG),
-    "control_with_a_place": SetControl(13, PASSIVITY),
-    "pulse": SetPulse(14, PULSE),
-    "squeeze": SetSqueeze(15, SQUEEZE),
-    "over_angle": SetTable(16, TABLE),
-    "torques": SetPiece(17, PIECE),
+    "control": SetAct(12, LAG),
+    "control_with_a_place": SetAct(13, PASSIVITY),
+    "pulse": SetAct(14, PULSE),
+    "squeeze": SetAct(15, SQUEEZE),
+    "over_angle": SetAct(16, TABLE),
+    "torques": SetAct(17, PIECE),
     "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
     "ack_of_hello_of_a_knob": ack(
         1, Kind.HELLO, said=About(16384, 250000, simulated=False, name="knob", no_grip_cell=True, knows_zero=True)

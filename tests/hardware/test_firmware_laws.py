@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.port import Control
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Alive, Configure, SetControl
+from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
 from tests.hardware.controllers import CONTROLLERS, readings, told
 from tests.hardware.firmware import CControl, ScriptedTarget, events_of, library, samples_of
 from tests.hardware.golden import LAG, SETTINGS
@@ -56,7 +56,7 @@ def test_a_trial_is_that_of_the_law(name: str) -> None:
     assert settings.control is not None
     target, wall = ScriptedTarget(), ControlledWall(settings, settings.control)
     assert target.command(Configure(1, settings._replace(control=None))).status == Status.DONE
-    assert target.command(SetControl(2, settings.control)).said == settings.control
+    assert target.command(SetAct(2, settings.control)).said == settings.control
     target.plain(Kind.ARM)
     target.angle = -900  # before the wall is on: the knob stands there when the law begins
     for _ in range(3):
@@ -82,29 +82,21 @@ def test_a_trial_is_that_of_the_law(name: str) -> None:
 def begun(state: State) -> ScriptedTarget:
     target = ScriptedTarget()
     assert target.command(Configure(1, SETTINGS)).status == Status.DONE
-    if state >= State.ARMED:
-        target.plain(Kind.ARM)
-    if state >= State.RUNNING:
-        target.plain(Kind.START)
-    if state == State.TRIPPED:
-        target.emergency = 1
-        target.sample()
-        target.c.target_serve()
+    target.bring_to(state)
     return target
 
 
 @pytest.mark.parametrize("state", list(State))
 def test_a_controller_is_taken_when_idle_only(state: State) -> None:
     target = begun(state)
-    target.said()
-    answer = target.command(SetControl(50, LAG))
+    answer = target.command(SetAct(50, LAG))
     assert answer.status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
     assert answer.said == (LAG if state is State.IDLE else None)
     assert answer.state == state
 
 
 def test_it_needs_settings() -> None:
-    assert ScriptedTarget().command(SetControl(1, LAG)).status == Status.NOT_NOW
+    assert ScriptedTarget().command(SetAct(1, LAG)).status == Status.NOT_NOW
 
 
 def torque_at_once(target: ScriptedTarget) -> float:
@@ -123,12 +115,12 @@ def torque_at_once(target: ScriptedTarget) -> float:
 def test_settings_make_it_forget_and_nothing_else_does() -> None:
     target = begun(State.IDLE)
     plain = torque_at_once(target)
-    target.command(SetControl(2, LAG))
+    target.command(SetAct(2, LAG))
     other = torque_at_once(target)
     assert other != plain
     target.plain(Kind.HELLO)
     assert torque_at_once(target) == other  # RELEASE came in between
-    target.command(SetControl(3, LAG._replace(law=77)))  # refused: changes nothing
+    target.command(SetAct(3, LAG._replace(law=77)))  # refused: changes nothing
     assert torque_at_once(target) == other
     target.command(Configure(4, SETTINGS._replace(watchdog_us=1)))  # so is this
     assert torque_at_once(target) == other
@@ -161,7 +153,7 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
 
 @pytest.mark.parametrize(("name", "changes"), WRONG)
 def test_what_no_target_runs_is_out_of_range(name: str, changes: dict[str, Any]) -> None:
-    answer = begun(State.IDLE).command(SetControl(2, made(name)._replace(**changes)))
+    answer = begun(State.IDLE).command(SetAct(2, made(name)._replace(**changes)))
     assert (answer.status, answer.said) == (Status.OUT_OF_RANGE, None)
 
 
@@ -173,7 +165,7 @@ def test_numbers_must_be_numbers(bad: float) -> None:
 
 def test_a_torque_that_is_no_number_trips() -> None:
     target = begun(State.IDLE)
-    target.command(SetControl(2, LAG._replace(numbers=(0.0, 1e308, 0.2), rows=(-1e308,))))
+    target.command(SetAct(2, LAG._replace(numbers=(0.0, 1e308, 0.2), rows=(-1e308,))))
     target.plain(Kind.ARM)
     target.sample()
     target.plain(Kind.START)

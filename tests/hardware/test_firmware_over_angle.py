@@ -16,7 +16,7 @@ from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.virtual import IDENTITY
 from hknob_cli.hardware.wire.acts import MOST_TORQUES, Piece, pieces_of
 from hknob_cli.hardware.wire.codes import Kind, State, Status
-from hknob_cli.hardware.wire.commands import Alive, Configure, SetPiece, SetTable
+from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.specs.campaign import Effects
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
@@ -147,9 +147,9 @@ def load(target: ScriptedTarget, settings: Settings) -> None:
     assert settings.over_angle is not None
     assert target.command(Configure(1, settings.plain)).status == Status.DONE
     head, pieces = pieces_of(settings.over_angle)
-    assert target.command(SetTable(2, head)).said == head
+    assert target.command(SetAct(2, head)).said == head
     for number, piece in enumerate(pieces):
-        assert target.command(SetPiece(3 + number, piece)).said == piece
+        assert target.command(SetAct(3 + number, piece)).said == piece
     target.nonce = 3 + len(pieces)
 
 
@@ -161,53 +161,45 @@ def begun() -> ScriptedTarget:
 
 def test_it_is_not_armed_before_all_torques_have_come() -> None:
     target = begun()
-    assert target.command(SetTable(2, TABLE)).status == Status.DONE
+    assert target.command(SetAct(2, TABLE)).status == Status.DONE
     assert target.plain(Kind.ARM).status == Status.NOT_NOW
-    assert target.command(SetPiece(3, PIECE._replace(torques=PIECE.torques[:4]))).status == Status.DONE
+    assert target.command(SetAct(3, PIECE._replace(torques=PIECE.torques[:4]))).status == Status.DONE
     assert target.plain(Kind.ARM).status == Status.NOT_NOW
-    assert target.command(SetPiece(4, Piece(4, (0.0, 0.0)))).status == Status.DONE
+    assert target.command(SetAct(4, Piece(4, (0.0, 0.0)))).status == Status.DONE
     assert target.plain(Kind.ARM).status == Status.DONE
 
 
 def test_a_piece_that_comes_twice_is_taken_once() -> None:
     target = begun()
-    target.command(SetTable(2, TABLE))
-    half = SetPiece(3, Piece(0, (1.0, 0.75, 0.5)))
-    assert target.command(half).said == half.piece
-    assert target.command(half).said == half.piece  # the answer was lost: the same nonce
-    assert target.command(SetPiece(4, Piece(3, (0.25, 0.0, 0.0)))).status == Status.DONE
+    target.command(SetAct(2, TABLE))
+    half = SetAct(3, Piece(0, (1.0, 0.75, 0.5)))
+    assert target.command(half).said == half.act
+    assert target.command(half).said == half.act  # the answer was lost: the same nonce
+    assert target.command(SetAct(4, Piece(3, (0.25, 0.0, 0.0)))).status == Status.DONE
     assert target.plain(Kind.ARM).status == Status.DONE
 
 
 def test_settings_make_it_forget_the_table() -> None:
     target = begun()
-    target.command(SetTable(2, TABLE))
+    target.command(SetAct(2, TABLE))
     target.command(Configure(3, SETTINGS))
-    assert target.command(SetPiece(4, PIECE)).status == Status.NOT_NOW
+    assert target.command(SetAct(4, PIECE)).status == Status.NOT_NOW
     assert target.plain(Kind.ARM).status == Status.DONE
 
 
 @pytest.mark.parametrize("state", list(State))
 def test_it_is_taken_when_idle_only(state: State) -> None:
     target = begun()
-    target.command(SetTable(2, TABLE))
-    target.command(SetPiece(3, PIECE))
-    if state >= State.ARMED:
-        target.plain(Kind.ARM)
-    if state >= State.RUNNING:
-        target.plain(Kind.START)
-    if state == State.TRIPPED:
-        target.emergency = 1
-        target.sample()
-        target.c.target_serve()
-    target.said()
-    assert target.command(SetTable(50, TABLE)).status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
-    assert target.command(SetPiece(51, PIECE)).status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
+    target.command(SetAct(2, TABLE))
+    target.command(SetAct(3, PIECE))
+    target.bring_to(state)
+    assert target.command(SetAct(50, TABLE)).status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
+    assert target.command(SetAct(51, PIECE)).status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
 
 
 def test_it_needs_settings_and_torques_need_a_table() -> None:
-    assert ScriptedTarget().command(SetTable(1, TABLE)).status == Status.NOT_NOW
-    assert begun().command(SetPiece(1, PIECE)).status == Status.NOT_NOW
+    assert ScriptedTarget().command(SetAct(1, TABLE)).status == Status.NOT_NOW
+    assert begun().command(SetAct(1, PIECE)).status == Status.NOT_NOW
 
 
 WRONG_TABLES: list[dict[str, Any]] = [
@@ -221,7 +213,7 @@ WRONG_TABLES: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("changes", WRONG_TABLES)
 def test_a_table_that_is_none_is_refused(changes: dict[str, Any]) -> None:
-    assert begun().command(SetTable(2, TABLE._replace(**changes))).status == Status.OUT_OF_RANGE
+    assert begun().command(SetAct(2, TABLE._replace(**changes))).status == Status.OUT_OF_RANGE
 
 
 def test_the_ends_of_the_ranges_are_in() -> None:
@@ -235,9 +227,9 @@ def test_the_ends_of_the_ranges_are_in() -> None:
 @pytest.mark.parametrize("piece", [Piece(1, (0.0,)), Piece(0, ()), Piece(0, (0.0,) * 7), Piece(2**32 - 1, (0.0,))])
 def test_a_piece_that_is_not_the_next_is_refused(piece: Piece) -> None:
     target = begun()
-    target.command(SetTable(2, TABLE))
-    assert target.command(SetPiece(3, piece)).status == Status.OUT_OF_RANGE
-    assert target.command(SetPiece(4, PIECE)).status == Status.DONE
+    target.command(SetAct(2, TABLE))
+    assert target.command(SetAct(3, piece)).status == Status.OUT_OF_RANGE
+    assert target.command(SetAct(4, PIECE)).status == Status.DONE
 
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])

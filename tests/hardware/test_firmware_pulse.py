@@ -17,7 +17,7 @@ from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
 from hknob_cli.hardware.wire.answers import About
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Alive, Configure, SetControl, SetPulse, SetSqueeze
+from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
 from tests.hardware.firmware import (
     CPulse,
     CPulseState,
@@ -111,7 +111,7 @@ def begun(**differing: Any) -> ScriptedTarget:
 def test_a_trial_zeroes_waits_fires_once_and_is_recorded() -> None:
     target = begun(block_samples=5)
     pulse = pulse_of(ORDERS["held"], INTERVAL)
-    assert target.command(SetPulse(2, pulse)).said == pulse
+    assert target.command(SetAct(2, pulse)).said == pulse
     trigger = GripTrigger(ORDERS["held"], INTERVAL)
     target.plain(Kind.ARM)
     expected, sent = [], []
@@ -147,7 +147,7 @@ def fired(target: ScriptedTarget) -> None:
 @pytest.mark.parametrize("end", ["emergency", "speed", "silence", "release", "stop"])
 def test_what_ends_a_trial_ends_its_pulse(end: str) -> None:
     target = begun()
-    target.command(SetPulse(2, PULSE._replace(dwell=0)))
+    target.command(SetAct(2, PULSE._replace(dwell=0)))
     fired(target)
     assert target.torque == PULSE.torque_nm
     faults = {"emergency": Trip.EMERGENCY_STOP, "speed": Trip.SPEED, "silence": Trip.WATCHDOG}
@@ -166,7 +166,7 @@ def test_what_ends_a_trial_ends_its_pulse(end: str) -> None:
 
 def test_another_trial_waits_for_its_own_grip() -> None:
     target = begun()
-    target.command(SetPulse(2, PULSE._replace(dwell=0)))
+    target.command(SetAct(2, PULSE._replace(dwell=0)))
     for _ in range(2):  # the pulse stays, its state does not
         fired(target)
         assert target.torque == PULSE.torque_nm
@@ -175,7 +175,7 @@ def test_another_trial_waits_for_its_own_grip() -> None:
 
 def test_settings_make_it_forget_the_pulse() -> None:
     target = begun()
-    target.command(SetPulse(2, PULSE._replace(dwell=0)))
+    target.command(SetAct(2, PULSE._replace(dwell=0)))
     target.command(Configure(3, SETTINGS))
     fired(target)
     assert target.torque == 0.0
@@ -183,8 +183,8 @@ def test_settings_make_it_forget_the_pulse() -> None:
 
 def test_a_pulse_takes_the_place_of_a_controller() -> None:
     target = begun()
-    target.command(SetControl(2, LAG))
-    target.command(SetPulse(3, PULSE._replace(dwell=0)))
+    target.command(SetAct(2, LAG))
+    target.command(SetAct(3, PULSE._replace(dwell=0)))
     target.angle = -5000
     fired(target)
     assert target.torque == PULSE.torque_nm
@@ -192,7 +192,7 @@ def test_a_pulse_takes_the_place_of_a_controller() -> None:
 
 def test_a_grip_that_is_no_number_fires_nothing() -> None:
     target = begun()
-    target.command(SetPulse(2, PULSE._replace(dwell=0)))
+    target.command(SetAct(2, PULSE._replace(dwell=0)))
     target.plain(Kind.ARM)
     target.sample()
     target.plain(Kind.START)
@@ -203,25 +203,17 @@ def test_a_grip_that_is_no_number_fires_nothing() -> None:
 
 
 @pytest.mark.parametrize("state", list(State))
-@pytest.mark.parametrize("message", [SetPulse(50, PULSE), SetSqueeze(50, SQUEEZE)])
-def test_it_is_taken_when_idle_only(state: State, message: SetPulse | SetSqueeze) -> None:
+@pytest.mark.parametrize("message", [SetAct(50, PULSE), SetAct(50, SQUEEZE)])
+def test_it_is_taken_when_idle_only(state: State, message: SetAct) -> None:
     target = begun()
-    if state >= State.ARMED:
-        target.plain(Kind.ARM)
-    if state >= State.RUNNING:
-        target.plain(Kind.START)
-    if state == State.TRIPPED:
-        target.emergency = 1
-        target.sample()
-        target.c.target_serve()
-    target.said()
+    target.bring_to(state)
     answer = target.command(message)
     assert answer.status == (Status.DONE if state is State.IDLE else Status.NOT_NOW)
-    assert answer.said == (message[1] if state is State.IDLE else None)
+    assert answer.said == (message.act if state is State.IDLE else None)
 
 
 def test_it_needs_settings() -> None:
-    assert ScriptedTarget().command(SetPulse(1, PULSE)).status == Status.NOT_NOW
+    assert ScriptedTarget().command(SetAct(1, PULSE)).status == Status.NOT_NOW
 
 
 WRONG: list[dict[str, Any]] = [
@@ -237,7 +229,7 @@ WRONG: list[dict[str, Any]] = [
 @pytest.mark.parametrize("changes", WRONG)
 def test_what_is_out_of_range_changes_nothing(changes: dict[str, Any]) -> None:
     target = begun()
-    answer = target.command(SetPulse(2, PULSE._replace(**changes)))
+    answer = target.command(SetAct(2, PULSE._replace(**changes)))
     assert (answer.status, answer.said) == (Status.OUT_OF_RANGE, None)
     fired(target)
     assert target.torque == 0.0
@@ -263,7 +255,7 @@ WRONG_SQUEEZES: list[dict[str, Any]] = [
 
 @pytest.mark.parametrize("changes", WRONG_SQUEEZES)
 def test_nobody_squeezes_like_that(changes: dict[str, Any]) -> None:
-    assert begun().command(SetSqueeze(2, SQUEEZE._replace(**changes))).status == Status.OUT_OF_RANGE
+    assert begun().command(SetAct(2, SQUEEZE._replace(**changes))).status == Status.OUT_OF_RANGE
 
 
 def test_too_fast_a_hand_is_refused() -> None:

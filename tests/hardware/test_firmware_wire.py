@@ -8,19 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from hknob_cli.hardware.port import Control, Pulse, Squeeze
+from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.commands import (
-    Again,
-    Alive,
-    Configure,
-    Plain,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-)
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.frame import body_of, frame
 from hknob_cli.hardware.wire.messages import encode
 from tests.conftest import ROOT
@@ -87,16 +78,16 @@ def test_the_target_reads_the_fields_of_golden_commands(name: str) -> None:
         case Simulate():
             expected = CSimulated.of(said.simulated)
             assert bytes(command.simulated) == bytes(expected)
-        case SetControl():
-            assert bytes(command.control) == bytes(CControl.of(said.control))
-        case SetPulse():
-            assert values(command.pulse) == tuple(said.pulse)
-        case SetTable():
-            assert bytes(command.over_angle) == bytes(CTable(*said.table))
-        case SetPiece():
-            assert bytes(command.torques) == bytes(CPiece.of(said.piece))
-        case SetSqueeze():
-            assert bytes(command.squeeze) == bytes(CSqueeze.of(said.squeeze))
+        case SetAct(act=Control()):
+            assert bytes(command.control) == bytes(CControl.of(said.act))
+        case SetAct(act=Pulse()):
+            assert values(command.pulse) == tuple(said.act)
+        case SetAct(act=Table()):
+            assert bytes(command.over_angle) == bytes(CTable(*said.act))
+        case SetAct(act=Piece()):
+            assert bytes(command.torques) == bytes(CPiece.of(said.act))
+        case SetAct(act=Squeeze()):
+            assert bytes(command.squeeze) == bytes(CSqueeze.of(said.act))
         case Alive():
             assert command.first == said.expected
         case Again():

@@ -11,7 +11,7 @@ import pytest
 
 from hknob_cli.hardware.wire.answers import About, Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
-from hknob_cli.hardware.wire.commands import Configure, Plain, SetControl, Simulate, Zero
+from hknob_cli.hardware.wire.commands import Configure, Plain, SetAct, Simulate, Zero
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import Message, decode, encode
 from tests.hardware.foreign import arranged, foreign_target
@@ -116,7 +116,7 @@ def test_it_knows_no_controller_and_says_so() -> None:
     with foreign_target() as url, linked(url) as link:
         decoder = Decoder()
         assert ask(link, decoder, Configure(1, SETTINGS)).status is Status.DONE
-        answer = ask(link, decoder, SetControl(2, LAG))
+        answer = ask(link, decoder, SetAct(2, LAG))
         assert (answer.status, answer.state, answer.said) == (Status.NOT_KNOWN, State.IDLE, None)
 
 

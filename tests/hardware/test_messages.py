@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from hknob_cli.hardware.port import Block, Control, Settings
 from hknob_cli.hardware.wire.answers import Samples
 from hknob_cli.hardware.wire.codes import Kind
-from hknob_cli.hardware.wire.commands import Configure, Plain, SetControl, Simulate
+from hknob_cli.hardware.wire.commands import Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
 from hknob_cli.hardware.wire.messages import decode, encode
 from tests.conftest import ROOT
@@ -65,7 +65,7 @@ def test_floats_that_are_sent_must_be_numbers_and_of_those_that_come_it_can_be_s
         encode(Simulate(1, SIMULATED._replace(push_nm=bad)))
     for values in ({"numbers": (0.0, bad)}, {"rows": (bad,)}):
         with pytest.raises(ValueError, match="finite"):
-            encode(SetControl(1, LAG._replace(**values)))
+            encode(SetAct(1, LAG._replace(**values)))
     body = bytearray(encode(GOLDEN["block_of_2"]))
     for offset in (8, 12):  # torque and grip of the first sample
         spoilt = bytearray(body)
@@ -132,9 +132,9 @@ def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:
 @settings(deadline=None)
 @given(u32, st.builds(Control, st.integers(0, 255), st.integers(0, 255), st.tuples(finite, finite), st.tuples(finite)))
 def test_controllers_come_back_bit_by_bit(nonce: int, control: Control) -> None:
-    body = encode(SetControl(nonce, control))
+    body = encode(SetAct(nonce, control))
     back = decode(body)
-    assert back == SetControl(nonce, control)
+    assert back == SetAct(nonce, control)
     assert encode(back) == body
 
 

@@ -31,10 +31,9 @@ SAMPLE = Sample(part_of, str.__eq__)
 def play(seed: int) -> Crew:
     """A gathering of this seed, interrupted now and then and gone on with. Raises `AssertionError`."""
     dice = Random(f"gathering {seed}")
-    unit = dice.choice((1, 1, 1, 3))
-    part = unit * dice.randint(1, 12)
+    part = dice.randint(1, 12)
     total = dice.randint(0, 70)
-    cuts = sorted(unit * cut for cut in dice.sample(range(total // unit + 1), min(4, total // unit)))
+    cuts = sorted(dice.sample(range(total + 1), min(4, total)))
     done = [(a, b) for a, b in list(pairwise(cuts))[::2] if a // part == (b - 1) // part]
     at_first = list(done)
     while True:
@@ -50,11 +49,9 @@ def play(seed: int) -> Crew:
         def take(start: int, stop: int, data: bytes) -> None:
             assert data == work(start, stop), "wrong results are taken"
             assert start // part == (stop - 1) // part, "a piece crosses the end of a part"
-            assert start % unit == 0, "a unit is cut"
-            assert stop % unit == 0 or stop == total, "a unit is cut"
             done.append((start, stop))
 
-        left = Ranges(total, done=done, part=part, unit=unit)
+        left = Ranges(total, done=done, part=part)
         try:
             with at_work(crew):
                 gather(crew, left, take, tick=tick, pace=Pace(first=dice.randint(1, 9), most=20), sample=SAMPLE)
@@ -84,28 +81,26 @@ def test_each_item_once_where_much_is_computed_twice() -> None:
         play(seed)
 
 
-@pytest.mark.parametrize("unit", [1, 7])
-def test_a_worker_that_computes_wrongly_is_found(unit: int) -> None:
+def test_a_worker_that_computes_wrongly_is_found() -> None:
     """Whoever computes it, a quarter of the answers is wrong."""
     for seed in range(30):
         crew = Crew(work, seed, most_faults=20, lies=0.25)
         said = "was computed twice, and the results differ"
         with at_work(crew), pytest.raises(ComputationError, match=said):
-            gather(crew, Ranges(8000, unit=unit), lambda *_: None, tick=lambda: None, sample=SAMPLE)
+            gather(crew, Ranges(8000), lambda *_: None, tick=lambda: None, sample=SAMPLE)
         assert crew.closed
 
 
-@pytest.mark.parametrize("unit", [1, 7])
-def test_what_the_sample_costs(unit: int) -> None:
+def test_what_the_sample_costs() -> None:
     """No more than its share of the items, to within four deviations; without it nothing."""
     total, done = 20_000, [0, 0]
     for k, asked in enumerate((SAMPLE, None)):
         crew = Crew(work, 1, most_faults=0)
         with at_work(crew):
-            gather(crew, Ranges(total, unit=unit), lambda *_: None, tick=lambda: None, sample=asked)
+            gather(crew, Ranges(total), lambda *_: None, tick=lambda: None, sample=asked)
         done[k] = crew.done
     most = total / SAMPLED
-    assert 0 < done[0] - done[1] <= most + 4 * (most * unit) ** 0.5
+    assert 0 < done[0] - done[1] <= most + 4 * most**0.5
     assert done[1] == total
 
 

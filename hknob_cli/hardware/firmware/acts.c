@@ -1,6 +1,25 @@
 /* Bodies of what acts in a trial beside the plain wall. */
 #include "acts.h"
 
+void sines_read(struct sine *sines, size_t count, struct reader *r)
+{
+    for (size_t i = 0; i < count; i++) {
+        sines[i].amplitude = get_f64(r);
+        sines[i].frequency_hz = get_f64(r);
+        sines[i].phase = get_f64(r);
+    }
+}
+
+size_t sines_write(uint8_t *body, size_t at, const struct sine *sines, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        at = put_f64(body, at, sines[i].amplitude);
+        at = put_f64(body, at, sines[i].frequency_hz);
+        at = put_f64(body, at, sines[i].phase);
+    }
+    return at;
+}
+
 enum { CONTROL_SHORTEST = 6 + 4 };
 
 /* Counts beyond what there is room for are no message: no law takes so many. */
@@ -17,12 +36,8 @@ bool control_read(struct control *c, struct reader *r, size_t count)
         count != CONTROL_SHORTEST + 8u * ((unsigned)c->number_count + c->row_count)) {
         return false;
     }
-    for (unsigned i = 0; i < c->number_count; i++) {
-        c->numbers[i] = get_f64(r);
-    }
-    for (unsigned i = 0; i < c->row_count; i++) {
-        c->rows[i] = get_f64(r);
-    }
+    get_f64s(r, c->numbers, c->number_count);
+    get_f64s(r, c->rows, c->row_count);
     return true;
 }
 
@@ -67,15 +82,9 @@ bool squeeze_read(struct squeeze *s, struct reader *r, size_t count)
         return false;
     }
     for (unsigned i = 0; i < s->hand_count; i++) {
-        for (unsigned k = 0; k < 4u; k++) {
-            s->hands[i][k] = get_f64(r);
-        }
+        get_f64s(r, s->hands[i], 4u);
     }
-    for (unsigned i = 0; i < s->sine_count; i++) {
-        s->sines[i].amplitude = get_f64(r);
-        s->sines[i].frequency_hz = get_f64(r);
-        s->sines[i].phase = get_f64(r);
-    }
+    sines_read(s->sines, s->sine_count, r);
     return true;
 }
 
@@ -104,9 +113,7 @@ bool torques_read(struct torques *t, struct reader *r, size_t count)
     if (t->count > TORQUES_MOST || count != TORQUES_SHORTEST + 8u * t->count) {
         return false;
     }
-    for (unsigned i = 0; i < t->count; i++) {
-        t->values[i] = get_f64(r);
-    }
+    get_f64s(r, t->values, t->count);
     return true;
 }
 
@@ -116,13 +123,8 @@ size_t control_write(uint8_t *body, size_t at, const struct control *c)
     at = put(body, at, c->places, 1u);
     at = put(body, at, c->number_count, 1u);
     at = put(body, at, c->row_count, 1u);
-    for (unsigned i = 0; i < c->number_count; i++) {
-        at = put_f64(body, at, c->numbers[i]);
-    }
-    for (unsigned i = 0; i < c->row_count; i++) {
-        at = put_f64(body, at, c->rows[i]);
-    }
-    return at;
+    at = put_f64s(body, at, c->numbers, c->number_count);
+    return put_f64s(body, at, c->rows, c->row_count);
 }
 
 size_t pulse_write(uint8_t *body, size_t at, const struct pulse *p)
@@ -145,16 +147,9 @@ size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *s)
     at = put(body, at, s->hand_count, 1u);
     at = put(body, at, s->sine_count, 1u);
     for (unsigned i = 0; i < s->hand_count; i++) {
-        for (unsigned k = 0; k < 4u; k++) {
-            at = put_f64(body, at, s->hands[i][k]);
-        }
+        at = put_f64s(body, at, s->hands[i], 4u);
     }
-    for (unsigned i = 0; i < s->sine_count; i++) {
-        at = put_f64(body, at, s->sines[i].amplitude);
-        at = put_f64(body, at, s->sines[i].frequency_hz);
-        at = put_f64(body, at, s->sines[i].phase);
-    }
-    return at;
+    return sines_write(body, at, s->sines, s->sine_count);
 }
 
 size_t over_angle_write(uint8_t *body, size_t at, const struct over_angle *o)
@@ -170,8 +165,5 @@ size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, cons
 {
     at = put(body, at, piece->at, 4u);
     at = put(body, at, piece->count, 1u);
-    for (unsigned i = 0; i < piece->count; i++) {
-        at = put_f64(body, at, values[i]);
-    }
-    return at;
+    return put_f64s(body, at, values, piece->count);
 }

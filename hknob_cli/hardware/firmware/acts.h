@@ -12,4 +12,8 @@ bool over_angle_read(struct over_angle *over_angle, struct reader *reader, size_
 bool torques_read(struct torques *torques, struct reader *reader, size_t count);
 bool squeeze_read(struct squeeze *squeeze, struct reader *reader, size_t count);
 
+/* Sines of a push, a grip or a squeeze: 24 bytes each, whose length was checked. */
+void sines_read(struct sine *sines, size_t count, struct reader *reader);
+size_t sines_write(uint8_t *body, size_t at, const struct sine *sines, size_t count);
+
 #endif

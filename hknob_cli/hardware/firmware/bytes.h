@@ -28,6 +28,13 @@ static inline double get_f64(struct reader *r)
     return value;
 }
 
+static inline void get_f64s(struct reader *r, double *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        values[i] = get_f64(r);
+    }
+}
+
 static inline size_t put(uint8_t *body, size_t at, uint64_t value, unsigned bytes)
 {
     for (unsigned i = 0; i < bytes; i++) {
@@ -41,6 +48,14 @@ static inline size_t put_f64(uint8_t *body, size_t at, double value)
     uint64_t bits;
     memcpy(&bits, &value, sizeof bits);
     return put(body, at, bits, 8u);
+}
+
+static inline size_t put_f64s(uint8_t *body, size_t at, const double *values, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        at = put_f64(body, at, values[i]);
+    }
+    return at;
 }
 
 static inline size_t put_f32(uint8_t *body, size_t at, float value)

@@ -29,11 +29,7 @@ static bool read_simulated(struct simulated *s, struct reader *r, size_t count)
     if (s->push_count > SINES_MOST || s->grip_count > SINES_MOST || count != SIMULATE_SHORTEST + 24u * sines) {
         return false;
     }
-    for (unsigned i = 0; i < sines; i++) {
-        s->sines[i].amplitude = get_f64(r);
-        s->sines[i].frequency_hz = get_f64(r);
-        s->sines[i].phase = get_f64(r);
-    }
+    sines_read(s->sines, sines, r);
     return true;
 }
 
@@ -183,10 +179,5 @@ size_t simulated_write(uint8_t *body, size_t at, const struct simulated *s)
     }
     at = put(body, at, s->push_count, 1u);
     at = put(body, at, s->grip_count, 1u);
-    for (unsigned i = 0; i < (unsigned)s->push_count + s->grip_count; i++) {
-        at = put_f64(body, at, s->sines[i].amplitude);
-        at = put_f64(body, at, s->sines[i].frequency_hz);
-        at = put_f64(body, at, s->sines[i].phase);
-    }
-    return at;
+    return sines_write(body, at, s->sines, (size_t)s->push_count + s->grip_count);
 }

@@ -232,30 +232,36 @@ static void obey(const struct command *c)
     board_unlock();
 }
 
+/* The answer to the last command: what was taken of its values, if any were. */
 static size_t answer(void)
 {
     struct answer a = {self.last_nonce, self.boot, loop.record.made, self.last_type, self.last_status, loop.state, loop.fault};
     size_t count = answer_write(self.body, &a);
-    if (self.last_type == HELLO) {
-        count = identity_write(self.body, count, &board_identity);
-    } else if (self.last_type == CONFIGURE && self.last_status == DONE) {
-        count = settings_write(self.body, count, &loop.settings);
-    } else if (self.last_type == ZERO && self.last_status == DONE) {
-        count = zero_write(self.body, count, self.zero);
-    } else if (self.last_type == SIMULATE && self.last_status == DONE) {
-        count = simulated_write(self.body, count, &self.simulated);
-    } else if (self.last_type == CONTROL && self.last_status == DONE) {
-        count = control_write(self.body, count, &loop.control);
-    } else if (self.last_type == PULSE && self.last_status == DONE) {
-        count = pulse_write(self.body, count, &loop.pulse);
-    } else if (self.last_type == SQUEEZE && self.last_status == DONE) {
-        count = squeeze_write(self.body, count, &self.squeeze);
-    } else if (self.last_type == OVER_ANGLE && self.last_status == DONE) {
-        count = over_angle_write(self.body, count, &loop.over_angle.head);
-    } else if (self.last_type == TORQUES && self.last_status == DONE) {
-        count = torques_write(self.body, count, &self.piece, loop.over_angle.torques + self.piece.at);
+    if (self.last_status != DONE) {
+        return count;
     }
-    return count;
+    switch (self.last_type) {
+    case HELLO:
+        return identity_write(self.body, count, &board_identity);
+    case CONFIGURE:
+        return settings_write(self.body, count, &loop.settings);
+    case ZERO:
+        return zero_write(self.body, count, self.zero);
+    case SIMULATE:
+        return simulated_write(self.body, count, &self.simulated);
+    case CONTROL:
+        return control_write(self.body, count, &loop.control);
+    case PULSE:
+        return pulse_write(self.body, count, &loop.pulse);
+    case SQUEEZE:
+        return squeeze_write(self.body, count, &self.squeeze);
+    case OVER_ANGLE:
+        return over_angle_write(self.body, count, &loop.over_angle.head);
+    case TORQUES:
+        return torques_write(self.body, count, &self.piece, loop.over_angle.torques + self.piece.at);
+    default:
+        return count;
+    }
 }
 
 /* Body of what is to be sent next, 0 if nothing: the answer, but that to STOP after the last block; blocks asked for

@@ -4,9 +4,11 @@ A controller; a pulse; who squeezes a simulated knob that pulses; and a torque o
 """
 
 import struct
+from collections.abc import Callable
 from typing import NamedTuple
 
 from hknob_cli.hardware.port import MOST_HANDS, MOST_SINES, Control, OverAngle, Pulse, Sine, Squeeze
+from hknob_cli.hardware.wire.codes import Kind
 
 LAW = struct.Struct("<4B")
 PULSE = struct.Struct("<4dII")
@@ -33,6 +35,16 @@ class Piece(NamedTuple):
 
     at: int
     torques: tuple[float, ...]
+
+
+Act = Control | Pulse | Squeeze | Table | Piece
+KINDS: dict[type[Act], Kind] = {
+    Control: Kind.CONTROL,
+    Pulse: Kind.PULSE,
+    Squeeze: Kind.SQUEEZE,
+    Table: Kind.OVER_ANGLE,
+    Piece: Kind.TORQUES,
+}
 
 
 def pieces_of(over: OverAngle) -> tuple[Table, list[Piece]]:
@@ -114,3 +126,27 @@ def unpack_piece(data: bytes) -> Piece:
     if count > MOST_TORQUES:
         raise struct.error("length")
     return Piece(at, struct.unpack(f"<{count}d", data[TORQUES.size :]))
+
+
+def pack_act(act: Act) -> bytes:
+    """Any of these, by its type; raises ValueError for too much."""
+    match act:
+        case Control():
+            return pack_control(act)
+        case Pulse():
+            return pack_pulse(act)
+        case Squeeze():
+            return pack_squeeze(act)
+        case Table():
+            return pack_table(act)
+        case Piece():
+            return pack_piece(act)
+
+
+UNPACK_ACT: dict[int, Callable[[bytes], Act]] = {
+    Kind.CONTROL: unpack_control,
+    Kind.PULSE: unpack_pulse,
+    Kind.SQUEEZE: unpack_squeeze,
+    Kind.OVER_ANGLE: unpack_table,
+    Kind.TORQUES: unpack_piece,
+}

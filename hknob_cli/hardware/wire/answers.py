@@ -6,21 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Squeeze
-from hknob_cli.hardware.wire.acts import (
-    Piece,
-    Table,
-    pack_control,
-    pack_piece,
-    pack_pulse,
-    pack_squeeze,
-    pack_table,
-    unpack_control,
-    unpack_piece,
-    unpack_pulse,
-    unpack_squeeze,
-    unpack_table,
-)
+from hknob_cli.hardware.port import Block, Settings, Simulated
+from hknob_cli.hardware.wire.acts import UNPACK_ACT, Act, pack_act
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import ZERO, pack_settings, pack_simulated, unpack_settings, unpack_simulated
 
@@ -51,7 +38,7 @@ class About(NamedTuple):
     knows_over_angle: bool = False
 
 
-Said = About | Settings | Simulated | Control | Pulse | Squeeze | Table | Piece | int
+Said = About | Settings | Simulated | Act | int
 
 
 class Ack(NamedTuple):
@@ -147,17 +134,10 @@ def _pack_said(said: Said | None) -> bytes:
             return pack_settings(said)
         case Simulated():
             return pack_simulated(said)
-        case Control():
-            return pack_control(said)
-        case Pulse():
-            return pack_pulse(said)
-        case Squeeze():
-            return pack_squeeze(said)
-        case Table():
-            return pack_table(said)
-        case Piece():
-            return pack_piece(said)
-    return b""
+        case None:
+            return b""
+        case _:
+            return pack_act(said)
 
 
 def _unpack_said(of: int, status: Status, data: bytes) -> Said | None:
@@ -193,12 +173,8 @@ def _unpack_zero(data: bytes) -> int:
 _UNPACK: dict[int, Callable[[bytes], Said]] = {
     Kind.CONFIGURE: unpack_settings,
     Kind.SIMULATE: unpack_simulated,
-    Kind.CONTROL: unpack_control,
-    Kind.PULSE: unpack_pulse,
-    Kind.SQUEEZE: unpack_squeeze,
-    Kind.OVER_ANGLE: unpack_table,
-    Kind.TORQUES: unpack_piece,
     Kind.ZERO: _unpack_zero,
+    **UNPACK_ACT,
 }
 
 

@@ -3,22 +3,8 @@
 import struct
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import MOST_SINES, Control, Pulse, Settings, Simulated, Sine, Squeeze
-from hknob_cli.hardware.wire.acts import (
-    SINE,
-    Piece,
-    Table,
-    pack_control,
-    pack_piece,
-    pack_pulse,
-    pack_squeeze,
-    pack_table,
-    unpack_control,
-    unpack_piece,
-    unpack_pulse,
-    unpack_squeeze,
-    unpack_table,
-)
+from hknob_cli.hardware.port import MOST_SINES, Settings, Simulated, Sine
+from hknob_cli.hardware.wire.acts import KINDS, SINE, UNPACK_ACT, Act, pack_act
 from hknob_cli.hardware.wire.codes import Kind
 
 NONCE = struct.Struct("<I")
@@ -99,68 +85,19 @@ class Zero(NamedTuple):
         return Kind.ZERO
 
 
-class SetControl(NamedTuple):
-    """The controller of the wall of a trial."""
+class SetAct(NamedTuple):
+    """What acts in a trial beside the plain wall: `acts.KINDS` has its type."""
 
     nonce: int
-    control: Control
+    act: Act
 
     @property
     def kind(self) -> Kind:
         """Its type."""
-        return Kind.CONTROL
+        return KINDS[type(self.act)]
 
 
-class SetPulse(NamedTuple):
-    """The pulse of a trial, in place of its wall."""
-
-    nonce: int
-    pulse: Pulse
-
-    @property
-    def kind(self) -> Kind:
-        """Its type."""
-        return Kind.PULSE
-
-
-class SetSqueeze(NamedTuple):
-    """Who squeezes the simulated knob."""
-
-    nonce: int
-    squeeze: Squeeze
-
-    @property
-    def kind(self) -> Kind:
-        """Its type."""
-        return Kind.SQUEEZE
-
-
-class SetTable(NamedTuple):
-    """The head of the torque over the angle of a trial."""
-
-    nonce: int
-    table: Table
-
-    @property
-    def kind(self) -> Kind:
-        """Its type."""
-        return Kind.OVER_ANGLE
-
-
-class SetPiece(NamedTuple):
-    """The next torques of it."""
-
-    nonce: int
-    piece: Piece
-
-    @property
-    def kind(self) -> Kind:
-        """Its type."""
-        return Kind.TORQUES
-
-
-Acts = SetControl | SetPulse | SetSqueeze | SetTable | SetPiece
-Command = Plain | Configure | Simulate | Alive | Again | Zero | Acts
+Command = Plain | Configure | Simulate | Alive | Again | Zero | SetAct
 
 
 def pack_settings(settings: Settings) -> bytes:
@@ -207,16 +144,8 @@ def pack_command(command: Command) -> bytes:
             return nonce + AGAIN.pack(command.first, command.count)
         case Zero():
             return nonce + ZERO.pack(command.angle)
-        case SetControl():
-            return nonce + pack_control(command.control)
-        case SetPulse():
-            return nonce + pack_pulse(command.pulse)
-        case SetSqueeze():
-            return nonce + pack_squeeze(command.squeeze)
-        case SetTable():
-            return nonce + pack_table(command.table)
-        case SetPiece():
-            return nonce + pack_piece(command.piece)
+        case SetAct():
+            return nonce + pack_act(command.act)
 
 
 def unpack_command(kind: Kind, data: bytes) -> Command:
@@ -233,16 +162,8 @@ def unpack_command(kind: Kind, data: bytes) -> Command:
         return Again(nonce, *AGAIN.unpack(rest))
     if kind is Kind.ZERO:
         return Zero(nonce, *ZERO.unpack(rest))
-    if kind is Kind.CONTROL:
-        return SetControl(nonce, unpack_control(rest))
-    if kind is Kind.PULSE:
-        return SetPulse(nonce, unpack_pulse(rest))
-    if kind is Kind.SQUEEZE:
-        return SetSqueeze(nonce, unpack_squeeze(rest))
-    if kind is Kind.OVER_ANGLE:
-        return SetTable(nonce, unpack_table(rest))
-    if kind is Kind.TORQUES:
-        return SetPiece(nonce, unpack_piece(rest))
+    if kind in UNPACK_ACT:
+        return SetAct(nonce, UNPACK_ACT[kind](rest))
     if rest:
         raise struct.error("length")
     return Plain(kind, nonce)

@@ -9,18 +9,7 @@ from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, 
 from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
 from hknob_cli.hardware.wire.codes import VERSION, Kind
-from hknob_cli.hardware.wire.commands import (
-    Command,
-    Configure,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-    pack_command,
-    unpack_command,
-)
+from hknob_cli.hardware.wire.commands import Command, Configure, SetAct, Simulate, pack_command, unpack_command
 
 Message = Command | Answer
 
@@ -54,15 +43,15 @@ def is_finite(message: Message) -> bool:
     match message:
         case Configure(settings=Settings() as values) | Ack(said=Settings() as values):
             return all(map(math.isfinite, values.numbers))
-        case SetControl(control=Control() as control) | Ack(said=Control() as control):
+        case SetAct(act=Control() as control) | Ack(said=Control() as control):
             return all(map(math.isfinite, (*control.numbers, *control.rows)))
-        case SetPulse(pulse=Pulse() as pulse) | Ack(said=Pulse() as pulse):
+        case SetAct(act=Pulse() as pulse) | Ack(said=Pulse() as pulse):
             return all(map(math.isfinite, pulse))
-        case SetTable(table=Table() as table) | Ack(said=Table() as table):
+        case SetAct(act=Table() as table) | Ack(said=Table() as table):
             return all(map(math.isfinite, table))
-        case SetPiece(piece=Piece() as piece) | Ack(said=Piece() as piece):
+        case SetAct(act=Piece() as piece) | Ack(said=Piece() as piece):
             return all(map(math.isfinite, piece.torques))
-        case SetSqueeze(squeeze=Squeeze() as one) | Ack(said=Squeeze() as one):
+        case SetAct(act=Squeeze() as one) | Ack(said=Squeeze() as one):
             lone = (one.aim_n, one.rise_s, one.overshoot, one.reaction_s, one.relax_s, one.strength_n)
             return all(map(math.isfinite, (*lone, *(number for row in (*one.hands, *one.sines) for number in row))))
         case Simulate(simulated=Simulated() as knob) | Ack(said=Simulated() as knob):

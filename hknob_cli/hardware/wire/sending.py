@@ -1,9 +1,7 @@
 """A command under way: sent again until it is answered, what the target took of it, and the state it leaves it in.
 
-A command under way: sent, sent again unchanged every 30 ms, given up after five times more; every half second to
-a target whose clock is not this computer's.
-
-What was sent and what the target says it took, compared value by value, bit by bit.
+It is sent again unchanged every 30 ms, and given up after five times more. A target whose clock is not this computer's
+gets it every half second. What was sent and what the target says it took are compared value by value, bit by bit.
 """
 
 import struct
@@ -12,22 +10,13 @@ from functools import partial
 from typing import Any
 
 from hknob_cli.hardware.grip_trigger import pulse_of
-from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
-from hknob_cli.hardware.wire.acts import Piece, Table, pieces_of
+from hknob_cli.hardware.port import Block, Settings, Simulated, Sine
+from hknob_cli.hardware.wire.acts import Act, pieces_of
 from hknob_cli.hardware.wire.answers import Ack, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status
-from hknob_cli.hardware.wire.commands import (
-    Command,
-    Configure,
-    SetControl,
-    SetPiece,
-    SetPulse,
-    SetSqueeze,
-    SetTable,
-    Simulate,
-)
+from hknob_cli.hardware.wire.commands import Command, Configure, SetAct, Simulate
 
-Sent = Settings | Simulated | Control | Pulse | Squeeze | Table | Piece
+Sent = Settings | Simulated | Act
 
 AGAIN_AFTER_S = 0.03
 # An emulator on a busy computer may need a multiple of that for a long message, and would have to read each copy too.
@@ -56,24 +45,20 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
 
     CONFIGURE comes first, by which it forgets what acted before; SQUEEZE after SIMULATE, by which it forgets who did.
     """
-    plain, control, over = settings.plain, settings.control, settings.over_angle
-    yield plain, lambda nonce: Configure(nonce, plain)
-    if control is not None:
-        yield control, lambda nonce: SetControl(nonce, control)
+    acts: list[Act] = [] if settings.control is None else [settings.control]
     if settings.pulse is not None:
-        pulse = pulse_of(settings.pulse, settings.interval_s)
-        yield pulse, lambda nonce: SetPulse(nonce, pulse)
-    if over is not None:
-        table, pieces = pieces_of(over)
-        yield table, lambda nonce: SetTable(nonce, table)
-        for piece in pieces:
-            yield piece, partial(SetPiece, piece=piece)
+        acts.append(pulse_of(settings.pulse, settings.interval_s))
+    if settings.over_angle is not None:
+        table, pieces = pieces_of(settings.over_angle)
+        acts += [table, *pieces]
+    yield settings.plain, partial(Configure, settings=settings.plain)
+    yield from ((act, partial(SetAct, act=act)) for act in acts)
     if simulated is not None:
         knob = simulated._replace(squeeze=())
-        yield knob, lambda nonce: Simulate(nonce, knob)
+        yield knob, partial(Simulate, simulated=knob)
         if simulated.squeeze:
             squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
-            yield squeeze, lambda nonce: SetSqueeze(nonce, squeeze)
+            yield squeeze, partial(SetAct, act=squeeze)
 
 
 class Sending:

@@ -197,12 +197,17 @@ class Drawn(Script):
     def __init__(self, corners: np.ndarray) -> None:
         super().__init__((4, 10, 0.0), (4, 10, 0.0))
         self.corners = corners
-        self.enclose, self.simplify = enclose, simplify  # type: ignore[method-assign]
 
     def shrink(self, region: Any, count: int, *rest: Any) -> tuple[int, int, float]:
         region[: self.corners.size] = self.corners.ravel()
         super().shrink(region, count, *rest)
         return len(self.corners), 10, 0.0
+
+    def enclose(self, *given: Any) -> Any:
+        return enclose(*given)
+
+    def simplify(self, *given: Any) -> Any:
+        return simplify(*given)
 
     def ranges_of(self, region: Any, count: int) -> tuple[float, float, float, float]:
         return ranges_of(region, count)
@@ -285,6 +290,18 @@ def test_the_first_size_is_that_of_all_pushes_while_a_motion_halves() -> None:
     assert script.squares[1] == 0.01
 
 
+class Timed(Script):
+    """It is 9 s in ``now`` while the slice after ``late`` others is made, and 0 s in each other."""
+
+    def __init__(self, now: list[float], late: int) -> None:
+        super().__init__(areas=(1.0, 0.9, 0.8, 0.8))
+        self.now, self.late = now, late
+
+    def shrink(self, *given: Any) -> tuple[int, int, float]:
+        self.now[0] = 9.0 if len(self.shrunk) == self.late else 0.0
+        return super().shrink(*given)
+
+
 def test_no_time_is_no_region(monkeypatch: pytest.MonkeyPatch) -> None:
     """One that is there by then is moved on no more."""
     now = [0.0]
@@ -294,14 +311,8 @@ def test_no_time_is_no_region(monkeypatch: pytest.MonkeyPatch) -> None:
     assert late.find(until=5.0) is None
     assert late.shrunk == []
     for at, slices in ((1, 2), (2, 3), (99, 5)):
-        script = Script(areas=(1.0, 0.9, 0.8, 0.8))
-        now[0], shrink = 0.0, script.shrink
-
-        def timed(*given: Any, at: int = at, script: Script = script, shrink: Any = shrink) -> Any:
-            now[0] = 9.0 if len(script.shrunk) == at else 0.0
-            return shrink(*given)
-
-        script.shrink = timed  # type: ignore[method-assign]
+        script = Timed(now, at)
+        now[0] = 0.0
         assert (script.find(until=5.0) is not None) is (at >= 1)
         assert len(script.shrunk) == slices
 

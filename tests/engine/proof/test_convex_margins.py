@@ -56,7 +56,7 @@ def test_a_corner_is_entered_once() -> None:
     assert append(out, 1, 1.0, 2.0) == 1
     assert append(out, 0, 9.0, 8.0) == 1
     assert out[:4] == [9.0, 8.0, 3.0, 4.0]
-    out[-2:] = [0.5, 0.25]  # before the first there is none
+    out[-2:] = [0.5, 0.25]  # no corner comes before the first: these numbers are none
     assert append(out, 0, 0.5, 0.25) == 1
     assert out[:2] == [0.5, 0.25]
 
@@ -89,7 +89,7 @@ def test_a_polygon_is_cut_by_any_line(seed: int) -> None:
 
 
 def test_an_outline_that_crosses_more_than_twice_is_kept_whole() -> None:
-    """As rounding may make one; and the first corner again is none."""
+    """Rounding may make such an outline. A last corner that equals the first is not entered again."""
     zigzag = [(-2.0, 0.0), (-1.0, 2.0), (0.0, 0.0), (1.0, 2.0), (2.0, 0.0), (0.0, -3.0)]
     for by in range(6):
         some, out = flat(zigzag[by:] + zigzag[:by]), zeros(40)

@@ -30,7 +30,10 @@ def pushed(by: dict[int, float], room: float = 9.0, **more: Any) -> float:
 
 
 def test_a_motion_is_pushed_by_what_its_memory_is_off_by() -> None:
-    """What fades by a half, at a quarter for each; torques under way as they are, but for the oldest."""
+    """The mean halves every sample, and pushes by a quarter of what it is off; each torque pushes by what it is off.
+
+    The oldest torque does not push. Where the count or the last reading is off, the push is not known.
+    """
     assert pushed({}) == 0.0
     assert pushed({1: 2.0}) == pushed({1: -2.0}) == 0.5 * 0.25 * 2.0 / 0.5
     assert pushed({4: 3.0, 5: -1.0}) == 0.5 * 4.0
