@@ -22,6 +22,7 @@ FIRST = {"PYDANTIC_DISABLE_PLUGINS": "__all__", "OPENBLAS_NUM_THREADS": "1"}
 MOST = 1 << 20  # bytes of a request
 OFTEN = (
     "hknob_cli.cli.app",
+    "hknob_cli.cli.main",
     "hknob_cli.cli.stage_run",
     "filelock",
     "jinja2",
@@ -31,13 +32,16 @@ OFTEN = (
 
 
 class Forks:
-    """Runs the command in forks of a process that has loaded it, one after the other."""
+    """Runs the command in forks of a process that has loaded it, one after the other.
 
-    def __init__(self) -> None:
+    ``loader``: a program that loads it and then serves the socket whose number it is given.
+    """
+
+    def __init__(self, loader: str | Path = __file__) -> None:
         self._ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         with theirs:
             self._loaded = subprocess.Popen(
-                [sys.executable, __file__, str(theirs.fileno())],
+                [sys.executable, str(loader), str(theirs.fileno())],
                 env={**os.environ, **FIRST},
                 stdin=subprocess.DEVNULL,
                 pass_fds=[theirs.fileno()],
@@ -80,9 +84,27 @@ def load() -> None:
     load_numba()
     with library_defaults():
         figure(1.0)
+    build()
     for group in GROUPS:
         if is_kept(group):  # what each run would load again
             compiled(group)
+
+
+def build() -> None:
+    """Make what libraries put off until it is needed, and each run would make again: models of specs, the commands."""
+    from PIL import Image
+    from pydantic import BaseModel
+    from typer.main import get_command
+
+    from hknob_cli.cli.app import app
+
+    models = [BaseModel]
+    for model in models:  # grows
+        models += model.__subclasses__()
+        if model.__module__.startswith("hknob_cli.") and not model.__pydantic_complete__:
+            model.model_rebuild()
+    get_command(app)
+    Image.init()
 
 
 def serve(ours: socket.socket) -> None:

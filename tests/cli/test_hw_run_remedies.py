@@ -2,8 +2,6 @@
 
 import hashlib
 import json
-import os
-import subprocess
 from collections import Counter
 from itertools import pairwise
 from pathlib import Path
@@ -16,7 +14,8 @@ import pytest
 from hknob_cli.hardware.control import control_of
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.wire.acts import pack_control
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, Command
+from tests.forked import Forks
 from tests.hardware.campaigns import SPEC, planned
 
 LAG = "{kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
@@ -47,21 +46,14 @@ Cell = tuple[str, float, int]
 
 
 @pytest.fixture(scope="module")
-def done(tmp_path_factory: pytest.TempPathFactory):
+def done(tmp_path_factory: pytest.TempPathFactory, forks: Forks):
     """Remedies computed in a folder, and tried in another beside it; the folder of both and what was printed."""
     folder = tmp_path_factory.mktemp("tried")
     (folder / "computed.yaml").write_text(COMPUTED)
     (folder / "tried.yaml").write_text(f"{TRIED}against: {folder / 'computed'}\n")
     said = None
     for command in (["remedies", "computed.yaml", "-o", "computed"], ["hw-run", "tried.yaml", "-o", "out", "--plot"]):
-        said = subprocess.run(
-            [HKNOB, *command],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            check=False,
-            env={**os.environ, "COLUMNS": "120"},
-        )
+        said = Command(forks, folder)(*command)
         assert said.returncode == 0, said.stderr
     return folder, said
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.conftest import HKNOB, ROOT
+from tests.conftest import ROOT, Command
 from tests.controllers.laws import LAWS
 from tests.controllers.page_blocks import K
 
@@ -53,10 +53,11 @@ def test_its_torques_are_those_of_the_block(counts: int, rate: float, tmp_path: 
     assert acts > 100
 
 
-def test_its_torques_are_those_of_the_sweep_that_the_page_records(tmp_path: Path) -> None:
+def test_its_torques_are_those_of_the_sweep_that_the_page_records(hknob: Command, tmp_path: Path) -> None:
     (tmp_path / "experiments").symlink_to(ROOT / "experiments")
     command = [block.text for block in blocks(PAGE) if block.language == "console"][-1].removeprefix("$ hknob ")
-    subprocess.run([HKNOB, *shlex.split(command), "-q"], cwd=tmp_path, check=True, capture_output=True)
+    done = hknob(*shlex.split(command), "-q")
+    assert done.returncode == 0, done.stderr
     (script,) = (block.text for block in blocks(PAGE) if block.language == "python")
     found: dict[str, Any] = {}
     exec(script.replace("results/", f"{tmp_path}/results/"), found)

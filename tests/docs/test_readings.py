@@ -1,13 +1,13 @@
 """The numbers of docs/explanation/readings.md: every reading of the printed comparisons, over the 49 cells."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, Command
+from tests.forked import Forks
 
 from .page import agrees, says, table
 
@@ -22,22 +22,23 @@ READINGS = {
 KEYS = ["sample_rate_hz", "counts_per_rev"]
 
 
-def ran(*args: object) -> None:
-    done = subprocess.run([HKNOB, *map(str, args)], capture_output=True, text=True, check=False, timeout=300)
+def ran(hknob: Command, *args: object) -> None:
+    done = hknob(*args)
     assert done.returncode == 0, done.stderr
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def results(tmp_path_factory: pytest.TempPathFactory, forks: Forks) -> dict[str, Path]:
     """Folders with the sweep of each reading, and what the page says to run beside it."""
+    hknob = Command(forks, EXPERIMENTS)
     folders = {}
     for name, stiffness in READINGS.items():
         folder = folders[name] = tmp_path_factory.mktemp(name)
-        ran("sweep", EXPERIMENTS / f"{name}.yaml", "-o", folder / "sweep", "-q")
+        ran(hknob, "sweep", EXPERIMENTS / f"{name}.yaml", "-o", folder / "sweep", "-q")
         beside = ["-q", "--set", f"against={folder / 'sweep'}", "--set", f"scene.hand.stiffness={stiffness}"]
         dfa, laws = (EXPERIMENTS / f"{stage}_hand_on_knob.yaml" for stage in ("dfa", "predict"))
-        ran("dfa", dfa, "-o", folder / "dfa", *beside, "--set", "methods=[df1, df4]")
-        ran("predict", laws, "-o", folder / "predict", *beside, "--set", "constant=500.0")
+        ran(hknob, "dfa", dfa, "-o", folder / "dfa", *beside, "--set", "methods=[df1, df4]")
+        ran(hknob, "predict", laws, "-o", folder / "predict", *beside, "--set", "constant=500.0")
     return folders
 
 
@@ -100,18 +101,18 @@ def test_cells_that_rest(results: dict[str, Path]) -> None:
 
 
 @pytest.mark.long
-def test_against_the_largest_of_all_cycles(tmp_path: Path) -> None:
+def test_against_the_largest_of_all_cycles(hknob: Command, tmp_path: Path) -> None:
     wrong = []
     bias = {"0.001 N·m": "{torque: 0.001}", "half a count": "{half_quantum: true}"}
     for i, row in enumerate(table(PAGE, "## Against the largest")):
         stiffness, push = row[0].removesuffix(" (41 cells)").split(", ")
         hand = ["-q", "--set", f"scene.hand.stiffness={stiffness}"]
         sweep = tmp_path / f"sweep{i}"
-        ran("sweep", EXPERIMENTS / "every_start.yaml", "-o", sweep, *hand, "--set", f"scene.bias={bias[push]}")
+        ran(hknob, "sweep", EXPERIMENTS / "every_start.yaml", "-o", sweep, *hand, "--set", f"scene.bias={bias[push]}")
         dfa, laws = (EXPERIMENTS / f"{stage}_hand_on_knob.yaml" for stage in ("dfa", "predict"))
         against = [*hand, "--set", f"against={sweep}"]
-        ran("dfa", dfa, "-o", tmp_path / f"dfa{i}", *against, "--set", "methods=[df1, df4]")
-        ran("predict", laws, "-o", tmp_path / f"laws{i}", *against, "--set", "constant=500.0")
+        ran(hknob, "dfa", dfa, "-o", tmp_path / f"dfa{i}", *against, "--set", "methods=[df1, df4]")
+        ran(hknob, "predict", laws, "-o", tmp_path / f"laws{i}", *against, "--set", "constant=500.0")
         found = pd.read_parquet(tmp_path / f"dfa{i}" / "dfa.parquet")
         law = pd.read_parquet(tmp_path / f"laws{i}" / "predict.parquet")
         several = [found[found.method == "df1"], found[found.method == "df4"], law[law.law == "quantum_period"]]

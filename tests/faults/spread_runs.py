@@ -1,12 +1,16 @@
 """Runs of a small sweep that is spread, in parts, to be disturbed; and what an undisturbed one leaves."""
 
+import atexit
 import os
 import re
 import subprocess
 import sys
 import time
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
+
+from tests.forked import Forks
 
 SMALL_PIECES = Path(__file__).with_name("small_pieces.py")
 
@@ -63,8 +67,20 @@ def finish(process: subprocess.Popen[str], timeout: float = 300) -> tuple[int, s
 
 
 def run(spec: Path, out: Path, *args: object, fault: str = "", **env: str) -> tuple[int, str]:
-    """A whole run: exit code, and what was said on stderr."""
-    return finish(start(spec, out, *args, fault=fault, **env))
+    """A whole run: exit code, and what was said on stderr. Without a fault it is a fork (`tests.forked`)."""
+    if fault or env:
+        return finish(start(spec, out, *args, fault=fault, **env))
+    words = ["sweep", str(spec), "-o", str(out), *map(str, args)]
+    code, _, errors = loaded().run(words, cwd=Path.cwd(), env=dict(os.environ), timeout=300)
+    return code, PASSING.sub("", errors)
+
+
+@cache
+def loaded() -> Forks:
+    """The command with small pieces and parts, loaded once for all runs of a process."""
+    forks = Forks(SMALL_PIECES.with_name("small_forks.py"))
+    atexit.register(forks.end)
+    return forks
 
 
 def left(out: Path) -> dict[str, bytes]:

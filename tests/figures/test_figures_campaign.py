@@ -1,6 +1,5 @@
 """Drawings of campaigns on a knob, on a small one: what they say, and that they say it the same twice."""
 
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +10,8 @@ from hknob_cli.figures.campaign import one_trial
 from hknob_cli.page.answers import answers_of
 from hknob_cli.page.defaults import chapters_of
 from hknob_cli.results.result_set import MissingError, ResultSet
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, Command
+from tests.forked import Forks
 
 GRID = "grid={sample_rate_hz: [1000, 4000], counts_per_rev: [256, 2048]}"
 SHORT = "trial={zero: 0.1, settle: 0.1, buzz: [1, 1], longest: 3}"
@@ -76,14 +76,14 @@ CASES: list[tuple[str, object, dict[str, Any], tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
+def evidence(tmp_path_factory: pytest.TempPathFactory, forks: Forks) -> ResultSet:
     base = tmp_path_factory.mktemp("campaigns")
+    hknob = Command(forks, base)
     folders: dict[str, Path] = {}
     for name, (stage, spec, *sets) in RUNS.items():
         folders[name] = base / name
         more = [part for value in sets for part in ("--set", value.replace("BASE", str(base)))]
-        command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", "-o", folders[name], "-q", *more]
-        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
+        done = hknob(stage, EXPERIMENTS / f"{spec}.yaml", "-o", folders[name], "-q", *more)
         assert done.returncode == 0, done.stderr
     return ResultSet(folders)
 

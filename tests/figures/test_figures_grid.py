@@ -1,7 +1,6 @@
 """Drawings of grids, loops and benches on small real results: what they say, and that they say it the same twice."""
 
 import re
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,8 @@ from hknob_cli.figures.grid import grid, rows_of
 from hknob_cli.figures.numbers import log_ticks, number
 from hknob_cli.results.result_set import MissingError, ResultSet
 from hknob_cli.specs.drawings import MODULES
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, Command
+from tests.forked import Forks
 
 AXES = "grid={sample_rate_hz: [1000, 2000, 4000], counts_per_rev: [256, 512]}"
 COARSE_AND_FINE = "grid={sample_rate_hz: [1000, 2000], counts_per_rev: [512, 2048]}"
@@ -163,13 +163,13 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
 
 
 @pytest.fixture(scope="session")
-def evidence(tmp_path_factory: pytest.TempPathFactory) -> ResultSet:
+def evidence(tmp_path_factory: pytest.TempPathFactory, forks: Forks) -> ResultSet:
     """Every result of `RUNS`, through the command line."""
     folder = tmp_path_factory.mktemp("results")
+    hknob = Command(forks, folder)
     for name, (stage, spec, *overrides) in RUNS.items():
         options = [part for override in overrides for part in ("--set", override)]
-        command = [HKNOB, stage, EXPERIMENTS / f"{spec}.yaml", *options, "-o", folder / name]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        done = hknob(stage, EXPERIMENTS / f"{spec}.yaml", *options, "-o", folder / name)
         assert done.returncode == 0, done.stderr
     return ResultSet({name: folder / name for name in RUNS})
 
@@ -255,21 +255,12 @@ def test_what_is_missing_is_said(evidence: ResultSet, name: str, of: object, opt
         draw(name, evidence, of, options)
 
 
-def test_a_difference_is_that_of_the_analysis(evidence: ResultSet, tmp_path: Path) -> None:
+def test_a_difference_is_that_of_the_analysis(evidence: ResultSet, hknob: Command, tmp_path: Path) -> None:
     folder = tmp_path / "dfa"
-    command = [
-        HKNOB,
-        "dfa",
-        EXPERIMENTS / "dfa_hand_on_knob.yaml",
-        "--set",
-        AXES,
-        "--set",
-        "methods=[df1]",
-        "-o",
-        folder,
-    ]
-    against = f"against={evidence['small'].folder}"
-    subprocess.run([*command, "--set", against], check=True, capture_output=True)
+    settings = [AXES, "methods=[df1]", f"against={evidence['small'].folder}"]
+    options = [part for setting in settings for part in ("--set", setting)]
+    done = hknob("dfa", EXPERIMENTS / "dfa_hand_on_knob.yaml", *options, "-o", folder)
+    assert done.returncode == 0, done.stderr
     both = ResultSet({"dfa": folder, "small": evidence["small"].folder})
     found = next(
         row
