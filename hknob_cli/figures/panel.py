@@ -48,8 +48,9 @@ def draw_torque_axis(panel: "Axes", one: Recording, unit: Scale) -> None:
 def key(panel: "Axes") -> None:
     """Legend above the axes, where nothing is drawn, in as many columns as its longest entry leaves room for."""
     longest = max(len(label) for label in panel.get_legend_handles_labels()[1])
-    width = panel.get_figure(root=True).get_figwidth()
-    room = ROOM * (width - BESIDE) / (theme.WIDTH - BESIDE)
+    figure = panel.get_figure(root=True)
+    assert figure is not None  # a panel is always in one
+    room = ROOM * (figure.get_figwidth() - BESIDE) / (theme.WIDTH - BESIDE)
     columns = min(5, max(1, int(room / (longest + 6))))
     panel.legend(
         loc="lower left",
