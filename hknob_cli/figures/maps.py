@@ -64,7 +64,7 @@ def _dress(axes: Any, grid: Grid, height: Any, *, log: bool) -> None:
         for label in axis.get_ticklabels():  # those of the two axes meet at the front corner
             label.set_horizontalalignment("left" if (axis is axes.xaxis) == (corner % 2 == 0) else "right")
         axis.set_label_text(_SHORT.get(name, name), fontsize=8)
-        axis.labelpad = 2
+        axis.labelpad = 2 if max(map(len, texts)) < 5 else 5  # below five digits it meets none of them
     found = height[np.isfinite(height)]
     if log and found.size:
         powers = range(floor(found.min()), floor(found.max()) + 2)

@@ -4,13 +4,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from hknob_cli.figures import theme
 from hknob_cli.figures.recording import Recording
 from hknob_cli.figures.trajectory_picture import Scale
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-ROOM = 145  # characters of a key's line, its lines and gaps counted as six an entry
+ROOM = 145  # characters of a key's line in a full-width figure, its lines and gaps counted as six an entry
+BESIDE = 0.8  # inches beside a panel, of any width, for its labels
 MOST_EDGES = 40  # count edges that a panel shows
 
 
@@ -46,7 +48,10 @@ def draw_torque_axis(panel: "Axes", one: Recording, unit: Scale) -> None:
 def key(panel: "Axes") -> None:
     """Legend above the axes, where nothing is drawn, in as many columns as its longest entry leaves room for."""
     longest = max(len(label) for label in panel.get_legend_handles_labels()[1])
-    columns = min(5, max(1, ROOM // (longest + 6)))
+    figure = panel.get_figure(root=True)
+    assert figure is not None  # a panel is always in one
+    room = ROOM * (figure.get_figwidth() - BESIDE) / (theme.WIDTH - BESIDE)
+    columns = min(5, max(1, int(room / (longest + 6))))
     panel.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),

@@ -9,6 +9,7 @@ import pytest
 
 from hknob_cli.figures import draw, theme
 from hknob_cli.figures.contact import _added
+from hknob_cli.figures.panel import key
 from hknob_cli.figures.recording import one_recording, recordings
 from hknob_cli.results.provenance import describe
 from hknob_cli.results.result_set import MissingError, ResultSet
@@ -173,3 +174,18 @@ def test_recordings_are_told_apart_by_cell_and_start(evidence: ResultSet) -> Non
     assert [one.scene.knob.inertia for one in found] == [1.98e-6, 1.98e-6]
     assert found[0].pulse is not None
     assert (found[0].finger is None, found[1].finger is None) == (True, False)
+
+
+@pytest.mark.parametrize("width", [5.6, theme.WIDTH])
+def test_a_key_of_five_entries_stays_within_its_figure(width: float) -> None:
+    def with_key() -> Any:
+        drawn = theme.figure(4.0, width)
+        panel = drawn.subplots()
+        for name in ("way in", "steady", "samples", "edge of the wall", "edge of a count"):
+            panel.plot([0.0, 1.0], [0.0, 1.0], label=name)
+        key(panel)
+        drawn.canvas.draw()
+        return drawn
+
+    drawn = theme.styled(with_key)()
+    assert drawn.axes[0].get_legend().get_window_extent().x1 <= drawn.bbox.x1
