@@ -66,11 +66,15 @@ def rates(count: int) -> str:
 
 
 CURVES: dict[str, Curve] = {
-    "cells": Curve("cells of the plain grid, 64 phases", (7, 28, 112, 448), lambda n: sweep(rates(n))),
-    "cells with friction": Curve("the same with 0.56 mN m", (7, 14, 28, 56), lambda n: sweep(rates(n), FRICTION)),
-    "phases": Curve("phases a cell, 49 cells", (16, 64, 256, 1024), lambda n: sweep(f"starts.phases={n}")),
+    "cells": Curve("cells, 64 phases", (28, 112, 448, 1792), lambda n: sweep(rates(n))),
+    "cells with friction": Curve(
+        "cells, 64 phases, 0.56 mN m of friction", (14, 28, 56, 112), lambda n: sweep(rates(n), FRICTION)
+    ),
+    "phases": Curve("phases a cell, 49 cells", (64, 256, 1024, 4096), lambda n: sweep(f"starts.phases={n}")),
     "phases with friction": Curve(
-        "the same with 0.56 mN m", (16, 64, 256, 1024), lambda n: sweep(f"starts.phases={n}", FRICTION)
+        "phases a cell, 49 cells, 0.56 mN m of friction",
+        (64, 256, 1024),
+        lambda n: sweep(f"starts.phases={n}", FRICTION),
     ),
     "resolution": Curve(
         "counts a turn, every start in a box, 1 kHz",
@@ -83,18 +87,20 @@ CURVES: dict[str, Curve] = {
         lambda n: sweep(f"grid.sample_rate_hz={n}", "grid.counts_per_rev=1024", spec=EVERY),
     ),
     "delay": Curve(
-        "samples of delay, a cell, 64 phases",
+        "samples of delay, a cell, every phase of a start",
         (1, 2, 4, 8, 16),
-        lambda n: sweep(*ONE_CELL, f"scene.actuator.delay_samples={n}"),
+        lambda n: sweep(*ONE_CELL, f"scene.actuator.delay_samples={n}", "starts={angle: 0.02}"),
     ),
     "people": Curve(
         "people, 2 cells, 64 phases",
-        (25, 50, 100, 200),
+        (100, 200, 400, 800),
         lambda n: sweep(f"population.people={n}", spec=EXPERIMENTS / "population_table1.yaml"),
     ),
-    "harmonics": Curve("odd harmonics of a describing function", (3, 7, 15, 31), lambda n: dfa(f"methods=[df{n}]")),
-    "designs": Curve("designs, exhaustive, 5 people", (4, 8, 16, 32), lambda n: design(5, n)),
-    "designs' people": Curve("people of a design, 8 designs", (5, 10, 20, 40), lambda n: design(n, 8)),
+    "harmonics": Curve(
+        "odd harmonics of a describing function, 49 cells", (3, 7, 15, 31), lambda n: dfa(f"methods=[df{n}]")
+    ),
+    "designs": Curve("designs, exhaustive, 20 people", (8, 16, 32, 64), lambda n: design(20, n)),
+    "designs' people": Curve("people of a design, 8 designs", (20, 40, 80, 160), lambda n: design(n, 8)),
     "remedies' cells": Curve("cells of a trial of remedies", (2, 4, 8), remedies),
 }
 

@@ -50,11 +50,17 @@ def run(hknob, folder: Path, fault: str, more: str = "", **changes: str) -> str:
 @pytest.mark.one_in(3)
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_fault_is_named_and_the_torque_released(hknob, tmp_path: Path, fault: str) -> None:
-    said = run(hknob, tmp_path, fault)
-    assert re.search(FAULTS[fault], said), said
-    assert "torque released; " in said
-    assert said.startswith("trial 1 of 1 (1000 Hz, 256 counts): ")
-    assert said.count("\n") == 1
+    """Of three trials one names it: where a busy computer stands still, another fault may be met first."""
+    for number in range(3):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        said = run(hknob, folder, fault)
+        assert "torque released; " in said
+        assert said.startswith("trial 1 of 1 (1000 Hz, 256 counts): ")
+        assert said.count("\n") == 1
+        if re.search(FAULTS[fault], said):
+            return
+    pytest.fail(said)
 
 
 @pytest.mark.parametrize(
