@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.attractors import StoppedError
 from hknob_cli.engine.loop import Loop, interval, level_of, make_loop
 from hknob_cli.engine.sets import region as regions
-from hknob_cli.engine.sets.absorbing import RegionFinder, pushes
+from hknob_cli.engine.sets.absorbing import Limits, RegionFinder, pushes
 from hknob_cli.engine.sets.region import (
     advance,
     area_of,
@@ -150,7 +150,7 @@ def test_no_state_leaves_the_region_in_a_sample(
     room: RegionRoom, loop: Loop, seed: int, size: float, at: float
 ) -> None:
     """At 60 digits: corners of the region and states in it, those at count edges among them, with either reading."""
-    edge, outside, low, high = pushes(loop)
+    edge, outside, _, low, high = pushes(loop)
     flat = triangle(seed, size, at)
     region = zeros(4096)
     region[:6] = flat
@@ -179,7 +179,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     room: RegionRoom, loop: Loop, seed: int, size: float
 ) -> None:
     """Backward: the region around where states go holds, one sample earlier, the states."""
-    edge, outside, low, high = pushes(loop)
+    edge, outside, _, low, high = pushes(loop)
     chance = np.random.default_rng(seed)
     states = [(x, v) for x, v in chance.uniform(-size, size, (8, 2)).tolist()]
     after = [next_state(loop, x, v) for x, v in states]
@@ -200,7 +200,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
 def test_every_motion_comes_into_the_region() -> None:
     """From a thousand times as far, and a million times."""
     for loop in (knob(), knob(-1.0), knob(1.0, 0.3), make_loop(2.5, 0.1, 0.5, 0.3, 1.0, 0.0, 0.0)):
-        found = finder().find(loop)
+        found = finder().find(loop, pushes(loop))
         assert found is not None
         low_x, high_x, low_v, high_v = found.ranges
         assert high_x - low_x < 20.0
@@ -228,8 +228,8 @@ def drive(x: float, loop: Loop) -> float:
 def test_a_wall_too_stiff_for_its_rate_throws_every_motion_farther() -> None:
     """No region takes them in; from beyond the other region all that is tried grows."""
     loop = make_loop(0.00321, 0.00345, 0.219, 0.1, 1.0, 0.0, 0.0)
-    assert finder().find(loop) is None
-    found = finder().find_growth(loop)
+    assert finder().find(loop, pushes(loop)) is None
+    found = finder().find_growth(loop, pushes(loop))
     assert found is not None
     low_x, high_x, low_v, high_v = found.ranges
     for seed in range(30):
@@ -245,12 +245,13 @@ def test_a_wall_too_stiff_for_its_rate_throws_every_motion_farther() -> None:
 
 def test_a_motion_that_all_come_to_does_not_grow() -> None:
     """The same loop has one region or the other, never both."""
-    assert finder().find_growth(knob()) is None
+    assert finder().find_growth(knob(), pushes(knob())) is None
 
 
 def test_without_a_wall_the_region_is_the_rest_point() -> None:
     """Pushed against the hand's spring alone."""
-    found = finder().find(make_loop(0.3, 0.1, 0.0, 0.05, 1.0, 0.0, 0.0))
+    loop = make_loop(0.3, 0.1, 0.0, 0.05, 1.0, 0.0, 0.0)
+    found = finder().find(loop, pushes(loop))
     assert found is not None
     low_x, high_x, low_v, high_v = found.ranges
     assert low_x < -0.5 < high_x
@@ -260,8 +261,8 @@ def test_without_a_wall_the_region_is_the_rest_point() -> None:
 
 def test_a_limited_torque_holds_every_motion() -> None:
     """Any push between two bounds, the worst for the angle and for the speed among them, and motions from far away."""
-    loop = knob()
-    found = finder().find_pushed(loop, -0.2, 0.5)
+    loop = knob()._replace(kappa=0.0)
+    found = finder().find(loop, Limits(0.0, -0.2, 0.5, -0.2, 0.5))
     assert found is not None
     around = hull(exact(list(found.corners), len(found.corners) // 2))
     chance = np.random.default_rng(4)
@@ -293,9 +294,11 @@ def free_positions(loop: Loop, samples: int) -> list[float]:
 
 def test_no_time_and_an_interruption() -> None:
     """None before any time; told to stop, it stops."""
-    assert finder().find(knob(), until=0.0) is None
+    assert finder().find(knob(), pushes(knob()), until=0.0) is None
     with pytest.raises(StoppedError):
-        RegionFinder(lambda name: getattr(regions, name), make_region_room(zeros), lambda: True).find(knob())
+        RegionFinder(lambda name: getattr(regions, name), make_region_room(zeros), lambda: True).find(
+            knob(), pushes(knob())
+        )
 
 
 def test_measures_of_a_region() -> None:
