@@ -90,6 +90,13 @@ FROM_AFAR = [
 FROM_AFAR += [
     ("limit", 1000.0, 512, {"actuator": {"torque_limit": 4e-3}, "encoder": {"rounding": "truncate"}}),
     ("step", 1000.0, 1024, {"actuator": {"torque_step": 0.3 * COUNT}, "encoder": {"rounding": "nearest"}}),
+    (
+        "end stops and the wall",
+        1000.0,
+        1024,
+        {"end_stops": {"low": -0.02, "high": 0.03, "stiffness": 0.1}},
+    ),
+    ("dead zone", 1000.0, 512, {**FREE, "dead_zone": {"width": 0.06, "stiffness": 0.2}}),
     ("detents and the wall", 1000.0, 512, {"detents": {"per_revolution": 60, "torque": 1e-3}}),
 ]
 

@@ -33,16 +33,17 @@ SHRINKS = 0.95  # of its area over a time constant: a region that keeps more has
 
 
 class Limits(NamedTuple):
-    """Between which a loop is pushed, beside its springs; the order is that of `region.advance`."""
+    """Between which a loop is pushed, beside its springs; the order is that of `region.advance`.
+
+    ``outside``: stiffness of a spring that is to the other side what the wall's is to its own, 0 for a plain wall.
+    """
 
     edge: float  # position where the wall begins
     least_outside: float
     most_outside: float
     least_inside: float
     most_inside: float
-
-
-UNPUSHED = Limits(0.0, 0.0, 0.0, 0.0, 0.0)
+    outside: float = 0.0
 
 
 class Region(NamedTuple):
@@ -111,12 +112,13 @@ class RegionFinder:
             return None
         most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS))
         longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES))
-        _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, UNPUSHED, loop)
+        unpushed = Limits(0.0, 0.0, 0.0, 0.0, 0.0, limits.outside)
+        _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, unpushed, loop)
         if far > 0.5:
             return None
         # The wall's torque bends at 0 here. Where it begins at -1, it is off between: by no more than a count's, too.
-        least, most_push = min(0.0, *limits[1:]), max(0.0, *limits[1:])
-        any_push = Limits(0.0, least, most_push, least, most_push)
+        least, most_push = min(0.0, *limits[1:5]), max(0.0, *limits[1:5])
+        any_push = Limits(0.0, least, most_push, least, most_push, limits.outside)
         step = abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta)
         radius = max(8.0 * first * max(-least, most_push) * step, SMALL)
         for _ in range(TRIES):

@@ -150,11 +150,11 @@ def test_no_state_leaves_the_region_in_a_sample(
     room: RegionRoom, loop: Loop, seed: int, size: float, at: float
 ) -> None:
     """At 60 digits: corners of the region and states in it, those at count edges among them, with either reading."""
-    edge, outside, _, low, high = pushes(loop)
+    limits = pushes(loop)
     flat = triangle(seed, size, at)
     region = zeros(4096)
     region[:6] = flat
-    count = advance(region, 3, 32, (edge, outside, outside, low, high), room, loop)
+    count = advance(region, 3, 32, limits, room, loop)
     around = hull(exact(region, count))
     corners = [(flat[0], flat[1]), (flat[2], flat[3]), (flat[4], flat[5])]
     for x, v in corners:
@@ -179,7 +179,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     room: RegionRoom, loop: Loop, seed: int, size: float
 ) -> None:
     """Backward: the region around where states go holds, one sample earlier, the states."""
-    edge, outside, _, low, high = pushes(loop)
+    limits = pushes(loop)
     chance = np.random.default_rng(seed)
     states = [(x, v) for x, v in chance.uniform(-size, size, (8, 2)).tolist()]
     after = [next_state(loop, x, v) for x, v in states]
@@ -187,7 +187,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     wide = max(abs(value) for value in flat)
     slack = 1.2e-16 * wide  # what a state loses by becoming a double
     count = enclose(flat, 8, slack, slack, room.chain, region)
-    count = trace_back(region, count, 32, (edge, outside, outside, low, high), room, loop)
+    count = trace_back(region, count, 32, limits, room, loop)
     if count == 0:
         spring = loop.beta + loop.kappa
         assert abs(loop.f2 * (1.0 - loop.g2 * spring) + loop.s2**2 * spring) < 1e-5 * (1.0 + spring)
@@ -195,6 +195,34 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     around = hull(exact(region, count))
     for x, v in states:
         assert holds(around, (Fraction(x), Fraction(v)))
+
+
+@small
+@given(loop=some_loops, spring=st.floats(0.0, 0.5), seed=st.integers(0, 10**6), size=st.sampled_from([0.5, 20.0, 1e6]))
+def test_a_spring_outside_pulls_as_the_wall_does_inside(
+    room: RegionRoom, loop: Loop, spring: float, seed: int, size: float
+) -> None:
+    """States on both sides of the edge, under either push: where they go, and where they came from."""
+    limits = Limits(0.0, -0.2, 0.3, -0.4, 0.1, spring)
+    flat = triangle(seed, size, 0.0)
+    corners = list(zip(flat[::2], flat[1::2], strict=True))
+    weights = np.random.default_rng(seed).dirichlet(np.ones(3), 20)
+    states = [tuple(float(one) for one in weight @ np.array(corners)) for weight in weights]
+    after = []
+    for x, v in states:
+        stiffness, pushed = (spring, limits[1:3]) if x >= 0.0 else (loop.kappa, limits[3:5])
+        after += [interval(x, v, 0.0, push - stiffness * x, loop) for push in pushed]
+    region = zeros(4096)
+    region[:6] = flat
+    count = advance(region, 3, 32, limits, room, loop)
+    around = hull(exact(region, count))
+    assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in after)
+    cloud, slack = [float(one) for state in after for one in state], 1e-15 * size
+    count = enclose(cloud, len(after), slack, slack, room.chain, region)
+    count = trace_back(region, count, 32, limits, room, loop)
+    if count:
+        around = hull(exact(region, count))
+        assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in states)
 
 
 def test_every_motion_comes_into_the_region() -> None:

@@ -28,11 +28,8 @@ class Afar(NamedTuple):
     limits: Limits
 
 
-def look_from_afar(body: Body, wall: Controller) -> Afar | None:
-    """The loop of a body of second order under a wall without memory; None where a spring of the wall acts above 0.
-
-    Such are end stops and dead zones whose torque no limit holds.
-    """
+def look_from_afar(body: Body, wall: Controller) -> Afar:
+    """The loop of a body of second order under a wall without memory."""
     drive, torques = float(body.drive), torque_range(wall)
     least, most = max(torques.least, -wall.limit), min(torques.most, wall.limit)
     if -inf < least and most < inf:
@@ -46,23 +43,22 @@ def look_from_afar(body: Body, wall: Controller) -> Afar | None:
     return Afar(loop, pushes(loop, slack))
 
 
-def _beside_a_table(body: Body, wall: Controller, slack: float) -> Afar | None:
-    """The spring that a table goes on with below 0, and pushes by all that its counts add; a count is within 1 of x."""
+def _beside_a_table(body: Body, wall: Controller, slack: float) -> Afar:
+    """The springs that a table goes on with, and pushes by all that its counts add; a count is within 1 of x."""
     table, drive = np.asarray(wall.table), float(body.drive)
     first, turn, below, above = (float(value) for value in table[:HEAD])
-    if above != 0.0 or below > 0.0:
-        return None
-    kappa = -below / turn
+    inner, outer = max(0.0, -below / turn), max(0.0, -above / turn)
     commands = table[HEAD : HEAD + (len(table) - HEAD) // 3]
     counts = first + np.arange(len(commands))
-    slack += TABLE_ROUNDING * (kappa * len(commands) + float(np.abs(commands).max()))
-    outside = commands[counts >= -1.0]
-    inside = (commands + kappa * counts)[counts <= 0.0]
+    slack += TABLE_ROUNDING * (max(inner, outer) * len(commands) + float(np.abs(commands).max()))
+    inside = (commands + inner * counts)[counts <= 0.0]
+    outside = (commands + outer * counts)[counts >= -1.0]
     limits = Limits(
         0.0,
-        drive + float(outside.min()) - slack,
-        drive + float(outside.max()) + slack,
-        drive + float(inside.min()) - kappa - slack,
-        drive + float(inside.max()) + kappa + slack,
+        drive + float(outside.min()) - outer - slack,
+        drive + float(outside.max()) + outer + slack,
+        drive + float(inside.min()) - inner - slack,
+        drive + float(inside.max()) + inner + slack,
+        outer,
     )
-    return Afar(make_loop(body.alpha, body.beta, kappa, -drive, wall.sense, wall.offset, 0.0), limits)
+    return Afar(make_loop(body.alpha, body.beta, inner, -drive, wall.sense, wall.offset, 0.0), limits)

@@ -293,25 +293,22 @@ class GeneralSetEngine:
         Raises `StoppedError` when told to stop.
         """
         until = inf if seconds is None else monotonic() + seconds
-        why = Reason.NO_REGION
-        if afar := look_from_afar(body, wall):
-            if self._regions is None:
-                room = make_region_room(self._zeros)
-                self._regions = RegionFinder(self._region_function, room, self.stopped)
-            found = self._regions.find(*afar, until)
-            if found is None:
-                return self._regions.why_none(*afar, until)
-            left = None if seconds is None else until - monotonic()
-            given: dict[str, Any] = {
-                "rate": rate,
-                "delay_line": delay_line,
-                "max_samples": max_samples,
-                "seconds": left,
-            }
-            if search := self.search_box(body, wall, Box(*found.ranges), **given):
-                return search._replace(region=found.ranges)
-            why = Reason.TOO_FINE
-        return Search((whole(Outcome.UNDECIDED, why, 1.0),), 0, complete=False, undecided=1.0, why=why)
+        afar = look_from_afar(body, wall)
+        if self._regions is None:
+            room = make_region_room(self._zeros)
+            self._regions = RegionFinder(self._region_function, room, self.stopped)
+        found = self._regions.find(*afar, until)
+        if found is None:
+            return self._regions.why_none(*afar, until)
+        limits: dict[str, Any] = {
+            "max_samples": max_samples,
+            "seconds": None if seconds is None else until - monotonic(),
+        }
+        search = self.search_box(body, wall, Box(*found.ranges), rate=rate, delay_line=delay_line, **limits)
+        if search is None:
+            end = whole(Outcome.UNDECIDED, Reason.TOO_FINE, 1.0)
+            search = Search((end,), 0, complete=False, undecided=1.0, why=Reason.TOO_FINE)
+        return search._replace(region=found.ranges)
 
     def _region_function(self, name: str) -> Callable[..., Any]:
         found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(region, name)
