@@ -72,6 +72,7 @@ GENERAL_SETS = (
     *LAWS,
     *(f"general.sets.{name}" for name in ("readings", "memory", "known", "ball", "piece", "lattice", "box")),
     *(f"general.sets.{name}" for name in ("curve", "arc")),
+    *(f"sets.{name}" for name in ("polygon", "region")),
 )
 FRICTION_SETS = (
     *GENERAL_SETS,

@@ -72,6 +72,12 @@ COLUMNS = {
     ),
     "general_sets": Column("sets: more state", _SETS, group="general sets"),
     "friction_sets": Column("sets: friction, controllers", _SETS, group="friction sets"),
+    "general_anywhere": Column(
+        "sets: anywhere, other torques",
+        "no region is known that every motion comes into; give ranges",
+        "where starts are anywhere",
+        "general sets",
+    ),
     "basins": Column("basins", "a map tells starts by angle and velocity alone", "where basins are mapped"),
     "record": Column("record", ""),
     "pulse": Column("pulse", "{what} is not built for pulses"),
@@ -83,7 +89,7 @@ COLUMNS = {
     "device": Column("hw-run", "the spec of a device has no such key"),
     "explore": Column("explore", "the engine of its page has no such part"),
 }  # fmt: skip
-ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:10], tuple(COLUMNS)[10:14], tuple(COLUMNS)[14:]
+ENGINES, ASKED, COMMANDS = tuple(COLUMNS)[:11], tuple(COLUMNS)[11:15], tuple(COLUMNS)[15:]
 
 PARTS = {
     "bias": Part("a bias torque", "bias.torque"),
@@ -138,54 +144,54 @@ PARTS = {
 # Verdicts in the order of COLUMNS: engines of trials, engines of sets, what a sweep is asked for, laws and commands.
 _TABLE = {
     #                   plain, bounces, general, unsampled, laws
-    #                   |      phases, ranges, anywhere, general_sets, friction_sets
-    #                   |      |     basins, record, pulse, perceive
-    #                   |      |     |    describing, relay, formulas, bench, device
-    "bias":            "PEPPP PPPPP PEE~ ~P~E~",
-    "hand":            "PEPPP PPPPP PEE~ ~P~E~",
-    "grip":            "PEPPP PPPPP PEE~ ~P~E~",
-    "people":          "P-PPP PPPPP PEE~ -----",
-    "knob_damping":    "P-PPP PPPPP PEE~ ~P~E~",
-    "friction":        "--PPP ----P -EE~ ~-~E~",
-    "hand_damping":    "P-PPP PPPPP PEE~ ~P~E~",
-    "hand_stiffness":  "P-PPP PPPPP PEE~ ~P~E~",
-    "finger":          "--P-P ---P- -EE~ ~--E-",
-    "virtual_damping": "--P-P ---PP -EE~ --~E~",
-    "delay":           "PEP-P P--PP -EE~ ~P~E-",
-    "lag":             "--P-P ---P- -EE~ ~--E~",
-    "torque_limit":    "--P-P ---PP -EE~ ---E-",
-    "torque_step":     "--P-P ---PP -EE~ ---E-",
-    "dead_band":       "--P-P ---PP -EE~ -----",
-    "rounding":        "PEPPP PPPPP PEE~ ~P~E-",
-    "offset":          "PEPPP PPPPP PEE~ ~P~E-",
-    "hysteresis":      "--P-- ----- -EE~ ~----",
-    "backlash":        "--P-- ----- -EE~ ~----",
-    "bare":            "--PP- ----- -EE~ ---E-",
-    "unsampled":       "---P- ----- -E-- ---E-",
-    "controller":      "----P ----P -E-~ ----~",
-    "speed_sensor":    "----P ----- -E-~ -----",
-    "estimated_speed": "----P ----- -E-~ ----~",
-    "kalman":          "----P ----- -E-~ ----~",
-    "several_readings": "----P ----P -E-~ -----",
-    "pulses":          "----P ----P -E-~ -----",
-    "knob_model":      "----P ----P -E-~ -----",
-    "profile":         "--P-- ---PP -EE~ ----~",
-    "detents":         "--P-- ---PP -EE~ ----~",
-    "end_stops":       "--P-- ---PP -EE~ ----~",
-    "dead_zone":       "--P-- ---PP -EE~ ----~",
-    "motor":           "P-PPP PPPPP PEE~ ~P~E-",
-    "coil":            "--P-P ---P- -EE~ -----",
-    "current_loop":    "--P-P ---P- -EE~ ---E-",
-    "supply":          "--P-P ---PP -EE~ ---E-",
-    "eddy_brake":      "P-PPP PPPPP PEE~ ~P~E-",
-    "gear":            "PEPPP PPPPP -EE~ ~P~--",
-    "mesh":            "--P-P ---P- -EE~ -----",
-    "play":            "--E-- ----- -E-~ -----",
-    "squeeze":         "PEPPP PPPPP PEE~ ~P~--",
-    "undamped":        "EEEEE --E-- EEE~ ~E~E-",
-    "unheld":          "EEEPE --E-- EEE~ ~E~E-",
-    "unpushed":        "P-PPE PEEEP EEE~ ~P~E~",
-    "handless":        "EEEPE ----- -EE~ ~E~E-",
+    #                   |      phases, ranges, anywhere, general_sets, friction_sets, general_anywhere
+    #                   |      |      basins, record, pulse, perceive
+    #                   |      |      |    describing, relay, formulas, bench, device
+    "bias":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "hand":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "grip":            "PEPPP PPPPPP PEE~ ~P~E~",
+    "people":          "P-PPP PPPPPP PEE~ -----",
+    "knob_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "friction":        "--PPP ----P- -EE~ ~-~E~",
+    "hand_damping":    "P-PPP PPPPPP PEE~ ~P~E~",
+    "hand_stiffness":  "P-PPP PPPPPP PEE~ ~P~E~",
+    "finger":          "--P-P ---P-- -EE~ ~--E-",
+    "virtual_damping": "--P-P ---PP- -EE~ --~E~",
+    "delay":           "PEP-P P--PP- -EE~ ~P~E-",
+    "lag":             "--P-P ---P-- -EE~ ~--E~",
+    "torque_limit":    "--P-P ---PPP -EE~ ---E-",
+    "torque_step":     "--P-P ---PPP -EE~ ---E-",
+    "dead_band":       "--P-P ---PPP -EE~ -----",
+    "rounding":        "PEPPP PPPPPP PEE~ ~P~E-",
+    "offset":          "PEPPP PPPPPP PEE~ ~P~E-",
+    "hysteresis":      "--P-- ------ -EE~ ~----",
+    "backlash":        "--P-- ------ -EE~ ~----",
+    "bare":            "--PP- ------ -EE~ ---E-",
+    "unsampled":       "---P- ------ -E-- ---E-",
+    "controller":      "----P ----P- -E-~ ----~",
+    "speed_sensor":    "----P ------ -E-~ -----",
+    "estimated_speed": "----P ------ -E-~ ----~",
+    "kalman":          "----P ------ -E-~ ----~",
+    "several_readings": "----P ----P- -E-~ -----",
+    "pulses":          "----P ----P- -E-~ -----",
+    "knob_model":      "----P ----P- -E-~ -----",
+    "profile":         "--P-- ---PPP -EE~ ----~",
+    "detents":         "--P-- ---PPP -EE~ ----~",
+    "end_stops":       "--P-- ---PPP -EE~ ----~",
+    "dead_zone":       "--P-- ---PPP -EE~ ----~",
+    "motor":           "P-PPP PPPPPP PEE~ ~P~E-",
+    "coil":            "--P-P ---P-- -EE~ -----",
+    "current_loop":    "--P-P ---P-- -EE~ ---E-",
+    "supply":          "--P-P ---PPP -EE~ ---E-",
+    "eddy_brake":      "P-PPP PPPPPP PEE~ ~P~E-",
+    "gear":            "PEPPP PPPPPP -EE~ ~P~--",
+    "mesh":            "--P-P ---P-- -EE~ -----",
+    "play":            "--E-- ------ -E-~ -----",
+    "squeeze":         "PEPPP PPPPPP PEE~ ~P~--",
+    "undamped":        "EEEEE --E--E EEE~ ~E~E-",
+    "unheld":          "EEEPE --E--E EEE~ ~E~E-",
+    "unpushed":        "P-PPE PEEEPE EEE~ ~P~E~",
+    "handless":        "EEEPE ------ -EE~ ~E~E-",
 }  # fmt: skip
 
 # Parts that the page of `hknob explore` follows; what is not named here it refuses.
@@ -246,7 +252,7 @@ SAID_OF_STARTS = {"ranges": "where starts are a range", "anywhere": "where start
 TRIALS = ("bounces", "plain", "general", "unsampled", "laws")
 PHASES = ("bounces", "phases", "general_sets", "friction_sets", *TRIALS[1:])
 RANGES = ("bounces", "ranges", "general_sets", "friction_sets", "general", "laws")
-ANYWHERE = ("bounces", "anywhere")
+ANYWHERE = ("bounces", "anywhere", "general_anywhere")
 STARTS = {"phases": TRIALS, "one": PHASES, "ranges": RANGES, "anywhere": ANYWHERE}
 
 _REFUSED = {

@@ -17,7 +17,14 @@ from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import Scene, Starts, SweepPlan, scene_at
 
 OF_CONTROLLERS = {"controller", "speed_sensor", "estimated_speed", "kalman"}
-SETS = ("phases", "ranges", "anywhere", "general_sets", "friction_sets")  # engines of sets of starts
+SETS = (
+    "phases",
+    "ranges",
+    "anywhere",
+    "general_sets",
+    "friction_sets",
+    "general_anywhere",
+)  # engines of sets of starts
 
 
 def not_proven(plan: SweepPlan) -> list[str]:

@@ -91,7 +91,7 @@ CHANGES: dict[str, dict[str, Any]] = {
     "knob_model": {"scene": {"controller": {"kind": "half_sample"}}},
     "profile": {"scene": {"profile": {"points": [[-0.5, 0.002], [0.0, 0.0], [0.5, -0.002]]}}},
     "detents": {"scene": {"detents": {"per_revolution": 12, "torque": 0.002}}},
-    "end_stops": {"scene": {"end_stops": {"low": -0.5, "high": 0.5, "stiffness": 0.5}}},
+    "end_stops": {"scene": {"end_stops": {"low": -0.5, "high": 0.5, "stiffness": 0.3}}},
     "dead_zone": {"scene": {"dead_zone": {"width": 0.1, "stiffness": 0.1}}},
     "motor": {"scene": {"motor": MOTOR}},
     "coil": {"scene": {"motor": {**MOTOR, "inductance": 2.4e-4}}},

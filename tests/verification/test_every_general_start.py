@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
-from hknob_cli.engine.attractors import Attractor
+from hknob_cli.engine.attractors import Attractor, Search
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
@@ -82,8 +83,43 @@ def orbit_levels(knob: GeneralKnob, one: Attractor) -> tuple[int, ...]:
     return turned(seen)
 
 
+IDS = [case[0] for case in CASES]
+FROM_AFAR = [
+    case for case in CASES if case[0] in ("limit and step", "dead band", "detents", "end stops and a limit", "profile")
+]
+FROM_AFAR += [
+    ("limit", 1000.0, 512, {"actuator": {"torque_limit": 4e-3}, "encoder": {"rounding": "truncate"}}),
+    ("step", 1000.0, 1024, {"actuator": {"torque_step": 0.3 * COUNT}, "encoder": {"rounding": "nearest"}}),
+    (
+        "end stops and the wall",
+        1000.0,
+        1024,
+        {"end_stops": {"low": -0.02, "high": 0.03, "stiffness": 0.1}},
+    ),
+    ("dead zone", 1000.0, 512, {**FREE, "dead_zone": {"width": 0.06, "stiffness": 0.2}}),
+    ("detents and the wall", 1000.0, 512, {"detents": {"per_revolution": 60, "torque": 1e-3}}),
+]
+
+
+def every_start_ends_in_a_listed_orbit(
+    parts: dict[str, Any], rate: float, counts: int, found: Search, starts: NDArray[np.float64]
+) -> None:
+    """``found``: the list, all of whose orbits are proven; ``starts``: (n, 2), rad and rad/s, each simulated."""
+    knob = sample_general(SceneSpec.model_validate(parts).plain(), sample_rate_hz=rate, counts_per_rev=counts)
+    assert found.complete
+    assert all(one.certified for one in found.attractors)
+    listed = {orbit_levels(knob, one) for one in found.attractors}
+    assert len(listed) >= 1
+    assert {one.outcome for one in found.attractors} <= {Outcome.CYCLE, Outcome.REST}
+    longest = max(len(levels) for levels in listed)
+    seen = readings(parts, rate, counts, starts, int(40.0 / knob.rate), longest)
+    for j in range(len(starts)):
+        last = [int(level) for level in seen[:, j]]
+        assert any(turned(last[-len(levels) :]) == levels for levels in listed), (starts[j], last)
+
+
 @pytest.mark.long
-@pytest.mark.parametrize(("rate", "counts", "more"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
+@pytest.mark.parametrize(("rate", "counts", "more"), [case[1:] for case in CASES], ids=IDS)
 def test_random_starts_end_in_listed_orbits_only(rate: float, counts: int, more: dict[str, Any]) -> None:
     """Of a box of twenty counts to each side; the list is complete, and no start ends elsewhere."""
     parts = scene(**more)
@@ -93,15 +129,26 @@ def test_random_starts_end_in_listed_orbits_only(rate: float, counts: int, more:
     engine = GeneralSetEngine(compiled("general sets"))
     given = {"rate": knob.rate, "delay_line": knob.delay_line, "max_samples": None}
     found = engine.search_box(knob.body, knob.wall, box, **given)
-    assert found.complete
-    assert all(one.certified for one in found.attractors)
-    listed = {orbit_levels(knob, one) for one in found.attractors}
-    assert len(listed) >= 1
-    assert {one.outcome for one in found.attractors} <= {Outcome.CYCLE, Outcome.REST}
+    assert found
     chance = np.random.default_rng(int(rate))
     starts = np.column_stack([chance.uniform(-far, far, STARTS), chance.uniform(-fast, fast, STARTS)])
-    longest = max(len(levels) for levels in listed)
-    seen = readings(parts, rate, counts, starts, int(40.0 / knob.rate), longest)
-    for j in range(STARTS):
-        last = [int(level) for level in seen[:, j]]
-        assert any(turned(last[-len(levels) :]) == levels for levels in listed), (starts[j], last)
+    every_start_ends_in_a_listed_orbit(parts, rate, counts, found, starts)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("rate", "counts", "more"), [case[1:] for case in FROM_AFAR], ids=[case[0] for case in FROM_AFAR]
+)
+def test_starts_from_afar_end_in_listed_orbits_only(rate: float, counts: int, more: dict[str, Any]) -> None:
+    """From within the region that all come into, and from up to a thousand times as far."""
+    parts = scene(**more)
+    knob = sample_general(SceneSpec.model_validate(parts).plain(), sample_rate_hz=rate, counts_per_rev=counts)
+    engine = GeneralSetEngine(compiled("general sets"))
+    found = engine.search_anywhere(knob.body, knob.wall, rate=knob.rate, delay_line=knob.delay_line, max_samples=None)
+    assert found.region
+    chance = np.random.default_rng(int(rate))
+    sizes = 10.0 ** chance.uniform(-1.0, 3.0, (STARTS, 1))
+    x = chance.uniform(*found.region[:2], STARTS)
+    v = chance.uniform(*found.region[2:], STARTS)
+    unit = np.array([knob.quantum_rad, knob.quantum_rad * rate])
+    every_start_ends_in_a_listed_orbit(parts, rate, counts, found, np.column_stack([x, v]) * unit * sizes)

@@ -13,9 +13,12 @@ from math import ceil, inf, sqrt
 from time import monotonic
 from typing import Any, NamedTuple
 
-from hknob_cli.engine.attractors import StoppedError
+from hknob_cli.engine.attractors import FATES, Search, StoppedError, whole
+from hknob_cli.engine.budget import UNHELD
 from hknob_cli.engine.certificate import EPSILON
+from hknob_cli.engine.follow import UNDAMPED
 from hknob_cli.engine.loop import Loop, upper_edge
+from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.engine.sets.polygon import CORNERS
 from hknob_cli.engine.sets.room import RegionRoom
@@ -27,6 +30,20 @@ SLICE = 4096  # samples between two chances to be interrupted
 TRIES = 12  # sizes, each eight times the last
 SMALL = 0.01  # counts: what is smaller need not shrink
 SHRINKS = 0.95  # of its area over a time constant: a region that keeps more has become as small as it will
+
+
+class Limits(NamedTuple):
+    """Between which a loop is pushed, beside its springs; the order is that of `region.advance`.
+
+    ``outside``: stiffness of a spring that is to the other side what the wall's is to its own, 0 for a plain wall.
+    """
+
+    edge: float  # position where the wall begins
+    least_outside: float
+    most_outside: float
+    least_inside: float
+    most_inside: float
+    outside: float = 0.0
 
 
 class Region(NamedTuple):
@@ -56,35 +73,38 @@ class RegionFinder:
         self._until = inf
         self._back = False
 
-    def find(self, loop: Loop, until: float = inf) -> Region | None:
+    def find(self, loop: Loop, limits: Limits, until: float = inf) -> Region | None:
         """The region, or None if none is found, or none before the monotonic clock says ``until``.
 
-        Raises `StoppedError` when told to stop.
+        ``limits``: of the pushes, `pushes` for a plain wall. Raises `StoppedError` when told to stop.
         """
-        return self._find(loop, self._pushes_of(loop), until, back=False)
+        if loop.alpha == 0.0 or loop.beta == 0.0:
+            return None
+        return self._find(loop, limits, until, back=False)
 
-    def find_pushed(self, loop: Loop, least: float, most: float, until: float = inf) -> Region | None:
-        """The region if any push between two, the bias among it, may act on the free plant, whatever the angle.
-
-        So a torque that is limited acts, through whatever delay and lag.
-        """
-        return self._find(loop._replace(kappa=0.0), (0.0, least, most, least, most), until, back=False)
-
-    def find_growth(self, loop: Loop, until: float = inf) -> Region | None:
+    def find_growth(self, loop: Loop, limits: Limits, until: float = inf) -> Region | None:
         """A region outside of which every motion grows without bound, or None, as `find`.
 
         It is found as the other one, backward in time: where all that is within R later has been within R/2, what is
         beyond R/2 is beyond R later, and so on.
         """
-        return self._find(loop, self._pushes_of(loop), until, back=True)
+        return self._find(loop, limits, until, back=True)
 
-    @staticmethod
-    def _pushes_of(loop: Loop) -> tuple[float, ...]:
-        edge, outside, low, high = pushes(loop)
-        return edge, outside, outside, low, high
+    def why_none(self, loop: Loop, limits: Limits, until: float) -> Search:
+        """Why motions of a loop need not come into any region, and from where on they are proven not to.
 
-    def _find(self, loop: Loop, limits: tuple[float, ...], until: float, *, back: bool) -> Region | None:
-        """The region for pushes within ``limits``, as `region.advance` has them."""
+        Raises `StoppedError` when told to stop.
+        """
+        if loop.alpha == 0.0 or loop.beta == 0.0:
+            end = whole(*FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD], 1.0)
+        elif grows := self.find_growth(loop, limits, until):
+            end = whole(Outcome.DIVERGED, Reason.NONE, 1.0)
+            return Search((end,), 0, complete=False, undecided=1.0, why=Reason.LEAVES, grows=grows.ranges)
+        else:
+            end = whole(Outcome.UNDECIDED, Reason.TIME_LIMIT if monotonic() > until else Reason.NO_REGION, 1.0)
+        return Search((end,), 0, complete=False, undecided=1.0)
+
+    def _find(self, loop: Loop, limits: Limits, until: float, *, back: bool) -> Region | None:
         self._until = until
         self._back = back
         rate = slowest_rate(loop.alpha, loop.beta)
@@ -92,12 +112,13 @@ class RegionFinder:
             return None
         most = int(min(max(12.0 * rate ** (-1.0 / 3.0), FEWEST_CORNERS), MOST_CORNERS))
         longest = int(min(LONGEST / rate + 64.0, MOST_SAMPLES))
-        _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, (0.0,) * 5, loop)
+        unpushed = Limits(0.0, 0.0, 0.0, 0.0, 0.0, limits.outside)
+        _, first, far = self._shrink(self._square(1.0, loop), most, longest, 0.5, 1e6, unpushed, loop)
         if far > 0.5:
             return None
         # The wall's torque bends at 0 here. Where it begins at -1, it is off between: by no more than a count's, too.
-        least, most_push = min(0.0, *limits[1:]), max(0.0, *limits[1:])
-        any_push = (0.0, least, most_push, least, most_push)
+        least, most_push = min(0.0, *limits[1:5]), max(0.0, *limits[1:5])
+        any_push = Limits(0.0, least, most_push, least, most_push, limits.outside)
         step = abs(loop.g2) + abs(loop.s2) / sqrt(loop.beta)
         radius = max(8.0 * first * max(-least, most_push) * step, SMALL)
         for _ in range(TRIES):
@@ -109,9 +130,7 @@ class RegionFinder:
             radius *= 8.0
         return None
 
-    def _tighten(
-        self, count: int, used: int, most: int, rate: float, limits: tuple[float, ...], loop: Loop
-    ) -> Region | None:
+    def _tighten(self, count: int, used: int, most: int, rate: float, limits: Limits, loop: Loop) -> Region | None:
         """Move the region on, with the pushes as they are, for as long as that makes it smaller."""
         region, room = self._room.region, self._room
         area_of, ranges_of = self._function("area_of"), self._function("ranges_of")
@@ -147,7 +166,7 @@ class RegionFinder:
         samples: int,
         target: float,
         ceiling: float,
-        limits: tuple[float, ...],
+        limits: Limits,
         loop: Loop,
     ) -> tuple[int, int, float]:
         """`region.shrink` in slices."""
@@ -163,15 +182,14 @@ class RegionFinder:
         return int(count), used, float(far)
 
 
-def pushes(loop: Loop) -> tuple[float, float, float, float]:
-    """Position where the wall begins, the push outside it, and least and largest push inside.
+def pushes(loop: Loop, slack: float = 0.0) -> Limits:
+    """What rounding, the encoder's offset and the bias add to the torque of a wall that knows the angle.
 
-    The last two are beside that of a wall that knows the angle: they are what rounding, the encoder's offset and the
-    bias add.
+    ``slack``: by which the torque inside the wall may be more or less than that of the count.
     """
     shift = loop.offset if loop.sense > 0.0 else 1.0 + loop.offset  # the most that a level and its offset are above x
     least = -loop.gamma - loop.kappa * shift
-    return upper_edge(-1.0, loop.sense), -loop.gamma, least, least + loop.kappa
+    return Limits(upper_edge(-1.0, loop.sense), -loop.gamma, -loop.gamma, least - slack, least + loop.kappa + slack)
 
 
 def states_in(corners: Sequence[float], count: int) -> list[float]:

@@ -133,7 +133,8 @@ def advance(region, count, most, limits, room, loop):
     """The region one sample later, in place; its number of corners.
 
     ``limits``: position where the wall begins; least and largest push outside it; least and largest push inside beside
-    that of a wall that knows the angle. What lies near the wall's edge, within the bound on rounding, goes both ways.
+    that of a wall that knows the angle; stiffness of a spring outside. What lies near the wall's edge, within the bound
+    on rounding, goes both ways.
     """
     edge = limits[0]
     cloud, chain = room.cloud, room.chain
@@ -145,7 +146,7 @@ def advance(region, count, most, limits, room, loop):
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
         kept = clip(region, count, edge - sign * reach, sign, chain, 0)
-        stiffness = 0.0 if side == 0 else loop.kappa
+        stiffness = limits[5] if side == 0 else loop.kappa
         low, high = limits[1 + 2 * side], limits[2 + 2 * side]
         for k in range(kept):
             x, v = chain[2 * k], chain[2 * k + 1]
@@ -155,7 +156,7 @@ def advance(region, count, most, limits, room, loop):
                 cloud[2 * total], cloud[2 * total + 1] = interval(x, v, 0.0, high - stiffness * x, loop)
                 total += 1
     most_push = max(-limits[1], limits[2], -limits[3], limits[4])
-    pull = most_push + (loop.kappa + loop.beta) * far
+    pull = most_push + (max(loop.kappa, limits[5]) + loop.beta) * far
     next_far, next_fast = 0.0, 0.0
     for k in range(total):
         next_far, next_fast = max(next_far, abs(cloud[2 * k])), max(next_fast, abs(cloud[2 * k + 1]))
@@ -182,7 +183,7 @@ def trace_back(region, count, most, limits, room, loop):
     total, error_x, error_v = 0, 0.0, 0.0
     for side in range(2):
         sign = 1.0 if side == 0 else -1.0
-        spring = loop.beta if side == 0 else loop.beta + loop.kappa
+        spring = loop.beta + (limits[5] if side == 0 else loop.kappa)
         hold = 1.0 - g * spring
         det = f * hold + s * s * spring
         size = abs(f) * (1.0 + g * spring) + s * s * spring

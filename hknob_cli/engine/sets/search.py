@@ -30,7 +30,7 @@ from hknob_cli.engine.loop import Loop
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import arc, box, cells, lattice, region
 from hknob_cli.engine.sets import known as known_ends
-from hknob_cli.engine.sets.absorbing import RegionFinder, states_in
+from hknob_cli.engine.sets.absorbing import RegionFinder, pushes, states_in
 from hknob_cli.engine.sets.cells import first_patience
 from hknob_cli.engine.sets.polygon import POLYGON, WEIGHT
 from hknob_cli.engine.sets.room import make_arc_room, make_known, make_polygon_room, make_region_room
@@ -151,9 +151,11 @@ class SetEngine:
         if self._regions is None:
             room = make_region_room(self._zeros)
             self._regions = RegionFinder(lambda name: self._function(region, name), room, self.stopped)
-        found = self._regions.find(loop, until) if loop.alpha > 0.0 and loop.beta > 0.0 else None
+        limits = pushes(loop)
+        found = self._regions.find(loop, limits, until)
         if found is None:
-            return self._unabsorbed(loop, until)
+            why: Search = self._regions.why_none(loop, limits, until)
+            return why
         states, corners = Box(*found.ranges), self._numbers(found.corners)
 
         def fill() -> None:
@@ -162,17 +164,6 @@ class SetEngine:
         starts = self._numbers(states_in(found.corners, SAMPLED))
         left = None if seconds is None else until - monotonic()
         return self._search(loop, states, starts, fill, max_samples, left)._replace(region=found.ranges)
-
-    def _unabsorbed(self, loop: Loop, until: float) -> Search:
-        """Why motions of a loop need not come into any region, and from where on they are proven not to."""
-        if loop.alpha == 0.0 or loop.beta == 0.0:
-            end = whole(*FATES[UNDAMPED if loop.alpha == 0.0 else UNHELD], 1.0)
-        elif grows := self._regions.find_growth(loop, until):
-            end = whole(Outcome.DIVERGED, Reason.NONE, 1.0)
-            return Search((end,), 0, complete=False, undecided=1.0, why=Reason.LEAVES, grows=grows.ranges)
-        else:
-            end = whole(Outcome.UNDECIDED, Reason.TIME_LIMIT if monotonic() > until else Reason.NO_REGION, 1.0)
-        return Search((end,), 0, complete=False, undecided=1.0)
 
     def _search(
         self,

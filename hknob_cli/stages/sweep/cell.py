@@ -11,7 +11,7 @@ from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.propagator import slowest_rate
 from hknob_cli.measure.orbit import Measurer, OrbitMeasures
 from hknob_cli.scene.random_starts import random_starts
-from hknob_cli.scene.sampled_knob import SampledKnob, sample_knob
+from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.capabilities import COLUMNS, STARTS, TRIALS, engine_of, kind_of_starts, parts_of, takes
 from hknob_cli.specs.cells import cells_of
 from hknob_cli.specs.plan import COUNTS, GRIP, PERSON, RATE, Cell, Scene, SweepPlan, scene_at
@@ -184,7 +184,9 @@ class CellFinder:
         except NeedsCompilerError:
             raise NeedsCompilerError(group) from None
         measurer = GeneralMeasurer(knob, self._general)
-        return _perceived(plan, measurer, _result(cell, knob.quantum_rad, search, measurer.measure, group))
+        found = _result(cell, knob.quantum_rad, search, measurer.measure, group)
+        found = found._replace(region=_reach(knob, search.region), grows=_reach(knob, search.grows))
+        return _perceived(plan, measurer, found)
 
     def _find_with_law(self, plan: SweepPlan, cell: Cell, group: str) -> CellResult:
         from hknob_cli.controllers.scalar_law import make_law
@@ -278,7 +280,7 @@ def _search_trials(plan: SweepPlan, engine: Any, knob: Any, *, rate: float, line
     return found
 
 
-def _reach(knob: SampledKnob, ranges: tuple[float, float, float, float] | None) -> tuple[float, float] | None:
+def _reach(knob: Any, ranges: tuple[float, float, float, float] | None) -> tuple[float, float] | None:
     """Largest angle (rad) and speed (rad/s), either way, in ranges of position and speed in counts and samples."""
     if ranges is None:
         return None

@@ -104,7 +104,9 @@ def _search_sets(
         "seconds": plan.seconds_per_cell,
     }
     found: Search | None
-    if starts.span is None:
+    if starts.anywhere and engine.compiled:
+        found = engine.search_anywhere(knob.body, knob.wall, **given)
+    elif not starts.many:
         found = engine.search_phases(knob.body, knob.wall, knob.start(starts.angle, starts.velocity), **given)
     elif not engine.compiled:
         raise NeedsCompilerError(group)

@@ -10,7 +10,7 @@ import pytest
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.loop import Loop, drive_of, level_of, make_loop
 from hknob_cli.engine.sets import absorbing
-from hknob_cli.engine.sets.absorbing import MOST_SAMPLES, Region, RegionFinder, pushes, states_in
+from hknob_cli.engine.sets.absorbing import MOST_SAMPLES, Limits, Region, RegionFinder, pushes, states_in
 from hknob_cli.engine.sets.polygon import CORNERS
 from hknob_cli.engine.sets.region import enclose, ranges_of, simplify
 from hknob_cli.engine.sets.room import make_region_room
@@ -19,7 +19,7 @@ from tests.engine.sets.test_region import exact, holds, hull
 from .rooms import zeros
 
 LOOP = make_loop(0.338, 0.0844, 0.5696, 0.344, 1.0, 0.3, 0.0)
-NOTHING = (0.0,) * 5
+NOTHING = (0.0,) * 6
 
 
 class Script:
@@ -62,9 +62,9 @@ class Script:
         out[: 2 * self.left] = [float(k) for k in range(2 * self.left)]
         return self.left
 
-    def find(self, way: str = "find", *given: Any, loop: Loop = LOOP, **more: Any) -> Region | None:
+    def find(self, way: str = "find", *, loop: Loop = LOOP, limits: Limits | None = None, **more: Any) -> Region | None:
         finder = RegionFinder(self.function, make_region_room(zeros), lambda: False)
-        found: Region | None = getattr(finder, way)(loop, *given, **more)
+        found: Region | None = getattr(finder, way)(loop, limits or pushes(loop), **more)
         return found
 
 
@@ -96,7 +96,10 @@ def test_a_loop_that_does_not_come_in_without_a_push_has_none() -> None:
         assert (script.find() is not None) is found
         assert script.shrunk[0][2:6] == (0.5, 1e6, NOTHING, False)
         assert len(script.shrunk) == 1 or found
-    assert Script().find(loop=LOOP._replace(alpha=0.0)) is None
+    for nothing in ("alpha", "beta"):
+        script = Script()
+        assert script.find(loop=LOOP._replace(**{nothing: 0.0})) is None
+        assert script.shrunk == []
 
 
 @pytest.mark.parametrize("sense", [1.0, -1.0])
@@ -104,12 +107,12 @@ def test_a_loop_that_does_not_come_in_without_a_push_has_none() -> None:
 def test_far_out_any_push_between_all_of_them_and_none_may_act(sense: float, gamma: float) -> None:
     """With the wall from 0 on; the region that has halved is moved on with the pushes as they are."""
     loop = LOOP._replace(gamma=gamma, sense=sense)
-    edge, outside, low, high = pushes(loop)
+    edge, outside, _, low, high, _ = pushes(loop)
     script = Script(areas=(1.0, 0.5, 0.5))
     script.find(loop=loop)
     least, most = min(0.0, outside, low), max(0.0, outside, high)
     assert [one[4] for one in script.shrunk] == [
-        NOTHING, (0.0, least, most, least, most), *[(edge, outside, outside, low, high)] * 2,
+        NOTHING, (0.0, least, most, least, most, 0.0), *[(edge, outside, outside, low, high, 0.0)] * 2,
     ]  # fmt: skip
     assert [one[2:4] for one in script.shrunk[2:]] == [(0.0, inf)] * 2
     assert [one[0] for one in script.shrunk] == [4, 4, 6, 6]
@@ -117,23 +120,22 @@ def test_far_out_any_push_between_all_of_them_and_none_may_act(sense: float, gam
     assert {one[6] for one in script.shrunk} == {loop}
 
 
-def test_a_limited_torque_is_any_push_between_two_on_the_free_plant() -> None:
+def test_a_limited_torque_is_any_push_between_two() -> None:
     for least, most in ((-0.2, 0.5), (0.1, 0.5), (-0.5, -0.1)):
         script = Script()
-        script.find("find_pushed", least, most)
+        script.find(limits=Limits(0.0, least, most, least, most, 0.0))
         low, high = min(0.0, least), max(0.0, most)
         assert [one[4] for one in script.shrunk] == [
-            NOTHING, (0.0, low, high, low, high), (0.0, least, most, least, most),
+            NOTHING, (0.0, low, high, low, high, 0.0), (0.0, least, most, least, most, 0.0),
         ]  # fmt: skip
-        assert {one[6] for one in script.shrunk} == {LOOP._replace(kappa=0.0)}
         assert not any(one[5] for one in script.shrunk)
 
 
 def test_growth_is_the_same_backward() -> None:
     script = Script()
     script.find("find_growth")
-    edge, outside, low, high = pushes(LOOP)
-    assert script.shrunk[2][4] == (edge, outside, outside, low, high)
+    edge, outside, _, low, high, _ = pushes(LOOP)
+    assert script.shrunk[2][4] == (edge, outside, outside, low, high, 0.0)
     assert all(one[5] for one in script.shrunk)
 
 
@@ -275,7 +277,7 @@ def test_the_slower_a_loop_the_longer_it_is_looked_at(alpha: float, corners: int
 def test_the_first_size_is_that_of_all_pushes_while_a_motion_halves() -> None:
     for gamma, sense in ((0.344, 1.0), (-3.0, 1.0), (-3.0, -1.0), (9.0, -1.0)):
         loop = LOOP._replace(gamma=gamma, sense=sense)
-        _, outside, low, high = pushes(loop)
+        _, outside, _, low, high, _ = pushes(loop)
         largest = max(-min(0.0, outside, low), max(0.0, outside, high))
         script = Script((4, 12, 0.5))
         script.find(loop=loop)
@@ -325,13 +327,19 @@ def test_the_pushes_are_all_that_rounding_adds() -> None:
     for sense in (1.0, -1.0):
         for offset in (0.0, 0.4):
             loop = make_loop(0.3, 0.08, 0.5, 0.2, sense, offset, 0.0)
-            edge, outside, low, high = pushes(loop)
+            edge, outside, _, low, high, _ = pushes(loop)
             inside = np.append(np.linspace(edge - 5.0, edge, 4001)[:-1], [np.nextafter(edge, -9.0)])
             beside = [drive_of(level_of(x, sense), loop) + loop.kappa * x for x in inside]
             assert low - 1e-12 <= min(beside) < low + 2e-3
             assert high - 2e-3 < max(beside) <= high + 1e-12
             assert drive_of(level_of(edge + 1e-9, sense), loop) == outside
             assert drive_of(level_of(edge - 1e-9, sense), loop) != outside or offset == 0.0
+
+
+def test_a_torque_that_is_not_quite_that_of_the_count_widens_the_pushes_inside() -> None:
+    loop = make_loop(0.3, 0.08, 0.5, 0.2, 1.0, 0.4, 0.0)
+    edge, least, most, low, high, outside = pushes(loop)
+    assert pushes(loop, slack=0.25) == (edge, least, most, low - 0.25, high + 0.25, outside)
 
 
 def test_random_states_of_a_region_fill_it_evenly() -> None:

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hknob_cli.engine.attractors import StoppedError
 from hknob_cli.engine.loop import Loop, interval, level_of, make_loop
 from hknob_cli.engine.sets import region as regions
-from hknob_cli.engine.sets.absorbing import RegionFinder, pushes
+from hknob_cli.engine.sets.absorbing import Limits, RegionFinder, pushes
 from hknob_cli.engine.sets.region import (
     advance,
     area_of,
@@ -150,11 +150,11 @@ def test_no_state_leaves_the_region_in_a_sample(
     room: RegionRoom, loop: Loop, seed: int, size: float, at: float
 ) -> None:
     """At 60 digits: corners of the region and states in it, those at count edges among them, with either reading."""
-    edge, outside, low, high = pushes(loop)
+    limits = pushes(loop)
     flat = triangle(seed, size, at)
     region = zeros(4096)
     region[:6] = flat
-    count = advance(region, 3, 32, (edge, outside, outside, low, high), room, loop)
+    count = advance(region, 3, 32, limits, room, loop)
     around = hull(exact(region, count))
     corners = [(flat[0], flat[1]), (flat[2], flat[3]), (flat[4], flat[5])]
     for x, v in corners:
@@ -179,7 +179,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     room: RegionRoom, loop: Loop, seed: int, size: float
 ) -> None:
     """Backward: the region around where states go holds, one sample earlier, the states."""
-    edge, outside, low, high = pushes(loop)
+    limits = pushes(loop)
     chance = np.random.default_rng(seed)
     states = [(x, v) for x, v in chance.uniform(-size, size, (8, 2)).tolist()]
     after = [next_state(loop, x, v) for x, v in states]
@@ -187,7 +187,7 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
     wide = max(abs(value) for value in flat)
     slack = 1.2e-16 * wide  # what a state loses by becoming a double
     count = enclose(flat, 8, slack, slack, room.chain, region)
-    count = trace_back(region, count, 32, (edge, outside, outside, low, high), room, loop)
+    count = trace_back(region, count, 32, limits, room, loop)
     if count == 0:
         spring = loop.beta + loop.kappa
         assert abs(loop.f2 * (1.0 - loop.g2 * spring) + loop.s2**2 * spring) < 1e-5 * (1.0 + spring)
@@ -197,10 +197,38 @@ def test_no_state_that_comes_into_a_region_is_left_out_of_where_it_was(
         assert holds(around, (Fraction(x), Fraction(v)))
 
 
+@small
+@given(loop=some_loops, spring=st.floats(0.0, 0.5), seed=st.integers(0, 10**6), size=st.sampled_from([0.5, 20.0, 1e6]))
+def test_a_spring_outside_pulls_as_the_wall_does_inside(
+    room: RegionRoom, loop: Loop, spring: float, seed: int, size: float
+) -> None:
+    """States on both sides of the edge, under either push: where they go, and where they came from."""
+    limits = Limits(0.0, -0.2, 0.3, -0.4, 0.1, spring)
+    flat = triangle(seed, size, 0.0)
+    corners = list(zip(flat[::2], flat[1::2], strict=True))
+    weights = np.random.default_rng(seed).dirichlet(np.ones(3), 20)
+    states = [tuple(float(one) for one in weight @ np.array(corners)) for weight in weights]
+    after = []
+    for x, v in states:
+        stiffness, pushed = (spring, limits[1:3]) if x >= 0.0 else (loop.kappa, limits[3:5])
+        after += [interval(x, v, 0.0, push - stiffness * x, loop) for push in pushed]
+    region = zeros(4096)
+    region[:6] = flat
+    count = advance(region, 3, 32, limits, room, loop)
+    around = hull(exact(region, count))
+    assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in after)
+    cloud, slack = [float(one) for state in after for one in state], 1e-15 * size
+    count = enclose(cloud, len(after), slack, slack, room.chain, region)
+    count = trace_back(region, count, 32, limits, room, loop)
+    if count:
+        around = hull(exact(region, count))
+        assert all(holds(around, (Fraction(x), Fraction(v))) for x, v in states)
+
+
 def test_every_motion_comes_into_the_region() -> None:
     """From a thousand times as far, and a million times."""
     for loop in (knob(), knob(-1.0), knob(1.0, 0.3), make_loop(2.5, 0.1, 0.5, 0.3, 1.0, 0.0, 0.0)):
-        found = finder().find(loop)
+        found = finder().find(loop, pushes(loop))
         assert found is not None
         low_x, high_x, low_v, high_v = found.ranges
         assert high_x - low_x < 20.0
@@ -228,8 +256,8 @@ def drive(x: float, loop: Loop) -> float:
 def test_a_wall_too_stiff_for_its_rate_throws_every_motion_farther() -> None:
     """No region takes them in; from beyond the other region all that is tried grows."""
     loop = make_loop(0.00321, 0.00345, 0.219, 0.1, 1.0, 0.0, 0.0)
-    assert finder().find(loop) is None
-    found = finder().find_growth(loop)
+    assert finder().find(loop, pushes(loop)) is None
+    found = finder().find_growth(loop, pushes(loop))
     assert found is not None
     low_x, high_x, low_v, high_v = found.ranges
     for seed in range(30):
@@ -245,12 +273,13 @@ def test_a_wall_too_stiff_for_its_rate_throws_every_motion_farther() -> None:
 
 def test_a_motion_that_all_come_to_does_not_grow() -> None:
     """The same loop has one region or the other, never both."""
-    assert finder().find_growth(knob()) is None
+    assert finder().find_growth(knob(), pushes(knob())) is None
 
 
 def test_without_a_wall_the_region_is_the_rest_point() -> None:
     """Pushed against the hand's spring alone."""
-    found = finder().find(make_loop(0.3, 0.1, 0.0, 0.05, 1.0, 0.0, 0.0))
+    loop = make_loop(0.3, 0.1, 0.0, 0.05, 1.0, 0.0, 0.0)
+    found = finder().find(loop, pushes(loop))
     assert found is not None
     low_x, high_x, low_v, high_v = found.ranges
     assert low_x < -0.5 < high_x
@@ -260,8 +289,8 @@ def test_without_a_wall_the_region_is_the_rest_point() -> None:
 
 def test_a_limited_torque_holds_every_motion() -> None:
     """Any push between two bounds, the worst for the angle and for the speed among them, and motions from far away."""
-    loop = knob()
-    found = finder().find_pushed(loop, -0.2, 0.5)
+    loop = knob()._replace(kappa=0.0)
+    found = finder().find(loop, Limits(0.0, -0.2, 0.5, -0.2, 0.5))
     assert found is not None
     around = hull(exact(list(found.corners), len(found.corners) // 2))
     chance = np.random.default_rng(4)
@@ -293,9 +322,11 @@ def free_positions(loop: Loop, samples: int) -> list[float]:
 
 def test_no_time_and_an_interruption() -> None:
     """None before any time; told to stop, it stops."""
-    assert finder().find(knob(), until=0.0) is None
+    assert finder().find(knob(), pushes(knob()), until=0.0) is None
     with pytest.raises(StoppedError):
-        RegionFinder(lambda name: getattr(regions, name), make_region_room(zeros), lambda: True).find(knob())
+        RegionFinder(lambda name: getattr(regions, name), make_region_room(zeros), lambda: True).find(
+            knob(), pushes(knob())
+        )
 
 
 def test_measures_of_a_region() -> None:

@@ -3,6 +3,7 @@
 import random
 from collections.abc import Callable
 from math import inf
+from time import monotonic
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,12 +35,16 @@ from hknob_cli.engine.general.search import (
     torque_range,
 )
 from hknob_cli.engine.general.sets import arc, box, lattice
+from hknob_cli.engine.general.sets.afar import look_from_afar
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.known import NO_ROOM
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
 from hknob_cli.engine.general.sets.room import Known, hash_scale, make_arc_room, make_known, make_piece_room
 from hknob_cli.engine.outcome import Outcome, Reason
+from hknob_cli.engine.sets import region
+from hknob_cli.engine.sets.absorbing import RegionFinder
 from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
+from hknob_cli.engine.sets.room import make_region_room
 from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDEST, Box
 
 
@@ -89,6 +94,7 @@ class GeneralSetEngine:
         self.compiled = functions is not None
         self._functions = functions
         self._rooms: dict[tuple[int, int], Any] = {}
+        self._regions: RegionFinder | None = None
 
     def _function(self, module: Any, name: str) -> Callable[..., Any]:
         found: Callable[..., Any] = (
@@ -270,6 +276,43 @@ class GeneralSetEngine:
             found = [one for one in found if one.trials > 0.0]
             found += [whole(Outcome.UNDECIDED, why, undecided)] if undecided > 0.0 else []
         return Search(ranked(found), int(taken), complete=undecided == 0.0, pieces=pieces, undecided=undecided, why=why)
+
+    def search_anywhere(
+        self,
+        body: Body,
+        wall: Controller,
+        *,
+        rate: float,
+        delay_line: int,
+        max_samples: int | None,
+        seconds: float | None = None,
+    ) -> Search:
+        """What every state settles to, however far; shares are of the box around the region that all come into.
+
+        Of bodies of second order without friction, and of walls without memory: no delay, no damping of their own.
+        Raises `StoppedError` when told to stop.
+        """
+        until = inf if seconds is None else monotonic() + seconds
+        afar = look_from_afar(body, wall)
+        if self._regions is None:
+            room = make_region_room(self._zeros)
+            self._regions = RegionFinder(self._region_function, room, self.stopped)
+        found = self._regions.find(*afar, until)
+        if found is None:
+            return self._regions.why_none(*afar, until)
+        limits: dict[str, Any] = {
+            "max_samples": max_samples,
+            "seconds": None if seconds is None else until - monotonic(),
+        }
+        search = self.search_box(body, wall, Box(*found.ranges), rate=rate, delay_line=delay_line, **limits)
+        if search is None:
+            end = whole(Outcome.UNDECIDED, Reason.TOO_FINE, 1.0)
+            search = Search((end,), 0, complete=False, undecided=1.0, why=Reason.TOO_FINE)
+        return search._replace(region=found.ranges)
+
+    def _region_function(self, name: str) -> Callable[..., Any]:
+        found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(region, name)
+        return found
 
     def _fill(
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, wall: Controller
