@@ -10,6 +10,7 @@ import pytest
 
 from hknob_cli.engine.loop import Loop, interval, make_loop
 from hknob_cli.engine.sets import region as regions
+from hknob_cli.engine.sets.absorbing import Limits
 from hknob_cli.engine.sets.region import (
     advance,
     area_of,
@@ -32,11 +33,13 @@ from .rooms import zeros
 Corner = tuple[float, float]
 UNIT = 2.0**-12  # of a rounding, here
 LOOP = make_loop(0.338, 0.0844, 0.5696, 0.344, 1.0, 0.3, 0.0)
-LIMITS = (-1.0, 0.25, 0.5, -0.75, 1.5)
+LIMITS = Limits(-1.0, 0.25, 0.5, -0.75, 1.5)
 OTHERS = [
-    (-1.0, 0.25, 0.25, -9.0, 0.5), (0.0, -0.5, -0.5, -0.5, -0.5), (0.0, -9.0, 0.5, -1.0, 1.0),
-    (0.0, -1.0, 9.0, -1.0, 1.0), (0.0, -1.0, 1.0, -1.0, 9.0),
+    Limits(-1.0, 0.25, 0.25, -9.0, 0.5), Limits(0.0, -0.5, -0.5, -0.5, -0.5), Limits(0.0, -9.0, 0.5, -1.0, 1.0),
+    Limits(0.0, -1.0, 9.0, -1.0, 1.0), Limits(0.0, -1.0, 1.0, -1.0, 9.0), LIMITS._replace(outside=0.25),
+    LIMITS._replace(outside=0.75),
 ]  # fmt: skip
+NOTHING = Limits(0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 def side(a: Corner, b: Corner, p: Corner) -> float:
@@ -225,7 +228,7 @@ class Caught(Exception):
 
 
 def caught(
-    monkeypatch: pytest.MonkeyPatch, points: list[Corner], loop: Loop, limits: Any, *, back: bool, unit: float = UNIT
+    monkeypatch: pytest.MonkeyPatch, points: list[Corner], loop: Loop, limits: Limits, *, back: bool, unit: float = UNIT
 ) -> Any:
     """Points that the next region is to hold, how far it is to be grown, and the most corners asked for."""
     room, kept = make_region_room(zeros), {}
@@ -261,10 +264,10 @@ SHAPES = [
 ]
 
 
-@pytest.mark.parametrize("limits", [LIMITS, *OTHERS, (0.0,) * 5])
+@pytest.mark.parametrize("limits", [LIMITS, *OTHERS, NOTHING])
 @pytest.mark.parametrize("shape", range(4))
 def test_each_part_of_a_region_moves_under_both_ends_of_its_pushes(
-    monkeypatch: pytest.MonkeyPatch, shape: int, limits: Any
+    monkeypatch: pytest.MonkeyPatch, shape: int, limits: Limits
 ) -> None:
     """What is as near to the wall's edge as 64 roundings a corner, of all places, goes both ways."""
     points = SHAPES[shape]
@@ -273,7 +276,7 @@ def test_each_part_of_a_region_moves_under_both_ends_of_its_pushes(
     far, fast = max(abs(limits[0]), *(abs(x) for x, _ in points)), max(abs(v) for _, v in points)
     reach = 64.0 * UNIT * len(points) * far
     expected = []
-    for sign, stiffness, pushes in ((1.0, 0.0, limits[1:3]), (-1.0, LOOP.kappa, limits[3:5])):
+    for sign, stiffness, pushes in ((1.0, limits.outside, limits[1:3]), (-1.0, LOOP.kappa, limits[3:5])):
         cut = limits[0] - sign * reach
         part: list[Corner] = []
         for a, b in pairwise([*points, points[0]]):
@@ -283,7 +286,7 @@ def test_each_part_of_a_region_moves_under_both_ends_of_its_pushes(
                 part.append((cut, a[1] + (cut - a[0]) / (b[0] - a[0]) * (b[1] - a[1])))
         expected += [interval(x, v, 0.0, push - stiffness * x, LOOP) for x, v in part for push in sorted(set(pushes))]
     assert np.array(found) == pytest.approx(np.array(expected), rel=1e-13, abs=1e-13)
-    pull = max(abs(one) for one in limits[1:]) + (LOOP.kappa + LOOP.beta) * far
+    pull = max(abs(one) for one in limits[1:5]) + (max(LOOP.kappa, limits.outside) + LOOP.beta) * far
     next_far, next_fast = (max(abs(one[k]) for one in expected) for k in (0, 1))
     both = 48.0 * (fast + pull)
     assert grown == pytest.approx(
@@ -298,7 +301,7 @@ def test_each_part_of_a_region_moves_under_both_ends_of_its_pushes(
 @pytest.mark.parametrize("limits", [LIMITS, *OTHERS])
 @pytest.mark.parametrize("shape", range(4))
 def test_a_region_is_found_back_by_the_inverse_of_either_part(
-    monkeypatch: pytest.MonkeyPatch, shape: int, limits: Any
+    monkeypatch: pytest.MonkeyPatch, shape: int, limits: Limits
 ) -> None:
     """Of all corners under both ends of the pushes; then it is cut, and grown by what the inverse may be wrong by."""
     signs = set()
@@ -312,12 +315,13 @@ def test_a_region_is_found_back_by_the_inverse_of_either_part(
         loop, points = make_loop(alpha, beta, kappa, 0.1, 1.0, 0.0, 0.0), SHAPES[shape]
         count, found, grown, most = caught(monkeypatch, points, loop, limits, back=True)
         g, s, f = loop.g2, loop.s2, loop.f2
-        push = max(abs(one) for one in limits[1:])
+        push = max(abs(one) for one in limits[1:5])
         far = max(abs(x) for x, _ in points) + abs(g) * push
         fast = max(abs(v) for _, v in points) + abs(s) * push
         expected: list[Corner] = []
         errors = []
-        for sign, spring, pushes in ((1.0, loop.beta, limits[1:3]), (-1.0, loop.beta + loop.kappa, limits[3:5])):
+        springs = loop.beta + limits.outside, loop.beta + loop.kappa
+        for sign, spring, pushes in ((1.0, springs[0], limits[1:3]), (-1.0, springs[1], limits[3:5])):
             matrix = np.array([[1.0 - g * spring, s], [-s * spring, f]])
             before = [
                 tuple((np.linalg.inv(matrix) @ [x - g * push, v - s * push]).tolist())
@@ -358,7 +362,7 @@ def test_a_map_that_can_hardly_be_inverted_is_not() -> None:
         g = (1.0 - part) / (1.0 + part) / (0.5 + kappa)
         room.region[:8] = flat(SHAPES[0])
         loop = LOOP._replace(beta=0.5, kappa=kappa, s2=0.0, f2=f, g2=g)
-        count = trace_back(room.region, 4, 9, (0.0,) * 5, room, loop)
+        count = trace_back(room.region, 4, 9, NOTHING, room, loop)
         assert count > 0 if part > 1e-6 else count == 0
 
 
@@ -366,7 +370,7 @@ def test_where_no_state_comes_from_nothing_is_known() -> None:
     """Without the wall it would have been inside, and with it outside."""
     room = make_region_room(zeros)
     room.region[:6] = flat([(-7.0, 6.0), (-6.99, 6.0), (-7.0, 6.01)])
-    assert trace_back(room.region, 3, 9, (0.0,) * 5, room, make_loop(1.0, 40.0, 200.0, 0.1, 1.0, 0.0, 0.0)) == 0
+    assert trace_back(room.region, 3, 9, NOTHING, room, make_loop(1.0, 40.0, 200.0, 0.1, 1.0, 0.0, 0.0)) == 0
 
 
 # Many samples.
