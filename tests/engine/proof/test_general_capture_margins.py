@@ -15,7 +15,7 @@ from hknob_cli.engine.general.interval import advance, hold
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets import ball, known
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.room import Known, make_known
+from hknob_cli.engine.general.sets.ends import Known, make_known
 from hknob_cli.scene.general_knob import GeneralKnob, make_body
 from hknob_cli.specs.plan import Bias, Hand, Knob, Scene, Wall
 from tests.engine.general.sets.cells import cell

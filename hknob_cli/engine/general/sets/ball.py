@@ -56,7 +56,7 @@ def follow_ball(
         limit: Position past which motions have diverged.
         small: Whether to return where the wall steps deeper.
         drift: `drift.Drift` of the cell.
-        known: The attractors, `room.Known`.
+        known: The attractors, `ends.Known`.
         body: The body.
         wall: The controller.
 

@@ -155,7 +155,7 @@ def follow_phases(
         room: `room.PieceRoom`.
         work: `friction_room.FrictionRoom`.
         drift: `friction_room.friction_drift`.
-        known: `room.Known`; shares are entered into its table.
+        known: `ends.Known`; shares are entered into its table.
         body: The body.
         wall: The controller.
 

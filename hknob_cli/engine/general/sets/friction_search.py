@@ -13,10 +13,12 @@ from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
+from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
 from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room
-from hknob_cli.engine.general.sets.room import Known, make_known, make_piece_room
-from hknob_cli.engine.general.sets.search import GeneralSetEngine, ends_of, make_scope, why_not
+from hknob_cli.engine.general.sets.room import make_piece_room
+from hknob_cli.engine.general.sets.scope import make_scope
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets.search import SLICE
 

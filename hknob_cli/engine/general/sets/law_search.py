@@ -17,10 +17,10 @@ from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box, friction_box
 from hknob_cli.engine.general.sets.drift import Drift
+from hknob_cli.engine.general.sets.ends import Known
 from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
-from hknob_cli.engine.general.sets.room import Known
-from hknob_cli.engine.general.sets.search import Scope
+from hknob_cli.engine.general.sets.scope import Scope
 from hknob_cli.engine.sets.search import SAMPLED, Box
 
 PHASES = LONGEST // 5  # samples that all phases of one start may take beside friction: some ten seconds

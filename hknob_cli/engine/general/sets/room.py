@@ -4,47 +4,16 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.period_map import Space
 from hknob_cli.engine.general.sets.arc import arc_size
 from hknob_cli.engine.general.sets.lattice import CELL
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
 from hknob_cli.engine.general.torque_table import HEAD
 
-ENDS = 512  # distinct ends that a cell keeps
-FATES = 16  # of ends
-POINTS = 16_384  # samples of proven orbits at which sets are compared with them
 ARCS = 4096  # that wait to be followed
 CELLS = 2**17  # of a lattice
 DEEP = 2**14  # pieces that wait beside those of a lattice
 
 Zeros = Callable[[int], Any]
-
-
-class Known(NamedTuple):
-    """The ends of a cell that are known so far.
-
-    ``table``, ``states``, ``lines``: as in `general.ensemble.run_trials`, with the measure of the starts that reach a
-    row, not the number of trials. ``points``: row, last reading, state, and commands under way of samples of proven
-    orbits where the wall steps deeper. ``counts``: of rows and of points. ``why``: measure of the starts without
-    a proven end, by the fate that is none. ``law``: of a controller, None without one; commands under way are all that
-    it remembers, then. The others are work space of a trial.
-    """
-
-    table: Any
-    states: Any
-    lines: Any
-    points: Any
-    counts: Any
-    why: Any
-    z: Any
-    ring: Any
-    check: Any
-    check_ring: Any
-    keep: Any
-    keep_ring: Any
-    space: Space
-    law: Any = None
 
 
 class PieceRoom(NamedTuple):
@@ -101,26 +70,6 @@ class ArcRoom(NamedTuple):
     spare: Any
     pad: Any
     ended: Any
-
-
-def make_known(zeros: Zeros, order: int, delay: int, space: Space, law: Any = None) -> Known:
-    """Room for the ends of a cell of this order and number of commands under way, or numbers that a law remembers."""
-    return Known(
-        table=zeros(FIELDS * ENDS),
-        states=zeros(order * ENDS),
-        lines=zeros(max(1, delay * ENDS)),
-        points=zeros((order + delay + 2) * POINTS),
-        counts=zeros(2),
-        why=zeros(FATES),
-        z=zeros(order),
-        ring=zeros(delay),
-        check=zeros(order),
-        check_ring=zeros(delay),
-        keep=zeros(order),
-        keep_ring=zeros(delay),
-        space=space,
-        law=law,
-    )
 
 
 def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELLS, deep: int = DEEP) -> PieceRoom:

@@ -4,7 +4,7 @@ import random
 from collections.abc import Callable
 from math import inf
 from time import monotonic
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -20,63 +20,23 @@ from hknob_cli.engine.attractors import (
     unfinished,
     whole,
 )
-from hknob_cli.engine.budget import FINEST, sample_limit, settling_samples, trial_scale
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
-from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.search import (
-    GENERAL_FATES,
-    MOST_SAMPLES,
-    as_arrays,
-    as_list,
-    attractor_of,
-    make_space,
-    torque_range,
-)
+from hknob_cli.engine.general.search import as_arrays, as_list, make_space
 from hknob_cli.engine.general.sets import arc, box, lattice
 from hknob_cli.engine.general.sets.afar import look_from_afar
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
-from hknob_cli.engine.general.sets.known import NO_ROOM
+from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
-from hknob_cli.engine.general.sets.room import Known, hash_scale, make_arc_room, make_known, make_piece_room
+from hknob_cli.engine.general.sets.room import hash_scale, make_arc_room, make_piece_room
+from hknob_cli.engine.general.sets.scope import LONGEST, Scope, can_follow, make_scope
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import region
 from hknob_cli.engine.sets.absorbing import RegionFinder
 from hknob_cli.engine.sets.arc import MOST_ARCS, MOST_COVERED
 from hknob_cli.engine.sets.room import make_region_room
 from hknob_cli.engine.sets.search import GENERATIONS, SAMPLED, SEEN, SLICE, WIDEST, Box
-
-
-class Scope(NamedTuple):
-    """How far motions of a cell are followed.
-
-    ``budget``: samples of each; ``skip``: of the transient; ``patience``: in no known attractor, before one is looked
-    for; ``limit``: position past which a motion has diverged; ``fine``: whether a double tells positions apart.
-    """
-
-    budget: int
-    skip: int
-    patience: int
-    limit: float
-    fine: bool
-
-
-def can_follow(body: Body, wall: Controller) -> bool:
-    """Whether sets of states of a cell can be followed: differences go by one matrix, decay, and have an energy."""
-    return body.friction == 0.0 and wall.analog == 0.0 and body.damped and body.reach < inf
-
-
-def make_scope(body: Body, wall: Controller, x: float, v: float, rate: float, max_samples: int | None) -> Scope:
-    """How far to follow motions from positions up to ``x`` and speeds up to ``v``."""
-    budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
-    spring = body.beta if body.ratio == 0.0 else 1.0 / body.reach**2
-    scale = max(trial_scale(x, v, body.push, wall.kappa, spring), torque_range(wall).span)
-    skip = settling_samples(rate, budget)
-    return Scope(budget, skip, max(64, skip // 2), 1e6 * scale, scale < FINEST)
-
-
-LONGEST = {2: 1_000_000_000, 3: 100_000_000}  # samples that a cell may take: some minutes; 3: of more states, too
 
 
 class GeneralSetEngine:
@@ -350,24 +310,3 @@ class GeneralSetEngine:
 def _endless(totals: Any) -> bool:
     """Whether the arcs of a start are too many, or overlap as only those do that lie within rounding of an edge."""
     return bool(totals[0] >= MOST_ARCS or totals[3] > MOST_COVERED)
-
-
-def why_not(known: Known) -> Reason:
-    """Why most of the starts without a proven end have none; `Reason.NONE` where all have one."""
-    measure, fate = max((float(weight), fate) for fate, weight in enumerate(known.why))
-    if measure == 0.0:
-        return Reason.NONE
-    return Reason.TOO_MANY if fate == NO_ROOM else GENERAL_FATES[fate][1]
-
-
-def ends_of(known: Known, order: int, delay_line: int) -> list[Attractor]:
-    """The ends that are known, with their shares."""
-    return [
-        attractor_of(
-            known.table[FIELDS * row : FIELDS * (row + 1)],
-            [float(value) for value in known.states[row * order : (row + 1) * order]],
-            [float(value) for value in known.lines[row * delay_line : (row + 1) * delay_line]],
-            Reason.NO_REPEAT,
-        )
-        for row in range(int(known.counts[0]))
-    ]

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from hknob_cli.engine.general.search import make_space
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
-from hknob_cli.engine.general.sets.room import Known, make_known
+from hknob_cli.engine.general.sets.ends import Known, make_known
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
 

@@ -14,10 +14,11 @@ from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.arc import fill_arcs, follow_arcs
 from hknob_cli.engine.general.sets.curve import measure_arc, place_on
+from hknob_cli.engine.general.sets.ends import Known
 from hknob_cli.engine.general.sets.known import captor, resting, seek
 from hknob_cli.engine.general.sets.readings import remembered
-from hknob_cli.engine.general.sets.room import ArcRoom, Known, make_arc_room
-from hknob_cli.engine.general.sets.search import make_scope
+from hknob_cli.engine.general.sets.room import ArcRoom, make_arc_room
+from hknob_cli.engine.general.sets.scope import make_scope
 from hknob_cli.scene.general_knob import GeneralKnob
 
 from .cells import KINDS, bounds, cell, nothing_known, zeros

@@ -5,7 +5,8 @@ from typing import Any
 import pytest
 
 from hknob_cli.engine.attractors import NeedsCompilerError, Patience, StoppedError
-from hknob_cli.engine.general.sets.search import GeneralSetEngine, can_follow
+from hknob_cli.engine.general.sets.scope import can_follow
+from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Reason
 from hknob_cli.scene.general_knob import GeneralKnob
 from tests.engine.general.bodies import knob
