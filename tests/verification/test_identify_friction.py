@@ -15,23 +15,29 @@ from tests.identify.pulses import FIRM, LIGHT, pulse
 
 DT = 1e-4
 LOOKS, HALVINGS, DIGITS = 8, 90, 40
-# Roundings of a sample add up over the samples; an instant of turning is found to 1e-16 samples of itself.
-BOUND = 1e-11
+# Some 64 roundings a sample add up over at most 240 samples; seen: 5e-15.
+BOUND = 240 * 64 * 2.0**-53
 
 
-def of_lag(plant: Plant, torque: np.ndarray, lag: float) -> np.ndarray:
-    """Angle (n,) rad at the samples, of a knob from rest whose torque follows the command by a lag s."""
+def of_torque(plant: Plant, torque: np.ndarray, lag: float) -> np.ndarray:
+    """Angle (n,) rad at the samples, of a knob from rest whose torque follows the command by a lag s.
+
+    Without a lag the torque runs straight from sample to sample.
+    """
     inertia, damping, stiffness, coulomb = (mp.mpf(one) for one in plant)
+    dt = mp.mpf(DT)
 
     def matrix(way: int) -> Any:
         """Of angle, speed, torque, command and 1."""
         pull = [-stiffness / inertia, -damping / inertia, 1 / inertia, mp.zero, -way * coulomb / inertia]
         moves = [mp.zero, mp.one, mp.zero, mp.zero, mp.zero] if way else [mp.zero] * 5
-        fall = [mp.zero, mp.zero, -1 / mp.mpf(lag), 1 / mp.mpf(lag), mp.zero]
+        fall = (
+            [mp.zero, mp.zero, -1 / mp.mpf(lag), 1 / mp.mpf(lag), mp.zero] if lag else [mp.zero] * 3 + [1 / dt, mp.zero]
+        )
         return mp.matrix([moves, pull if way else [mp.zero] * 5, fall, [mp.zero] * 5, [mp.zero] * 5])
 
     matrices = {way: matrix(way) for way in (-1, 0, 1)}
-    step = mp.mpf(DT) / LOOKS
+    step = dt / LOOKS
     usual = {way: mp.expm(one * step) for way, one in matrices.items()}
 
     def ends(state: Any, way: int) -> bool:
@@ -45,6 +51,8 @@ def of_lag(plant: Plant, torque: np.ndarray, lag: float) -> np.ndarray:
     for i, command in enumerate(torque):
         found[i] = float(state[0])
         state[3] = mp.mpf(float(command))
+        if not lag:
+            state[2], state[3] = state[3], mp.mpf(float(torque[min(i + 1, len(torque) - 1)])) - state[3]
         for _ in range(LOOKS):
             left = step
             while left > 0:
@@ -78,12 +86,13 @@ CASES = [
 def test_a_pulse_through_a_lag_against_friction_is_that_of_forty_digits(hand: Any, coulomb: float, lag: float) -> None:
     with mp.workdps(DIGITS):
         plant, torque = Plant(*hand, coulomb), pulse(240, 5, 90)
-        true = of_lag(plant, torque, lag)
+        true = of_torque(plant, torque, lag)
     ours = respond(plant, torque, DT, lag_s=lag)
     assert np.max(np.abs(true)) > 0.0
     assert np.max(np.abs(ours - true)) <= BOUND * np.max(np.abs(true))
 
 
+@pytest.mark.one_in(4)
 @pytest.mark.parametrize("seed", range(24))
 def test_jumps_through_a_lag_against_friction_are_those_of_forty_digits(seed: int) -> None:
     """Turns, stops and releases within a sample, many of them; lags from a fifth of a sample to thirty of them."""
@@ -92,6 +101,20 @@ def test_jumps_through_a_lag_against_friction_are_those_of_forty_digits(seed: in
     plant, lag = Plant(*hand, 10.0 ** numbers.uniform(-3.5, -1.9)), 10.0 ** numbers.uniform(-4.7, -2.5)
     torque = steps(numbers)
     with mp.workdps(DIGITS):
-        true = of_lag(plant, torque, lag)
+        true = of_torque(plant, torque, lag)
     ours = respond(plant, torque, DT, lag_s=lag)
     assert np.max(np.abs(ours - true)) <= BOUND * np.max(np.abs(true))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_straight_lines_against_friction_are_those_of_forty_digits(seed: int) -> None:
+    """A line is the end of a decay of 1e-7 a sample, and its rounding 1e7 times as large: ten a sample; seen: 4e-9."""
+    numbers = np.random.default_rng(100 + seed)
+    hand = (2e-6, 10.0 ** numbers.uniform(-5.0, -2.5), 10.0 ** numbers.uniform(-2.0, 0.0))
+    plant = Plant(*hand, 10.0 ** numbers.uniform(-3.5, -2.2))
+    torque = np.interp(np.arange(60), np.arange(0, 61, 5), np.append(0.0, numbers.uniform(-0.02, 0.02, 12)))
+    with mp.workdps(DIGITS):
+        true = of_torque(plant, torque, 0.0)
+    ours = respond(plant, torque, DT, ramps=True)
+    assert np.max(np.abs(true)) > 0.0
+    assert np.max(np.abs(ours - true)) <= (1e-7 + 60 * 10 * 1e7 * 2.0**-53) * np.max(np.abs(true))
