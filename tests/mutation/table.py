@@ -87,7 +87,10 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_rest.py": FRICTION,
     "general/sets/friction_piece.py": FRICTION_SETS,
     "general/sets/friction_box.py": FRICTION,
-    "general/sets/friction_phases.py": FRICTION,
+    "general/sets/friction_phases.py": (
+        f"{PROOF}test_friction_phase_margins.py",
+        f"{PROOF}test_friction_interval_margins.py",
+    ),
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
     "hardware/safety.py": tuple(

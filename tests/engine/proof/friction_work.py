@@ -1,4 +1,4 @@
-"""Little work space for tests of sets with friction, and a motion over a part of an interval that does as it is told."""
+"""Little work space for tests of sets with friction, and a motion over a part of an interval that is told."""
 
 from collections.abc import Callable
 from math import inf

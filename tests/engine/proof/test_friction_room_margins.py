@@ -142,8 +142,8 @@ def test_roundings_are_of_all_terms_of_each_part(numbers: tuple[float, float, fl
         unit * (root + (1.0 + root) * numbers[1]),  # a position, and the spring's pull there
         unit * (1.0 + root),  # a velocity, and the way that it makes
     ]
-    assert drift.once == pytest.approx(right, rel=1e-15)
-    assert drift.blur == pytest.approx(unit, rel=1e-15)
+    assert drift.once == pytest.approx(right, rel=1e-15, abs=0.0)
+    assert drift.blur == pytest.approx(unit, rel=1e-15, abs=0.0)
     assert (drift.units, drift.powers, drift.coast) == ([root, 1.0], [0.0], 0.0)
 
 
