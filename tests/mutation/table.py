@@ -13,6 +13,7 @@ GENERAL_SETS = f"{GENERAL}sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
+FRICTION_SETS = (f"{PROOF}test_friction_set_margins.py", f"{PROOF}test_friction_piece_margins.py")
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
@@ -54,7 +55,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
-    "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py",),
+    "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
@@ -80,12 +81,16 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/box.py": GENERAL_CUTTING,
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
     "general/sets/arc.py": (f"{GENERAL_SETS}test_arc.py",),
+    "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
     "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
-    "general/sets/friction_room.py": (f"{PROOF}test_friction_rounding.py",),
+    "general/sets/friction_room.py": (f"{PROOF}test_friction_room_margins.py", f"{PROOF}test_friction_rounding.py"),
     "general/sets/friction_rest.py": FRICTION,
-    "general/sets/friction_piece.py": FRICTION,
+    "general/sets/friction_piece.py": FRICTION_SETS,
     "general/sets/friction_box.py": FRICTION,
-    "general/sets/friction_phases.py": FRICTION,
+    "general/sets/friction_phases.py": (
+        f"{PROOF}test_friction_phase_margins.py",
+        f"{PROOF}test_friction_interval_margins.py",
+    ),
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
     "hardware/safety.py": tuple(

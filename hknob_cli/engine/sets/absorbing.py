@@ -101,7 +101,7 @@ class RegionFinder:
             end = whole(Outcome.DIVERGED, Reason.NONE, 1.0)
             return Search((end,), 0, complete=False, undecided=1.0, why=Reason.LEAVES, grows=grows.ranges)
         else:
-            end = whole(Outcome.UNDECIDED, Reason.TIME_LIMIT if monotonic() > until else Reason.NO_REGION, 1.0)
+            end = whole(Outcome.UNDECIDED, Reason.TIME_LIMIT if monotonic() >= until else Reason.NO_REGION, 1.0)
         return Search((end,), 0, complete=False, undecided=1.0)
 
     def _find(self, loop: Loop, limits: Limits, until: float, *, back: bool) -> Region | None:

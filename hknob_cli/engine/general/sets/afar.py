@@ -47,7 +47,7 @@ def _beside_a_table(body: Body, wall: Controller, slack: float) -> Afar:
     """The springs that a table goes on with, and pushes by all that its counts add; a count is within 1 of x."""
     table, drive = np.asarray(wall.table), float(body.drive)
     first, turn, below, above = (float(value) for value in table[:HEAD])
-    inner, outer = max(0.0, -below / turn), max(0.0, -above / turn)
+    inner, outer = -below / turn, -above / turn
     commands = table[HEAD : HEAD + (len(table) - HEAD) // 3]
     counts = first + np.arange(len(commands))
     slack += TABLE_ROUNDING * (max(inner, outer) * len(commands) + float(np.abs(commands).max()))

@@ -41,7 +41,7 @@ def is_narrow(low, high, body):
 def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall):
     """Let the states of an interval of phases wait, at the first sample; how many pieces: with damping, one a reading.
 
-    ``weight``: measure that a piece without a proven end counts.
+    ``weight``: measure that a piece without a proven end counts. -1: no room.
     """
     a, va = fly(angle, velocity, low, body)
     b, vb = fly(angle, velocity, high, body)
@@ -77,6 +77,8 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
             bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
             kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
+            if (waiting + 1) * piece_size(2, delay) > len(room.stack):
+                return -1
             begin_memory(work.law, level, work.ring)
             put(
                 room.stack,
@@ -110,9 +112,11 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
     row, other, proven, pieces, lost, taken = -1, -1, True, 0, 0.0, 0
     narrow = is_narrow(low, high, body)
     shared = narrow and body.friction == 0.0
-    waiting = put_chord(
-        angle, velocity, low, high, high - low if high - low <= UNPROVEN else 0.0, room, work, drift, body, wall
-    )
+    blamed = high - low if high - low <= UNPROVEN else 0.0
+    waiting = put_chord(angle, velocity, low, high, blamed, room, work, drift, body, wall)
+    if waiting < 0:
+        proven, lost = False, blamed
+        blame(NO_ROOM, blamed, known)
     delay = len(work.ring)
     while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
         weight = room.stack[(waiting - 1) * piece_size(2, delay) + WEIGHT]
@@ -124,7 +128,7 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
             continue
         pieces += 1
         if pieces > TOO_MANY:
-            blame(NO_ROOM, high - low if high - low <= UNPROVEN else 0.0, known)
+            blame(NO_ROOM, blamed, known)
         if fate != ENDED or pieces > TOO_MANY:
             proven = False
             lost += weight

@@ -20,7 +20,7 @@ SETS_LOOKED = 2048  # the same where it is cut within the interval, too
 # Numbers of a part of an interval: which of the torques acts, the plant, and which look is at its end, or -1.
 TORQUE, SPAN, S, G, F, LOOK = range(6)
 LEG = 6
-TINY = 1e-290  # a velocity that is not 0
+TINY = 1e-290  # a velocity that is not 0; beside one of the centre's size a unit in its last place
 LEAST_PART = 1e-30  # of an area: an end that any state reaches has a share
 
 
@@ -183,7 +183,7 @@ def move_piece(
             while after > MOST_CORNERS:
                 after = drop_edge(work.corners, after)
         if fate != HELD and stands(to_v, work.corners, after):
-            after = widen(work.corners, after, 0.0, TINY, work.space)
+            after = widen(work.corners, after, 0.0, TINY + EPSILON * abs(to_v), work.space)
         look = int(work.course[leg + LOOK])
         if look >= 0:
             sets = look_at_set(room, work, sets, part + 1, to_x, to_v, weight, after, error, look, body, drift, wall)
