@@ -86,7 +86,7 @@ UNSAMPLED = (
     "turning",
     *(f"unsampled.{name}" for name in ("wall_pieces", "edge_time", "state_machine", "settling", "swing", "event_rows")),
 )
-PULSE = ("pulse",)
+PULSE = ("pulse", "pulse_friction")
 ALLOCATING = ("copy_line",)  # functions of the engine that make an array
 # What is compiled for a scene, or for a recorded pulse: its modules, and functions of which Python calls one first.
 GROUPS = {

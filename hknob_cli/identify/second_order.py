@@ -1,6 +1,6 @@
 """The second-order model's answer to a recorded torque: angle and its derivatives by inertia, damping, stiffness."""
 
-from math import exp, expm1
+from math import exp
 from typing import NamedTuple
 
 import numpy as np
@@ -42,8 +42,8 @@ def respond(
     """Angle (n,) rad at every sample, from rest at 0 or ``start``, under a torque held from sample i to i + 1.
 
     ``lag_s``: time constant of a first-order lag between command and torque. ``ramps``: the torque is not held, but
-    runs straight from sample to sample, without a lag. With friction (``friction``, or a ``coulomb`` above 0) a torque
-    with a lag or with ramps is its mean over each hold; else it is exact.
+    runs straight from sample to sample, without a lag. ``friction``: its turns are followed even
+    where ``coulomb`` is 0. Exact from turn to turn, with friction and a lag, too.
     """
     return respond_with_slopes(plant, torque_nm, dt_s, lag_s=lag_s, friction=friction, ramps=ramps, start=start)[0]
 
@@ -77,9 +77,7 @@ def respond_with_slopes(
         torque = torque - fading if ramps else torque
     with np.errstate(over="ignore", invalid="ignore"):
         if friction:
-            if decay > 0.0:
-                torque = torque + fading * (-expm1(-decay) / decay)
-            kernels["follow_with_friction"](torque, gain, alpha, beta, phi, first, speed, angle, slopes)
+            kernels["follow_with_friction"](torque, fading, decay, gain, alpha, beta, phi, first, speed, angle, slopes)
         else:
             kernels["follow_torque"](torque, fading, decay, gain, alpha, beta, first, speed, angle, slopes)
         by_alpha, by_beta, by_phi = slopes.T[:3]

@@ -31,6 +31,7 @@ from hknob_cli.stages.work import Work
 
 Said = Callable[[str, str], None]
 _MANY = "results"  # of a report: results by name, also where there is one
+_RECORDED = "recordings"  # of an identification: begin at the folder of its spec
 
 
 class FileNode:
@@ -224,7 +225,7 @@ def _made_here(stages: list[StagePlan], places: dict[str, Path]) -> frozenset[st
 
 
 def _as_hand(folder: Path) -> str:
-    """A folder as a hand names it, for which a spec's own folder is where paths begin."""
+    """A folder as hands and recordings name it, for which a spec's own folder is where paths begin."""
     return str(folder.absolute())
 
 
@@ -236,7 +237,10 @@ def _is_hand(path: str) -> bool:
 def plan_of(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) -> Plan:
     """The stage's spec, its inputs the folders of other stages; ``waiting``: those whose results are yet to be made."""
     folders: dict[str, Any] = {
-        path: {name: str(places[name]) for name in ([found] if isinstance(found, str) else found)}
+        path: {
+            name: _as_hand(places[name]) if path == _RECORDED else str(places[name])
+            for name in ([found] if isinstance(found, str) else found)
+        }
         if path == _MANY or not isinstance(found, str)
         else _as_hand(places[found])
         if _is_hand(path)

@@ -117,17 +117,21 @@ def test_where_it_must_be_absent(hknob, tmp_path: Path, text: str, fault: str) -
     assert fault in said.stderr
 
 
-def test_in_a_pipeline(hknob, tmp_path: Path) -> None:
-    (tmp_path / "pulses.yaml").write_text(SPEC)
-    (tmp_path / "hand.yaml").write_text(SYSID.format(of="x", against="x", average="false"))
-    (tmp_path / "line.yaml").write_text(
+@pytest.mark.parametrize("place", [".", "experiments"])
+def test_in_a_pipeline(hknob, tmp_path: Path, place: str) -> None:
+    """Also where its specs lie in another folder than that in which it is run."""
+    folder = tmp_path / place
+    folder.mkdir(exist_ok=True)
+    (folder / "pulses.yaml").write_text(SPEC)
+    (folder / "hand.yaml").write_text(SYSID.format(of="x", against="x", average="false"))
+    (folder / "line.yaml").write_text(
         "kind: pipeline\nname: line\nstages:\n  pulses: {spec: pulses.yaml}\n"
         "  hand: {spec: hand.yaml, set: {recordings: {from: [pulses]}, against: {from: pulses}}}\n"
     )
-    done = hknob("run", tmp_path / "line.yaml")
+    done = hknob("run", folder / "line.yaml")
     assert done.returncode == 0, done.stderr
     assert pq.read_table(tmp_path / "results" / "line" / "hand" / "truth.parquet").num_rows == 4 * 2 * 3
-    assert "2 up to date" in hknob("run", tmp_path / "line.yaml").stdout
+    assert "2 up to date" in hknob("run", folder / "line.yaml").stdout
 
 
 def test_experiments_are_good(hknob) -> None:

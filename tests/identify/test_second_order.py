@@ -60,20 +60,26 @@ def test_lag_is_exact() -> None:
     angle = propagate(matrix, np.array([0.0, 0.0, 1.0 / lag]), torque, 1e-4)[:, 0]
     ours = respond(Plant(*LIGHT), torque, 1e-4, lag_s=lag)
     assert np.max(np.abs(ours - angle)) <= 1e-12 * np.max(angle)
-    # With friction the lagged torque is its mean over each hold: second order in the interval.
-    rough = respond(Plant(*LIGHT), torque, 1e-4, lag_s=lag, friction=True)
-    assert np.max(np.abs(rough - angle)) <= 1e-3 * np.max(angle)
+    turned = respond(Plant(*LIGHT), torque, 1e-4, lag_s=lag, friction=True)
+    assert np.max(np.abs(turned - angle)) <= 1e-12 * np.max(angle)
 
 
+def test_ramps_against_no_friction_are_ramps() -> None:
+    torque = pulse(300, 20, 100)
+    angle, turned = (respond(Plant(*LIGHT), torque, 1e-4, ramps=True, friction=one) for one in (False, True))
+    assert np.max(np.abs(turned - angle)) <= 1e-8 * np.max(angle)  # `RAMP` leaves its rounding
+
+
+@pytest.mark.parametrize("lag", [0.0, 5e-5, 1e-3])
 @pytest.mark.parametrize("coulomb", [3e-4, 2e-3])
-def test_slopes_with_friction_are_differences(coulomb: float) -> None:
+def test_slopes_with_friction_are_differences(coulomb: float, lag: float) -> None:
     """Smooth but where a turn passes a sample or friction starts to hold; there differences differ."""
     torque, here = pulse(600, 20, 200), np.array([*LIGHT, coulomb])
-    angle, slopes = respond_with_slopes(Plant(*here), torque, 1e-4)
+    angle, slopes = respond_with_slopes(Plant(*here), torque, 1e-4, lag_s=lag)
     for k in range(4):
         step = np.zeros(4)
         step[k] = 1e-6 * here[k]
-        ahead, back = (respond(Plant(*(here + sign * step)), torque, 1e-4) for sign in (1.0, -1.0))
+        ahead, back = (respond(Plant(*(here + sign * step)), torque, 1e-4, lag_s=lag) for sign in (1.0, -1.0))
         size = here[0] if k == 0 else 1.0
         difference = (ahead - back) / (2.0 * step[k]) * size
         assert np.max(np.abs(slopes[:, k] - difference)) <= 2e-5 * np.max(np.abs(difference))

@@ -105,7 +105,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
     "engine/sets/": (SETS, PROOF),
     "engine/orbit/": ("tests/engine/orbit/", "tests/measure/"),
     "engine/unsampled/": ("tests/engine/test_state_machine.py", "tests/measure/test_unsampled.py"),
-    "engine/pulse.py": ("tests/identify/",),
+    "engine/pulse": ("tests/identify/",),
     "engine/": (*(f"tests/engine/test_{name}.py" for name in PLAIN), PROOF),
     "controllers/": ("tests/controllers/",),
     "measure/": ("tests/measure/", "tests/engine/orbit/"),
