@@ -29,7 +29,9 @@ class Rig:
     neutral angle of the hand lies on either side of 0, at random; ``preload``, up to which share of the friction level
     the hand pulls at the knob that friction holds before the pulse. ``trigger_share`` of the target is the threshold
     that fires the pulse. ``torque_noise_nm`` is the rms noise of a torque sensor, None where there is none: the
-    printed one was of no use. ``before_s`` and ``after_s`` the onset are recorded.
+    printed one was of no use. It reads the motor's torque; with ``torque_sees_friction`` it carries the motor, as the
+    printed one did, and reads that torque less what friction takes of it. ``before_s`` and ``after_s`` the onset are
+    recorded.
 
     Raises `UsageError` for a number out of range.
     """
@@ -48,6 +50,7 @@ class Rig:
     preload: float = 0.0
     trigger_share: float = 1.0
     torque_noise_nm: float | None = None
+    torque_sees_friction: bool = False
     before_s: float = 5e-3
     after_s: float = 60e-3
 

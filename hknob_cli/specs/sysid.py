@@ -99,6 +99,10 @@ class RigSpec(Part):
     amplifier_s: Annotated[Seconds | None, Field(description="time constant of the amplifier's lag")] = None
     angle_noise_rad: Annotated[Noise | None, Field(description="rms, before the encoder rounds")] = None
     torque_error: Annotated[float | None, Field(gt=-1, le=10.0, description="share by which torque exceeds")] = None
+    torque_noise_nm: Annotated[Torque | None, Field(description="rms of a torque sensor; null: there is none")] = None
+    torque_sees_friction: Annotated[
+        bool | None, Field(strict=True, description="the sensor carries the motor, and reads the torque less friction")
+    ] = None
 
 
 class InputSpec(Part):
