@@ -109,8 +109,8 @@ class InputSpec(Part):
     """The torque on the virtual apparatus in place of the pulse; each trial is then of a continuous excitation."""
 
     kind: Annotated[
-        Literal["step", "sine", "chirp", "noise", "prbs"],
-        Field(description="prbs: a pseudorandom binary sequence; noise: Gaussian"),
+        Literal["step", "ramp", "sine", "chirp", "noise", "prbs"],
+        Field(description="ramp: from 0 up; prbs: a pseudorandom binary sequence; noise: Gaussian"),
     ]
     duration: Annotated[float, Quantity("s", ge=0.02, le=10.0), Field(description="of the input")] = 0.5
     from_hz: Annotated[PositiveHertz, Field(description="of a sine, or of a chirp at its beginning")] = 1.0

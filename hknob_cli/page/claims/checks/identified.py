@@ -7,8 +7,11 @@ import numpy as np
 
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
-from hknob_cli.apparatus.inputs import unit_input
+from hknob_cli.apparatus.hand_recording import PEAK_RAD, peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.inputs import runs, scaled_input, unit_input
+from hknob_cli.apparatus.people import mean_hand
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.simulated_motion import follow, mechanism
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
@@ -205,6 +208,31 @@ def asked_grip(evidence: ResultSet, result: str, push_nm: float, over_nm: float 
         raise MissingError(f"the grip of '{result}' does not follow its push")
     found = grip_of(placed(scene, {"bias.torque": push_nm}))
     return found if over_nm is None else found / grip_of(placed(scene, {"bias.torque": over_nm}))
+
+
+@check
+def turned_power(
+    _: ResultSet,
+    kind: str,
+    over: str,
+    experiment: int,
+    grip_n: float,
+    duration_s: float = 0.5,
+    sine_hz: float = 8.0,
+    chirp_hz: tuple[float, float] = (1.0, 100.0),
+) -> float:
+    """Mean square of the angle by which one kind of input turns a printed hand over that of another (Hasser, sec. 2.1).
+
+    Both turn it by the same angle at the most. A sine has the frequency ``sine_hz``.
+    """
+    hand, rig = mean_hand(experiment, grip_n), Rig.ideal()
+    squares = []
+    for one in (kind, over):
+        first, last = (sine_hz, sine_hz) if one == "sine" else chirp_hz
+        torque = scaled_input(InputPlan(one, duration_s, first, last, 0.002), hand, rig.interval_s, PEAK_RAD)
+        body = mechanism(hand)
+        squares.append(float(np.mean(follow(body, body.rest(0.0), runs(torque), rig.interval_s)[:, 0] ** 2)))
+    return squares[0] / squares[1]
 
 
 @check
