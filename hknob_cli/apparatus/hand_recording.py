@@ -88,6 +88,10 @@ def record_trial(rig: Rig, hand: Hand, pulse: Pulse | Array, key: Key, rng: np.r
         if rig.torque_sees_friction:
             acting = acting - taken_by_friction(body, states, acting)
         measured = acting + rig.torque_noise_nm * rng.standard_normal(samples)
+    felt = None
+    if rig.acceleration_noise is not None:
+        felt = _accelerated(body, states, before_torque(rig, states, torque))
+        felt = felt + rig.acceleration_noise * rng.standard_normal(samples)
     return Trial(
         key=key,
         time_s=np.arange(samples) / rig.sample_rate_hz,
@@ -95,7 +99,20 @@ def record_trial(rig: Rig, hand: Hand, pulse: Pulse | Array, key: Key, rng: np.r
         angle_rad=np.floor(angle / rig.count_rad) * rig.count_rad if rig.count_rad else angle,
         grip_n=grip,
         measured_torque_nm=measured,
+        acceleration_rad_s2=felt,
     )
+
+
+def before_torque(rig: Rig, states: Array, commanded: Array) -> Array:
+    """Motor's torque (n,), N·m, at each sample just before its ``commanded`` torque (n,) acts."""
+    return states[:, -1] if rig.amplifier_s > 0.0 else (1.0 + rig.torque_error) * np.append(0.0, commanded[:-1])
+
+
+def _accelerated(body: Mechanism, states: Array, acting: Array) -> Array:
+    """Acceleration (n,), rad/s², of the knob under a motor's torque (n,), N·m."""
+    order = len(body.entry) // 2 * 2
+    net = (acting - taken_by_friction(body, states, acting)) / body.inertia
+    return np.asarray(net + states[:, :order] @ body.rates[SLIDING, 1, :order])
 
 
 def taken_by_friction(body: Mechanism, states: Array, acting: Array) -> Array:

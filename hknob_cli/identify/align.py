@@ -23,7 +23,8 @@ class Aligned(NamedTuple):
 
     ``torque_nm`` acts from sample i to i + 1. ``noise_rad``: standard deviation of the angle before the pulse, None
     with fewer than eight samples there. ``scatter_rad``, of a mean: standard deviation of its trials at each sample,
-    scaled to one pulse. ``torque_noise_nm``: as ``noise_rad``, of a measured torque.
+    scaled to one pulse. ``torque_noise_nm``: as ``noise_rad``, of a measured torque. ``felt_rad_s2``:
+    of an accelerometer.
     """
 
     onset: int
@@ -32,6 +33,7 @@ class Aligned(NamedTuple):
     noise_rad: float | None
     scatter_rad: Array | None = None
     torque_noise_nm: float | None = None
+    felt_rad_s2: Array | None = None
 
 
 def interval(trial: Trial) -> float:
@@ -75,7 +77,10 @@ def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float, command
     noise = float(rest.std(ddof=1)) if rest.size >= 8 else None
     sensed = trial.torque_nm[_rest(time, pulse)][:-1] if commanded is not None else np.empty(0)
     sensor = float(sensed.std(ddof=1)) if sensed.size >= 8 else None
-    return Aligned(-begin, torque.astype(np.float64), angle - rest.mean(), noise, torque_noise_nm=sensor)
+    felt = None if trial.acceleration_rad_s2 is None else np.interp(grid, time, trial.acceleration_rad_s2)
+    return Aligned(
+        -begin, torque.astype(np.float64), angle - rest.mean(), noise, torque_noise_nm=sensor, felt_rad_s2=felt
+    )
 
 
 def even(trial: Trial, *, dt_s: float, span_s: tuple[float, float] | None, ramps: bool) -> Aligned:
@@ -105,7 +110,8 @@ def even(trial: Trial, *, dt_s: float, span_s: tuple[float, float] | None, ramps
     if grid.size != time.size or np.abs(time - grid).max() > EVEN * dt_s:
         torque = np.interp(grid, time, torque) if ramps else _averaged(time, torque, grid, dt_s)
         angle = np.interp(grid, time, angle)
-    return Aligned(0, torque.astype(np.float64), angle - angle[0], None)
+    felt = None if trial.acceleration_rad_s2 is None else np.interp(grid, time, trial.acceleration_rad_s2[kept])
+    return Aligned(0, torque.astype(np.float64), angle - angle[0], None, felt_rad_s2=felt)
 
 
 def _rest(time: Array, pulse: Pulse) -> slice:

@@ -28,7 +28,7 @@ class Motion(NamedTuple):
     angle and velocity are not those of rest, but unknown. ``ramps``: the torque runs straight from sample to sample.
     ``measured``: the torque is a sensor's, so that no lag is between it and the knob. ``torque_noise_nm``: standard
     deviation of its noise, independent between samples, from the part before the pulse; None if unknown. ``begins``:
-    the onset, where a sensor's noise hides it.
+    the onset, where a sensor's noise hides it. ``felt_rad_s2``: an accelerometer's, just before each sample's torque.
     """
 
     dt_s: float
@@ -45,6 +45,7 @@ class Motion(NamedTuple):
     measured: bool = False
     torque_noise_nm: float | None = None
     begins: int | None = None
+    felt_rad_s2: Array | None = None
 
     @property
     def onset(self) -> int:

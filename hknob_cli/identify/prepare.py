@@ -151,7 +151,9 @@ def _mean(cuts: list[Aligned]) -> Aligned:
         for cut, impulse in zip(cuts, impulses, strict=True)
     ]
     scatter = np.std(scaled, axis=0, ddof=1)
-    return Aligned(before, torque, angle, noise, scatter, sensor)
+    senses = [cut.felt_rad_s2[cut.onset - before : cut.onset + after] for cut in cuts if cut.felt_rad_s2 is not None]
+    felt = np.mean(senses, axis=0) if len(senses) == len(cuts) else None
+    return Aligned(before, torque, angle, noise, scatter, sensor, felt)
 
 
 def _of_mean(noises: list[float | None]) -> float | None:
@@ -194,6 +196,7 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
         averaged=count,
         scatter_rad=_scatter(mean, slice(mean.onset, stop), count, counts),
         torque_noise_nm=mean.torque_noise_nm,
+        felt_rad_s2=None if mean.felt_rad_s2 is None else mean.felt_rad_s2[kept],
         begins=None if mean.torque_noise_nm is None else (mean.onset - start) // stride,
     )
 

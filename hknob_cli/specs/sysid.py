@@ -26,7 +26,14 @@ from hknob_cli.specs.study import StudySpec, plan_study
 from hknob_cli.specs.sweep import Name
 
 What = Literal["hand", "motor", "grip_cell", "apparatus"]
-Estimator = Literal["least_squares", "least_squares_friction", "output_error", "output_error_friction", "fourth_order"]
+Estimator = Literal[
+    "least_squares",
+    "least_squares_friction",
+    "least_squares_acceleration",
+    "output_error",
+    "output_error_friction",
+    "fourth_order",
+]
 Count = Annotated[int, Field(strict=True, ge=1, le=1000)]
 Number = Annotated[int, Field(strict=True, ge=1, le=5)]
 Radius = Annotated[float, Quantity("m", gt=0, le=1.0)]
@@ -100,6 +107,11 @@ class RigSpec(Part):
     angle_noise_rad: Annotated[Noise | None, Field(description="rms, before the encoder rounds")] = None
     torque_error: Annotated[float | None, Field(gt=-1, le=10.0, description="share by which torque exceeds")] = None
     torque_noise_nm: Annotated[Torque | None, Field(description="rms of a torque sensor; null: there is none")] = None
+    acceleration_noise: Annotated[
+        float | None,
+        Quantity("rad/s^2", ge=0, le=1e6),
+        Field(description="rms of an accelerometer; null: there is none"),
+    ] = None
     torque_sees_friction: Annotated[
         bool | None, Field(strict=True, description="the sensor carries the motor, and reads the torque less friction")
     ] = None

@@ -41,7 +41,7 @@ def test_it_is_the_limit_of_the_network_with_a_knob() -> None:
 
 
 def test_a_fit_without_a_knob_finds_the_hand() -> None:
-    """A knob of 1e-12 kg m^2 is off the limit by below 1e-6 of the motion, which a misfit's slopes make 1e-3 at most."""
+    """A knob of 1e-12 kg m^2 is off the limit by below 1e-6 of the motion, and the parameters by 1e-3 at most."""
     fit = fourth_order(Motion(DT, TORQUE, reference()), inertia=1e-12)
     for name in ("finger_damping", "finger_stiffness", "pad_damping", "pad_stiffness"):
         found = fit.parameters[name]

@@ -146,6 +146,28 @@ def identified_change(
 
 
 @check
+def estimator_gain(
+    evidence: ResultSet, result: str, estimator: str, to: str, against: str, column: str, where: Where | None = None
+) -> float | None:
+    """Mean size of the difference of one estimator from a third, over that of another; people and grips one by one.
+
+    ``estimator`` and ``to`` are compared, each with ``against``, on the same recordings. Inertia is of hand and
+    apparatus.
+    """
+    found = []
+    for name in (estimator, to):
+        own, other = (
+            {tuple(row[key] for key in _KEYS[:3]): row for row in _conditions(evidence, result, one, "subject", where)}
+            for one in (name, against)
+        )
+        pairs = [(own[key], other[key]) for key in own if key in other]
+        sizes = [one[column] / two[column] - 1.0 for one, two in pairs if one[column] and two[column]]
+        found.append(one_number(sizes, "mean_size"))
+    first, second = found
+    return None if first is None or not second else first / second
+
+
+@check
 def displaced_share(
     evidence: ResultSet, result: str, estimator: str, low: float, high: float, where: Where | None = None
 ) -> float | None:
