@@ -100,6 +100,8 @@ def _answered(row: Row) -> Row:
         raise ValueError(f"{row.id}: data/contents.yaml says '{row.lacks}', but it is there: {said}")
     if not (said or row.parts) and row.lacks not in ("nothing", "not_built"):
         raise ValueError(f"{row.id}: nothing names it, and data/contents.yaml does not say why")
+    if row.where.files and not any(row.where._replace(files=())) and not (row.parts or row.lacks):
+        raise ValueError(f"{row.id}: docstrings alone name it; a claim, a figure, an experiment or a 'by' must, too")
     if row.id.startswith("Figure ") and not (row.where.figures or row.lacks):
         raise ValueError(f"{row.id}: no figure of the page draws it, and data/contents.yaml does not say why")
     return row

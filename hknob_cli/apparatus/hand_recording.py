@@ -12,7 +12,7 @@ from hknob_cli.apparatus.hand import Hand, SecondOrder
 from hknob_cli.apparatus.inputs import runs
 from hknob_cli.apparatus.people import mean_hand
 from hknob_cli.apparatus.rig import Rig
-from hknob_cli.apparatus.simulated_motion import follow, mechanism
+from hknob_cli.apparatus.simulated_motion import SLIDING, Mechanism, follow, mechanism
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero
 from hknob_cli.recordings.trial import Array, Key, Trial
@@ -85,7 +85,13 @@ def record_trial(rig: Rig, hand: Hand, pulse: Pulse | Array, key: Key, rng: np.r
     grip = squeeze(rig, key.grip_target_n, before, samples, rng, held=not pulsed)
     if rig.torque_noise_nm is not None:
         acting = states[:, -1] if rig.amplifier_s > 0.0 else (1.0 + rig.torque_error) * torque
+        if rig.torque_sees_friction:
+            acting = acting - taken_by_friction(body, states, acting)
         measured = acting + rig.torque_noise_nm * rng.standard_normal(samples)
+    felt = None
+    if rig.acceleration_noise is not None:
+        felt = _accelerated(body, states, before_torque(rig, states, torque))
+        felt = felt + rig.acceleration_noise * rng.standard_normal(samples)
     return Trial(
         key=key,
         time_s=np.arange(samples) / rig.sample_rate_hz,
@@ -93,7 +99,31 @@ def record_trial(rig: Rig, hand: Hand, pulse: Pulse | Array, key: Key, rng: np.r
         angle_rad=np.floor(angle / rig.count_rad) * rig.count_rad if rig.count_rad else angle,
         grip_n=grip,
         measured_torque_nm=measured,
+        acceleration_rad_s2=felt,
     )
+
+
+def before_torque(rig: Rig, states: Array, commanded: Array) -> Array:
+    """Motor's torque (n,), N·m, at each sample just before its ``commanded`` torque (n,) acts."""
+    return states[:, -1] if rig.amplifier_s > 0.0 else (1.0 + rig.torque_error) * np.append(0.0, commanded[:-1])
+
+
+def _accelerated(body: Mechanism, states: Array, acting: Array) -> Array:
+    """Acceleration (n,), rad/s², of the knob under a motor's torque (n,), N·m."""
+    order = len(body.entry) // 2 * 2
+    net = (acting - taken_by_friction(body, states, acting)) / body.inertia
+    return np.asarray(net + states[:, :order] @ body.rates[SLIDING, 1, :order])
+
+
+def taken_by_friction(body: Mechanism, states: Array, acting: Array) -> Array:
+    """Friction torque (n,), N·m, at each state (n, order): its level against the motion, or what holds the knob still.
+
+    ``acting``: the motor's torque (n,). A knob that turns round in a sample counts as it moves after it.
+    """
+    order = len(body.entry) // 2 * 2  # without the torque that lags
+    hand = -body.inertia * states[:, :order] @ body.rates[SLIDING, 1, :order]
+    speed = states[:, 1]
+    return np.where(speed != 0.0, body.coulomb * np.sign(speed), np.clip(acting - hand, -body.coulomb, body.coulomb))
 
 
 def squeeze(

@@ -1,4 +1,4 @@
-"""Inputs other than a pulse: step, sinusoid, chirp, random noise, pseudorandom binary sequence (Hasser, sec. 2.1).
+"""Inputs other than a pulse: step, ramp, sinusoid, chirp, noise, pseudorandom binary sequence (Hasser, sec. 2.1).
 
 Each is a torque that is held from sample to sample, as high as moves the mean hand of a grip by 0.09 rad at the most.
 A virtual hand has neither reflexes nor will, which the text names as the price of long inputs.
@@ -26,6 +26,8 @@ def unit_input(one: InputPlan, interval_s: float) -> Array:
     found: Array
     if one.kind == "step":
         found = np.ones_like(time)
+    elif one.kind == "ramp":
+        found = (np.arange(time.size) + 1.0) / time.size
     elif one.kind == "sine":
         found = np.sin(2.0 * np.pi * one.from_hz * time)
     elif one.kind == "chirp":

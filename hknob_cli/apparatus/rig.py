@@ -29,7 +29,10 @@ class Rig:
     neutral angle of the hand lies on either side of 0, at random; ``preload``, up to which share of the friction level
     the hand pulls at the knob that friction holds before the pulse. ``trigger_share`` of the target is the threshold
     that fires the pulse. ``torque_noise_nm`` is the rms noise of a torque sensor, None where there is none: the
-    printed one was of no use. ``before_s`` and ``after_s`` the onset are recorded.
+    printed one was of no use. It reads the motor's torque; with ``torque_sees_friction`` it carries the motor, as the
+    printed one did, and reads that torque less what friction takes of it. ``acceleration_noise`` is the rms noise
+    (rad/s²) of an accelerometer on the knob, None where there is none, as in print. ``before_s`` and ``after_s`` the
+    onset are recorded.
 
     Raises `UsageError` for a number out of range.
     """
@@ -48,6 +51,8 @@ class Rig:
     preload: float = 0.0
     trigger_share: float = 1.0
     torque_noise_nm: float | None = None
+    torque_sees_friction: bool = False
+    acceleration_noise: float | None = None
     before_s: float = 5e-3
     after_s: float = 60e-3
 
@@ -56,7 +61,7 @@ class Rig:
             value = getattr(self, field.name)
             positive = field.name in _POSITIVE
             least = -1.0 if field.name == "torque_error" else 0.0
-            if value is None and field.name == "torque_noise_nm":
+            if value is None and field.name in ("torque_noise_nm", "acceleration_noise"):
                 continue
             if not isfinite(value) or value < least or (positive and value == 0.0):
                 raise UsageError(f"rig: {field.name} must be {'> 0' if positive else f'>= {least:g}'}, got {value:g}")

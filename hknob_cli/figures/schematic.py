@@ -69,13 +69,14 @@ def arrow(panel: "Axes", x0: float, x1: float, y: float, label: str) -> None:
 def schematic(_evidence: ResultSet, _of: Any = None, *, kind: str) -> "Figure":
     """A model as springs, dampers and inertias; they turn, but are drawn as if they slid.
 
-    ``kind``: second (hand and knob as one), fourth (finger, fingerpad, actuator) or wall (outside it and inside it).
-    Raises `MissingError` for any other.
+    ``kind``: second (hand and knob as one), fourth (finger, fingerpad, actuator), network (the same as a mechanical
+    network, angles as its nodes) or wall (outside it and inside it). Raises `MissingError` for any other.
     """
     # Drawing, and the sides of the picture in its own units.
     draws = {
         "second": (_second, (-0.4, 4.4, -0.95, 1.3)),
         "fourth": (_fourth, (-0.4, 7.3, -1.3, 1.3)),
+        "network": (_network, (-0.7, 6.7, -0.3, 3.0)),
         "wall": (_wall, (-0.7, 7.0, -4.4, 1.5)),
     }
     if kind not in draws:
@@ -109,6 +110,34 @@ def _fourth(panel: "Axes") -> None:
     arrow(panel, 5.6, 6.6, 0.0, "torque T")
     arrow(panel, 2.3, 3.0, 0.8, "\u03b8\u2081")
     arrow(panel, 5.1, 5.8, 0.8, "\u03b8\u2082")
+
+
+def _network(panel: "Axes") -> None:
+    """Elements between the nodes of the two angles, and from each to ground; torque goes through, speed lies across."""
+    knob, finger, low, high = 2.2, 4.0, 0.0, 2.2
+    panel.plot([-0.2, 6.2], [low, low], **_LINE)
+    ground(panel, -0.2, low, 0.3, "")
+    panel.text(-0.2, low + 0.25, "ground", ha="center", va="bottom")
+    panel.plot([0.5, knob], [high, high], **_LINE)
+    panel.plot([finger, 6.0], [high, high], **_LINE)
+    for x, name in ((0.5, "T"), (1.5, "J\u2082"), (4.4, "J\u2081"), (5.2, "K\u2081"), (6.0, "B\u2081")):
+        _branch(panel, (x, low), (x, high), name)
+    for y, name in ((high + 0.35, "K\u2082"), (high - 0.35, "B\u2082")):
+        panel.plot([knob, knob], [high, y], **_LINE)
+        panel.plot([finger, finger], [high, y], **_LINE)
+        _branch(panel, (knob, y), (finger, y), name)
+    for x, name, side in ((knob, "\u03b8\u2082", "right"), (finger, "\u03b8\u2081", "left")):
+        panel.plot([x], [high], "o", color="black", markersize=4)
+        panel.text(x + (-0.12 if side == "right" else 0.12), high + 0.12, name, ha=side, va="bottom")
+
+
+def _branch(panel: "Axes", start: tuple[float, float], end: tuple[float, float], name: str) -> None:
+    """A line from node to node with an element named on it: a circle for the torque, else a box."""
+    across = 0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1])
+    panel.plot([start[0], end[0]], [start[1], end[1]], **_LINE)
+    shape = "circle" if name == "T" else "square"
+    look = {"boxstyle": f"{shape},pad=0.3", "facecolor": "white", "edgecolor": "black", "linewidth": 1.2}
+    panel.text(*across, name, ha="center", va="center", bbox=look)
 
 
 def _wall(panel: "Axes") -> None:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 COLOURS = {
     "least_squares": "#D55E00",
     "least_squares_friction": "#E69F00",
+    "least_squares_acceleration": "#CC79A7",
     "output_error": "#0072B2",
     "output_error_friction": "#56B4E9",
     "fourth_order": "#009E73",
@@ -24,6 +25,7 @@ COLOURS = {
 MARKERS = {
     "least_squares": "o",
     "least_squares_friction": "s",
+    "least_squares_acceleration": "P",
     "output_error": "^",
     "output_error_friction": "v",
     "fourth_order": "D",
@@ -31,6 +33,7 @@ MARKERS = {
 NAMES = {
     "least_squares": "least squares",
     "least_squares_friction": "least squares, friction",
+    "least_squares_acceleration": "least squares, accelerometer",
     "output_error": "output error",
     "output_error_friction": "output error, friction",
     "fourth_order": "fourth order",

@@ -23,7 +23,8 @@ class Aligned(NamedTuple):
 
     ``torque_nm`` acts from sample i to i + 1. ``noise_rad``: standard deviation of the angle before the pulse, None
     with fewer than eight samples there. ``scatter_rad``, of a mean: standard deviation of its trials at each sample,
-    scaled to one pulse.
+    scaled to one pulse. ``torque_noise_nm``: as ``noise_rad``, of a measured torque. ``felt_rad_s2``:
+    of an accelerometer.
     """
 
     onset: int
@@ -31,6 +32,8 @@ class Aligned(NamedTuple):
     angle_rad: Array
     noise_rad: float | None
     scatter_rad: Array | None = None
+    torque_noise_nm: float | None = None
+    felt_rad_s2: Array | None = None
 
 
 def interval(trial: Trial) -> float:
@@ -42,15 +45,16 @@ def interval(trial: Trial) -> float:
     return float(usual.mean())
 
 
-def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float) -> Aligned:
+def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float, commanded: Array | None = None) -> Aligned:
     """Cut the pulse out, from ``before_s`` or what there is before its onset to ``after_s`` or what there is after it.
 
     Where times are not on the grid of ``dt_s`` through the onset, the angle is interpolated linearly, and the torque
     averaged over each interval, which keeps its impulse. The rest angle is the mean of the 20 ms up to the onset.
+    ``commanded``: the torque that says where the pulse is, if the trial's own is a sensor's.
     Raises `UnusableError` without a pulse, without samples before it, with too few after it, or with a gap of over
     three intervals.
     """
-    pulse = find_pulse(trial.torque_nm)
+    pulse = find_pulse(trial.torque_nm if commanded is None else commanded)
     if pulse is None:
         raise UnusableError("no pulse")
     if pulse.onset == 0:
@@ -71,7 +75,12 @@ def align(trial: Trial, *, dt_s: float, before_s: float, after_s: float) -> Alig
     else:
         torque, angle = _averaged(time, trial.torque_nm, grid, dt_s), np.interp(grid, time, trial.angle_rad)
     noise = float(rest.std(ddof=1)) if rest.size >= 8 else None
-    return Aligned(-begin, torque.astype(np.float64), angle - rest.mean(), noise)
+    sensed = trial.torque_nm[_rest(time, pulse)][:-1] if commanded is not None else np.empty(0)
+    sensor = float(sensed.std(ddof=1)) if sensed.size >= 8 else None
+    felt = None if trial.acceleration_rad_s2 is None else np.interp(grid, time, trial.acceleration_rad_s2)
+    return Aligned(
+        -begin, torque.astype(np.float64), angle - rest.mean(), noise, torque_noise_nm=sensor, felt_rad_s2=felt
+    )
 
 
 def even(trial: Trial, *, dt_s: float, span_s: tuple[float, float] | None, ramps: bool) -> Aligned:
@@ -101,7 +110,8 @@ def even(trial: Trial, *, dt_s: float, span_s: tuple[float, float] | None, ramps
     if grid.size != time.size or np.abs(time - grid).max() > EVEN * dt_s:
         torque = np.interp(grid, time, torque) if ramps else _averaged(time, torque, grid, dt_s)
         angle = np.interp(grid, time, angle)
-    return Aligned(0, torque.astype(np.float64), angle - angle[0], None)
+    felt = None if trial.acceleration_rad_s2 is None else np.interp(grid, time, trial.acceleration_rad_s2[kept])
+    return Aligned(0, torque.astype(np.float64), angle - angle[0], None, felt_rad_s2=felt)
 
 
 def _rest(time: Array, pulse: Pulse) -> slice:

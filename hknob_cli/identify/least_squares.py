@@ -14,13 +14,24 @@ import numpy as np
 
 from hknob_cli.errors import UsageError
 from hknob_cli.identify.covariance import cautious, share_of, widen
-from hknob_cli.identify.fit import Estimate, Fit, blank, doubts, judged, misfit, unidentified, vaf, whiteness
+from hknob_cli.identify.fit import (
+    PARAMETERS,
+    Estimate,
+    Fit,
+    blank,
+    doubts,
+    judged,
+    misfit,
+    unidentified,
+    vaf,
+    whiteness,
+)
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.second_order import Plant, respond_with_slopes
 from hknob_cli.identify.start import best_motion
 from hknob_cli.recordings.trial import Array
 
-NAME, FRICTION_NAME = "least_squares", "least_squares_friction"
+NAME, FRICTION_NAME, ACCELERATION_NAME = "least_squares", "least_squares_friction", "least_squares_acceleration"
 FOLLOWS = "coulomb is not identifiable: the direction of motion follows the torque, and damping is biased with it"
 ALIKE = 10.0  # variance inflation of a column by another above which they cannot be told apart (Kutner et al. 2005)
 REST = "rest"  # torque that the spring has where the angle is zero
@@ -46,7 +57,30 @@ def least_squares_friction(motion: Motion, *, fixed: Mapping[str, float] = NONE)
     return _solve(motion, FRICTION_NAME, fixed, friction=True)
 
 
-def _solve(motion: Motion, name: str, fixed: Mapping[str, float], *, friction: bool) -> Fit:
+def least_squares_acceleration(motion: Motion, *, fixed: Mapping[str, float] = NONE) -> Fit:
+    """As `least_squares`, with the acceleration of an accelerometer in place of the angle's second derivative.
+
+    Chapter 3 calls that beneficial. Nothing smooths it, so that the edges of a pulse stay where they are; its noise
+    pulls the inertia towards zero, by the noise's power over the acceleration's. A commanded torque is that before the
+    sample, as the acceleration is.
+    """
+    if motion.felt_rad_s2 is None:
+        return unidentified(ACCELERATION_NAME, PARAMETERS[:3], "no accelerometer: nothing can be identified")
+    torque = motion.torque_nm
+    if not motion.measured and not motion.ramps:
+        torque = np.append(torque[:1], torque[:-1])
+    return _solve(motion, ACCELERATION_NAME, fixed, friction=False, felt=(motion.felt_rad_s2, torque))
+
+
+def _solve(
+    motion: Motion,
+    name: str,
+    fixed: Mapping[str, float],
+    *,
+    friction: bool,
+    felt: tuple[Array, Array] | None = None,
+) -> Fit:
+    """``felt``: a measured acceleration (n,), and the torque (n,) that goes with it."""
     if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
         raise UsageError(f"{name}: the motion has no velocity and acceleration; differentiate it first")
     names = ("inertia", "damping", "stiffness", *(("coulomb",) if friction else ()))
@@ -54,12 +88,15 @@ def _solve(motion: Motion, name: str, fixed: Mapping[str, float], *, friction: b
     if why:
         return unidentified(name, names, why)
     acceleration, velocity = motion.acceleration_rad_s2, motion.velocity_rad_s
+    acts = motion.torque_nm
+    if felt is not None:
+        acceleration, acts = felt
     columns = {"inertia": acceleration, "damping": velocity, "stiffness": motion.angle_rad}
     rows = np.isfinite(acceleration) & np.isfinite(velocity)
     if friction:
         columns["coulomb"] = np.sign(velocity)
         rows &= np.abs(velocity) > still(motion, velocity)
-    torque = motion.torque_nm - sum(value * columns[one] for one, value in fixed.items())
+    torque = acts - sum(value * columns[one] for one, value in fixed.items())
     searched = [one for one in names if one not in fixed]
     if not motion.pulsed and "stiffness" in searched:
         columns[REST] = np.ones_like(velocity)  # the spring's rest is not where the recording begins

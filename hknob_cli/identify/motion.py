@@ -26,7 +26,9 @@ class Motion(NamedTuple):
 
     ``pulsed`` False: the torque goes on as it likes, and the angle is from its first sample. ``free_start``: the first
     angle and velocity are not those of rest, but unknown. ``ramps``: the torque runs straight from sample to sample.
-    ``measured``: the torque is a sensor's, so that no lag is between it and the knob.
+    ``measured``: the torque is a sensor's, so that no lag is between it and the knob. ``torque_noise_nm``: standard
+    deviation of its noise, independent between samples, from the part before the pulse; None if unknown. ``begins``:
+    the onset, where a sensor's noise hides it. ``felt_rad_s2``: an accelerometer's, just before each sample's torque.
     """
 
     dt_s: float
@@ -41,10 +43,15 @@ class Motion(NamedTuple):
     free_start: bool = False
     ramps: bool = False
     measured: bool = False
+    torque_noise_nm: float | None = None
+    begins: int | None = None
+    felt_rad_s2: Array | None = None
 
     @property
     def onset(self) -> int:
         """First sample with torque, before which nothing moves; 0 where that is not known."""
+        if self.begins is not None and not self.free_start:
+            return self.begins
         return int(np.flatnonzero(self.torque_nm)[0]) if self.pulsed and not self.free_start else 0
 
     @property

@@ -98,6 +98,9 @@ def output_error(
     if flags:
         total, part, more = widen(found.covariance, found.slopes, found.residuals, white)
         covariance, part, flags = total * np.outer(by, by), part * np.outer(by, by), (*flags, *more)
+    if motion.torque_noise_nm:
+        plant = Plant(*(values[one] for one in ALL[:4]))
+        covariance = covariance + np.outer(by, by) * by_torque(motion, plant, answer(found.parameters)[1])
     with np.errstate(invalid="ignore"):
         spread = np.sqrt(np.diagonal(covariance))
     estimates = {}
@@ -119,6 +122,22 @@ def output_error(
         covariance=_whole(covariance, names, searched),
         misfit=_whole(part, names, searched) if np.any(part) else None,
     )
+
+
+def by_torque(motion: Motion, plant: Plant, slopes: Array) -> Array:
+    """Covariance (p, p) that the noise of a torque sensor makes of parameters with derivatives ``slopes`` (n, p).
+
+    The knob moves by the torque, and the model by what the sensor says of it. The difference, a noise w of its own in
+    each sample, moves the modelled angle by H w, and the parameters by -S⁺ H w, S with a column for the rest angle.
+    Friction is left out of H: it makes less of a torque.
+    """
+    pushed = np.zeros(len(motion.torque_nm))
+    pushed[0] = 1.0
+    kick, _ = respond_with_slopes(plant._replace(coulomb=0.0), pushed, motion.dt_s, ramps=motion.ramps)
+    back = np.linalg.pinv(np.column_stack([slopes, np.ones(len(slopes))]))[:-1]
+    # Row k of S⁺ H is the correlation of row k of S⁺ with the answer to a kick.
+    moved = np.array([np.correlate(row, kick, "full")[len(kick) - 1 :] for row in back])
+    return np.asarray(moved @ moved.T * (motion.torque_noise_nm or 0.0) ** 2)
 
 
 def _begins(

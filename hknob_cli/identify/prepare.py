@@ -97,7 +97,7 @@ def _prepared(condition: Condition, trials: list[Trial], how: Preparation, count
             if how.continuous:
                 cuts.append(even(used_as, dt_s=dt_s, span_s=how.span_s, ramps=how.ramps))
             else:
-                cuts.append(_cut(used_as, dt_s, how))
+                cuts.append(_cut(used_as, dt_s, how, commanded=trial.torque_nm if measured else None))
             used.append(number)
         except UnusableError as error:
             notes.append(f"trial {number} left out: {error}")
@@ -122,10 +122,11 @@ def _with_torque(trials: list[Trial], wanted: str | None) -> tuple[list[Trial], 
     return [one._replace(torque_nm=torque) for one, torque in used if torque is not None], True, []
 
 
-def _cut(trial: Trial, dt_s: float, how: Preparation) -> Aligned:
+def _cut(trial: Trial, dt_s: float, how: Preparation, *, commanded: Array | None) -> Aligned:
     """A trial's window, with a margin that takes up the ends of the filter."""
     before, after = how.window_s
-    found = align(trial, dt_s=dt_s, before_s=before + _MARGIN_S, after_s=after + _MARGIN_S)
+    around = {"before_s": before + _MARGIN_S, "after_s": after + _MARGIN_S}
+    found = align(trial, dt_s=dt_s, commanded=commanded, **around)
     left = (found.angle_rad.size - 1 - found.onset) * dt_s
     if left < after - 0.5 * dt_s:
         raise UnusableError(f"it ends {left:.3g} s after the onset, the window needs {after:g} s")
@@ -140,8 +141,8 @@ def _mean(cuts: list[Aligned]) -> Aligned:
     after = min(cut.angle_rad.size - cut.onset for cut in cuts)
     torque = np.mean([cut.torque_nm[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
     angle = np.mean([cut.angle_rad[cut.onset - before : cut.onset + after] for cut in cuts], axis=0)
-    noises = [cut.noise_rad for cut in cuts if cut.noise_rad is not None]
-    noise = math.sqrt(sum(value**2 for value in noises) / len(noises) / len(cuts)) if noises else None
+    noise = _of_mean([cut.noise_rad for cut in cuts])
+    sensor = _of_mean([cut.torque_noise_nm for cut in cuts])
     impulses = [float(cut.torque_nm.sum()) for cut in cuts]
     usual = float(torque.sum())
     # Of pulses of one size: a larger one moves the same hand further.
@@ -150,7 +151,15 @@ def _mean(cuts: list[Aligned]) -> Aligned:
         for cut, impulse in zip(cuts, impulses, strict=True)
     ]
     scatter = np.std(scaled, axis=0, ddof=1)
-    return Aligned(before, torque, angle, noise, scatter)
+    senses = [cut.felt_rad_s2[cut.onset - before : cut.onset + after] for cut in cuts if cut.felt_rad_s2 is not None]
+    felt = np.mean(senses, axis=0) if len(senses) == len(cuts) else None
+    return Aligned(before, torque, angle, noise, scatter, sensor, felt)
+
+
+def _of_mean(noises: list[float | None]) -> float | None:
+    """Noise of the mean of signals with these; None where none is known."""
+    known = [value for value in noises if value is not None]
+    return math.sqrt(sum(value**2 for value in known) / len(known) / len(noises)) if known else None
 
 
 def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: float | None) -> Motion:
@@ -186,6 +195,9 @@ def _motion(mean: Aligned, count: int, dt_s: float, how: Preparation, counts: fl
         noise_rad=_noise(mean.noise_rad, count, counts),
         averaged=count,
         scatter_rad=_scatter(mean, slice(mean.onset, stop), count, counts),
+        torque_noise_nm=mean.torque_noise_nm,
+        felt_rad_s2=None if mean.felt_rad_s2 is None else mean.felt_rad_s2[kept],
+        begins=None if mean.torque_noise_nm is None else (mean.onset - start) // stride,
     )
 
 

@@ -7,13 +7,16 @@ import re
 from collections import Counter
 from collections.abc import Iterable
 from importlib.resources import files
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures.numbers import MINUS, numeral
 from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.claims.checks import known
 from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
 from hknob_cli.page.tables import UPRIGHT
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
 
 GLOSSARY = {
     REPRODUCED: "a reading that the print allows is within the tolerance",
@@ -22,6 +25,7 @@ GLOSSARY = {
     NOT_TESTABLE: "there is no computation, or what it needs is not there",
 }
 _WORST_FIRST = (CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED)
+_SPEC_WIDTH = 100  # characters of a line
 _PRINTED_DIGITS = 10  # of a printed value none is lost
 # The readings of a claim are one text, each ending in its verdict, or in why it is excluded.
 _BETWEEN_READINGS = re.compile("(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); ")
@@ -230,12 +234,22 @@ def _anchors(sources: Iterable[Source]) -> list[str]:
     return list(found)
 
 
-def _spec(source: Source) -> str:
-    """Its spec as JSON, which YAML readers take, too."""
-    text = json.dumps(source.spec, indent=1, ensure_ascii=False, default=str)
-    return re.sub(r"([\[{])\s+([^\[\]{}]*?)\s+([\]}])", _in_one_line, text)
+def _spec(source: Source) -> "Markup":
+    """Its spec as JSON, which YAML readers take, too, for the text of an element, where quotes stand as they are."""
+    from markupsafe import Markup, escape
+
+    return Markup(str(escape(_folded(source.spec, 0))).replace("&#34;", '"').replace("&#39;", "'"))
 
 
-def _in_one_line(found: re.Match[str]) -> str:
-    """A list or a mapping of plain values, on a line of its own."""
-    return found[1] + " ".join(found[2].split()) + found[3]
+def _folded(value: Any, depth: int) -> str:
+    """A value as JSON; a list or a mapping on a line of its own where it fits, else its parts on lines of their own."""
+    flat = json.dumps(value, ensure_ascii=False, default=str)
+    if not value or not isinstance(value, dict | list) or depth + len(flat) <= _SPEC_WIDTH:
+        return flat
+    if isinstance(value, dict):
+        parts = [f"{json.dumps(str(key), ensure_ascii=False)}: {_folded(one, depth + 1)}" for key, one in value.items()]
+    else:
+        parts = [_folded(one, depth + 1) for one in value]
+    first, last = flat[0], flat[-1]
+    between = "\n" + " " * (depth + 1)
+    return first + between + f",{between}".join(parts) + "\n" + " " * depth + last

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import pyarrow as pa
 
+from hknob_cli.results.campaign_files import ACCELERATION
 from hknob_cli.results.columns import Column
 
 KEYS = (
@@ -24,8 +25,9 @@ MEASURED_TORQUE = Column("measured_torque_nm", pa.float64(), "N*m", "measured to
 TEXTS = ("subject", "experiment")
 REQUIRED = ("time_s", "angle_rad")
 TORQUES = ("torque_nm", MEASURED_TORQUE.name)  # of which one must be there
-MAY_MISS = ("grip_n", MEASURED_TORQUE.name)  # in all rows of a trial
-EVERY = tuple(column.name for column in (*KEYS, *SAMPLES, MEASURED_TORQUE))
+SENSED = (MEASURED_TORQUE, ACCELERATION)  # of sensors that few have
+MAY_MISS = ("grip_n", *(column.name for column in SENSED))  # in all rows of a trial
+EVERY = tuple(column.name for column in (*KEYS, *SAMPLES, *SENSED))
 UNNAMED = "unnamed"  # subject and experiment of a file without such columns
 
 
@@ -45,6 +47,7 @@ LIMITS = {
     "angle_rad": Limit(100.0, "rad", "degrees or counts", "angle"),
     "torque_nm": Limit(10.0, "N m", "mN m", "torque"),
     "measured_torque_nm": Limit(10.0, "N m", "mN m", "torque"),
+    ACCELERATION.name: Limit(1e5, "rad/s^2", "deg/s^2", "acceleration"),
     "grip_n": Limit(1000.0, "N", "mN or grams", "force"),
     "grip_target_n": Limit(1000.0, "N", "mN or grams", "force"),
 }

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import UsageError, printable
-from hknob_cli.recordings.columns import LARGEST, LIMITS, LONGEST_STEP_S, LONGEST_TRIAL_S
+from hknob_cli.recordings.columns import LARGEST, LIMITS, LONGEST_STEP_S, LONGEST_TRIAL_S, SENSED
 from hknob_cli.recordings.trial import Array, Trial
 
 MOST = 20
@@ -111,7 +111,7 @@ def check_trial(trial: Trial, faults: Faults, limits: Mapping[str, float]) -> tu
     with np.errstate(invalid="ignore", over="ignore"):
         _check_time(trial, faults)
     notes: list[str] = []
-    for column in ("torque_nm", "angle_rad", "grip_n", "measured_torque_nm"):
+    for column in ("torque_nm", "angle_rad", "grip_n", *(one.name for one in SENSED)):
         values: Array | None = getattr(trial, column)
         if values is not None:
             notes += _check_size(column, values, trial.first_row, faults, limits)

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.recordings.blocks import Block, blocks
-from hknob_cli.recordings.columns import EVERY, MAY_MISS, MEASURED_TORQUE, REQUIRED, SAMPLES, TORQUES, UNNAMED
+from hknob_cli.recordings.columns import EVERY, MAY_MISS, REQUIRED, SAMPLES, SENSED, TORQUES, UNNAMED
 from hknob_cli.recordings.faults import Faults, RecordingError, RowFault, check_trial
 from hknob_cli.recordings.files import CELLS, NotReadableError, RecordingFile
 from hknob_cli.recordings.trial import Array, Key, Trial
@@ -17,7 +17,7 @@ from hknob_cli.specs.identification import ColumnPlan
 from hknob_cli.specs.messages import closest, shown
 
 NOTHING: Mapping[str, Any] = {}
-_SAMPLES = tuple(column.name for column in (*SAMPLES, MEASURED_TORQUE))
+_SAMPLES = tuple(column.name for column in (*SAMPLES, *SENSED))
 
 
 def read(
@@ -185,16 +185,17 @@ def _joined(key: Key, pieces: list[dict[str, Array]], source: str, first: int) -
 
 
 def _without_holes(trial: Trial, faults: Faults) -> Trial:
-    """Trial without the measured torque if it has none; holes in it, or in the grip, are noted."""
+    """Trial without what a sensor did not give in any row; holes in it, or in the grip, are noted."""
     for name in MAY_MISS:
         values: Array | None = getattr(trial, name)
         if values is None or name in faults.absent:
             continue
         holes = np.flatnonzero(np.isnan(values))
-        if holes.size == values.size and name != "grip_n" and TORQUES[0] not in faults.absent:
-            trial = trial._replace(measured_torque_nm=None)
+        spare = name not in TORQUES or TORQUES[0] not in faults.absent
+        if holes.size == values.size and name != "grip_n" and spare:
+            trial = trial._replace(**dict[str, Any]({name: None}))
         elif holes.size and (name != "grip_n" or holes.size < values.size) and not faults.has(name):
-            none = ", or in none" if TORQUES[0] not in faults.absent else ""
+            none = ", or in none" if spare else ""
             message = f"nothing in {holes.size} rows of this trial; must be in all of them{none}"
             faults.add(trial.first_row + int(holes[0]), name, message)
     return trial

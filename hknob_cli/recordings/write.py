@@ -10,8 +10,9 @@ import pyarrow as pa
 import pyarrow.csv as pc
 
 from hknob_cli.errors import ComputationError
-from hknob_cli.recordings.columns import KEYS, MEASURED_TORQUE, SAMPLES
+from hknob_cli.recordings.columns import KEYS, SAMPLES, SENSED
 from hknob_cli.recordings.trial import Trial
+from hknob_cli.results.columns import Column
 from hknob_cli.results.files import create, put_in_place
 from hknob_cli.results.store import partial
 
@@ -39,9 +40,10 @@ def table(trials: Sequence[Trial]) -> pa.Table:
         there = ~np.isnan(numbers)
         hidden = column.name == "grip_n" and not there.all()
         arrays.append(_plain(column.type, numbers, _mask(there) if hidden else None))
-    if any(trial.measured_torque_nm is not None for trial in trials):
-        columns.append(MEASURED_TORQUE)
-        arrays.append(_measured(trials, lengths))
+    for column in SENSED:
+        if any(getattr(trial, column.name) is not None for trial in trials):
+            columns.append(column)
+            arrays.append(_measured(column, trials, lengths))
     return pa.Table.from_arrays(arrays, schema=pa.schema([column.field() for column in columns]))
 
 
@@ -80,15 +82,13 @@ def _repeated(values: Sequence[str], lengths: np.ndarray[Any, np.dtype[np.int64]
     return pa.Array.from_buffers(pa.string(), len(sizes), buffers)
 
 
-def _measured(trials: Sequence[Trial], lengths: np.ndarray[Any, np.dtype[np.int64]]) -> pa.Array:
-    there = np.repeat(np.array([trial.measured_torque_nm is not None for trial in trials]), lengths)
+def _measured(column: Column, trials: Sequence[Trial], lengths: np.ndarray[Any, np.dtype[np.int64]]) -> pa.Array:
+    found = [getattr(trial, column.name) for trial in trials]
+    there = np.repeat(np.array([one is not None for one in found]), lengths)
     values = _chained(
-        [
-            np.zeros(trial.time_s.size) if trial.measured_torque_nm is None else trial.measured_torque_nm
-            for trial in trials
-        ]
+        [np.zeros(trial.time_s.size) if one is None else one for trial, one in zip(trials, found, strict=True)]
     )
-    return _plain(MEASURED_TORQUE.type, values, None if there.all() else _mask(there))
+    return _plain(column.type, values, None if there.all() else _mask(there))
 
 
 def _mask(there: np.ndarray[Any, Any]) -> pa.Buffer:

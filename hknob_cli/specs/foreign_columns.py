@@ -25,6 +25,7 @@ ColumnName = Literal[
     "angle_rad",
     "grip_n",
     "measured_torque_nm",
+    "acceleration_rad_s2",
 ]
 TEXTS = ("subject", "experiment")
 WHOLE = ("block", "trial")
@@ -32,6 +33,7 @@ SI = {
     "time_s": "s",
     "torque_nm": "N*m",
     "measured_torque_nm": "N*m",
+    "acceleration_rad_s2": "rad/s^2",
     "angle_rad": "rad",
     "grip_n": "N",
     "grip_target_n": "N",
@@ -83,6 +85,7 @@ class RecordingLimits(Part):
 
     angle: Annotated[Most, Unit("rad"), Field(description="of angles")] = 100.0
     torque: Annotated[Most, Unit("N*m"), Field(description="of torques, commanded and measured")] = 10.0
+    acceleration: Annotated[Most, Unit("rad/s^2"), Field(description="of an accelerometer")] = 1e5
     force: Annotated[Most, Unit("N"), Field(description="of grip forces")] = 1000.0
 
     def plain(self) -> dict[str, float]:
@@ -91,6 +94,7 @@ class RecordingLimits(Part):
             "angle_rad": self.angle,
             "torque_nm": self.torque,
             "measured_torque_nm": self.torque,
+            "acceleration_rad_s2": self.acceleration,
             "grip_n": self.force,
             "grip_target_n": self.force,
         }

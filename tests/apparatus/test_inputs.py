@@ -17,7 +17,7 @@ from hknob_cli.specs.identification import InputPlan
 from tests.conftest import loaded
 
 DT = 1e-4
-KINDS = ("step", "sine", "chirp", "noise", "prbs")
+KINDS = ("step", "ramp", "sine", "chirp", "noise", "prbs")
 
 
 def plan(kind: str, duration: float = 0.2) -> InputPlan:
@@ -42,6 +42,7 @@ def test_what_the_inputs_are() -> None:
         assert len(values) == 2000
         assert np.max(np.abs(values)) == pytest.approx(1.0, abs=1e-3)
     assert (unit_input(plan("step"), DT) == 1.0).all()
+    assert np.diff(unit_input(plan("ramp"), DT)) == pytest.approx(1.0 / 2000)
     crossings = np.count_nonzero(np.diff(np.sign(unit_input(plan("sine", 1.0), DT)[1:])))
     assert crossings == 9  # 5 periods in a second
     # Twice the mean frequency times the duration: (5 + 80)/2 Hz, 42.5 periods in a second.
@@ -108,6 +109,20 @@ def test_hands_come_back(kind: str) -> None:
 def test_the_power_of_inputs_by_hand() -> None:
     """A binary sequence has the largest mean square that there is, twice that of a sine of whole periods."""
     assert compute("input_power", ResultSet({}), {"kind": "prbs", "over": "step"}) == 1.0
+
+
+def test_the_angle_of_a_slow_sine_is_a_sine() -> None:
+    """Far below the hand's resonance the angle is T/K sin: mean square one half; a step's is near 1, its overshoot off.
+
+    At 2 Hz, a whole period in half a second, inertia and damping turn the sine by less than 0.11 rad, and what it
+    begins with fades within 10 ms: 2 % of the half second, and of the mean square.
+    """
+    given = {"kind": "sine", "over": "sine", "experiment": 1, "grip_n": 14.2}
+    assert compute("turned_power", ResultSet({}), given) == 1.0
+    hand = mean_hand(1, 14.2)
+    step = scaled_input(plan("step", 0.5), hand, DT, 0.09)[0] / hand.stiffness / 0.09
+    found = compute("turned_power", ResultSet({}), {**given, "over": "step", "sine_hz": 2.0})
+    assert found == pytest.approx(0.5 / step**2, rel=0.05)
     half = compute("input_power", ResultSet({}), {"kind": "prbs", "over": "sine", "duration_s": 1.0})
     assert half == pytest.approx(2.0, rel=1e-6)
 

@@ -91,6 +91,7 @@ def change(listed: dict[str, Any], kind: str, name: str, **keys: Any) -> None:
         ("figures", "Figure 98", {**ONE_MORE}, "Figure 98: nothing names it"),
         ("figures", "Figure 98", {**ONE_MORE, "by": ["sec-9.3-constant"]}, "Figure 98: no figure of the page draws it"),
         ("figures", "Figure 35", {"id": "Figure 98"}, "Figure 35, which data/contents.yaml does not have"),
+        ("equations", "Equation 1", {"by": None}, "Equation 1: docstrings alone name it"),
         ("equations", "9.3(b)", {"by": ["sec-9.3-lawn"]}, "'sec-9.3-lawn'"),
         ("equations", "9.3(b)", {"by": ["hknob_cli.theory.laws:lawn"]}, "hknob_cli.theory.laws:lawn"),
     ],

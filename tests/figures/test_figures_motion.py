@@ -53,6 +53,7 @@ FIGURES: list[tuple[str, Any, dict[str, Any], tuple[str, ...]]] = [
     ("contact_energy", SHORT, {"labels": ["counts", "none"]}, ("48.3 µJ", "25.5 µJ", "late exit", "energy added, µJ")),
     ("schematic", None, {"kind": "second"}, ("K", "B", "J", "torque T")),
     ("schematic", None, {"kind": "fourth"}, ("K₁", "B₂", "fingerpad")),
+    ("schematic", None, {"kind": "network"}, ("K₁", "B₂", "J₂", "T", "θ₁", "ground")),
     ("schematic", None, {"kind": "wall"}, ("outside the wall", "inside the wall", "push g")),
     ("apparatus_drawing", None, {"kind": "rig"}, ("640,000 counts", "reaction torque cell", "10 kHz")),
     ("apparatus_drawing", None, {"kind": "pinch"}, ("thumb", "forefinger", "17.8 mm", "grip cell")),

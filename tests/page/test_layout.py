@@ -121,12 +121,12 @@ def test_numbers_come_first_and_lead_to_where_they_are_from() -> None:
     assert laid.index("4 of 9") < laid.index("57</b>") < laid.index('<p class="said">')
 
 
-def test_a_computation_is_said_in_words_and_its_name_on_demand() -> None:
+def test_a_computation_is_said_in_words_before_its_name() -> None:
     row = claim(check="spread_along", computed=1.6, unit="", claim="x")
     laid = lay_out(EMPTY._replace(claims=(row,), claims_of="It"))
     assert "<span>1.6</span> <small>Largest over least value of a column along an axis</small>" in laid
-    words = "Largest over least value of a column along an axis, rests left out; a statistic over the other axes."
-    assert f"<dt>Computed</dt><dd>{words} <details><summary>" in laid
+    words = "Largest over least value of a column along an axis, rests left out; a statistic over the other axes"
+    assert f"<dt>Computed</dt><dd>{words} (<code>spread_along</code>).</dd>" in laid
     assert laid.count("spread_along") == 1
     assert words_of("no_such_check") == ""
     assert "`" not in "".join(map(words_of, known()))

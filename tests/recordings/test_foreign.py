@@ -94,6 +94,22 @@ def test_a_measured_torque_alone_will_do(file) -> None:
     assert "row 1: measured_torque_nm: nothing in 2 rows of this trial" in fault_of(path)
 
 
+def test_an_accelerometer_is_there_whole_or_not_at_all(file, tmp_path) -> None:
+    path = file("time_s,angle_rad,torque_nm,acceleration_rad_s2\n0,0,1,5\n1,0,2,-6\n")
+    (one,) = read([path])
+    assert one.acceleration_rad_s2.tolist() == [5.0, -6.0]
+    again = tmp_path / "again.csv"
+    write_csv(again, [one])
+    assert read([again])[0].acceleration_rad_s2.tolist() == [5.0, -6.0]
+    (none,) = read([file("time_s,angle_rad,torque_nm,acceleration_rad_s2\n0,0,1,\n1,0,2,\n")])
+    assert none.acceleration_rad_s2 is None
+    holes = file("time_s,angle_rad,torque_nm,acceleration_rad_s2\n0,0,1,5\n1,0,2,\n")
+    assert (
+        "row 2: acceleration_rad_s2: nothing in 1 rows of this trial; must be in all of them, or in none"
+        in fault_of(holes)
+    )
+
+
 def test_a_wheel_that_turned_far_is_a_warning_and_no_fault(file) -> None:
     """400 rad are 64 turns, which a motor makes in a second."""
     said: list[str] = []

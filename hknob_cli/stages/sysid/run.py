@@ -14,7 +14,7 @@ from hknob_cli.errors import ComputationError, UsageError
 from hknob_cli.identify.fit import Estimate, Fit
 from hknob_cli.identify.fourth_order import fourth_order
 from hknob_cli.identify.identified import at_the_skin, damping_ratio, over_blocks, over_subjects, without_apparatus
-from hknob_cli.identify.least_squares import least_squares, least_squares_friction
+from hknob_cli.identify.least_squares import least_squares, least_squares_acceleration, least_squares_friction
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, Prepared, conditions
@@ -27,7 +27,7 @@ from hknob_cli.specs.identification import SysidPlan
 from hknob_cli.stages.sysid import columns
 from hknob_cli.stages.sysid.remarks import disagreements, first_reasons
 
-DERIVATIVES = ("least_squares", "least_squares_friction")
+DERIVATIVES = ("least_squares", "least_squares_friction", "least_squares_acceleration")
 Progress = Callable[[int, int], None]
 Row = dict[str, Any]
 
@@ -54,6 +54,7 @@ class SysidStage:
         self._estimators: dict[str, Callable[[Motion], Fit]] = {
             "least_squares": partial(least_squares, fixed=plan.fixed),
             "least_squares_friction": partial(least_squares_friction, fixed=plan.fixed),
+            "least_squares_acceleration": partial(least_squares_acceleration, fixed=plan.fixed),
             "output_error": moved,
             "output_error_friction": partial(moved, fit_coulomb=True),
             "fourth_order": partial(fourth_order, inertia=plan.fixed.get("inertia")),

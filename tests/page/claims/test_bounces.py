@@ -1,7 +1,7 @@
 """Checks of single bounces, of senses and of remedies, against motions and tables made by hand."""
 
 import itertools
-from math import cos, pi, sin
+from math import cos, log10, pi, sin
 from typing import Any
 
 import pytest
@@ -15,6 +15,7 @@ from hknob_cli.results.result_set import ResultSet
 from tests.page.claims.conftest import Made, cell
 
 AFTER = {"result": "a", "after": 0.1}
+NOTHING = ResultSet({})
 
 
 def track(sizes: list[float], periods: list[float], trial: int = 0) -> list[dict[str, Any]]:
@@ -186,3 +187,14 @@ def test_remedies_count_if_they_help_every_hand(made: Made) -> None:
     assert compute("remedies_that", evidence, asked) == 4
     assert compute("remedies_that", evidence, {**asked, "smaller": 5}) == 2
     assert compute("remedies_that", evidence, {**asked, "smaller": 6}) == 1
+
+
+def test_the_level_of_a_torque_step() -> None:
+    """A step of K 2 pi / N over 0.111 mN*m, the least published, or 7.851 mN*m, the largest."""
+    given = {"stiffness_nm_per_rad": 0.27, "counts_per_rev": 360}
+    step = 0.27 * 2.0 * pi / 360.0
+    assert compute("torque_step_level", NOTHING, given) == pytest.approx(20.0 * log10(step / 1.11e-4))
+    largest = compute("torque_step_level", NOTHING, {**given, "threshold": "largest"})
+    assert largest == pytest.approx(20.0 * log10(step / 7.851e-3))
+    with pytest.raises(UsageError, match="threshold: must be least or largest"):
+        compute("torque_step_level", NOTHING, {**given, "threshold": "mean"})

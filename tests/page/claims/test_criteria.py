@@ -33,3 +33,19 @@ def test_bounds_of_virtual_damping(made: Made) -> None:
     """The knob of Table 7 has no damping: at 200 Hz no virtual damping makes its wall stable, at 1 kHz a range does."""
     evidence = made("a", {"cells": [cell(200, 1024, 1e-3, 80.0), cell(1000, 1024, 1e-3, 80.0)]})
     assert compute("damping_bounded", evidence, {"result": "a"}) == 50.0
+
+
+def test_the_exponent_of_the_stiffest_wall_that_rests(made: Made) -> None:
+    """Walls rest up to 1 at 100 Hz and up to 10 at 1 kHz; a rate with all at rest, or none, says nothing."""
+    last = {100: 1.0, 1000: 10.0, 2000: 100.0, 50: 0.0}
+    cells = [
+        cell(rate, 1024, 0.0 if wall <= most else 1e-3, 80.0, **{"wall.stiffness": wall}) | resting(wall <= most)
+        for rate, most in last.items()
+        for wall in (0.1, 1.0, 10.0, 100.0)
+    ]
+    evidence = made("a", {"cells": cells}, axes=("sample_rate_hz", "wall.stiffness"))
+    assert compute("resting_stiffness_exponent", evidence, {"result": "a"}) == pytest.approx(1.0)
+
+
+def resting(still: bool) -> dict[str, float]:
+    return {"at_rest_fraction": float(still)}

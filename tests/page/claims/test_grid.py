@@ -56,6 +56,8 @@ def test_exponents_are_those_of_a_law(made: Made) -> None:
     assert of("end_to_end", column="p2p_rad", along="sample_rate_hz") == pytest.approx(0.01)
     assert of("planarity", column="p2p_rad") == pytest.approx(100.0)
     assert of("product_explains") == pytest.approx(100.0)
+    stepped = made("b", {"cells": [{**one, "step": 1.0 / one["counts_per_rev"]} for one in lawful()]})
+    assert compute("product_explains", stepped, {"result": "b", "step": "step"}) == pytest.approx(100.0)
     assert of("fitted_constant") == pytest.approx(600.0)
     assert of("from_one_case", case={"sample_rate_hz": 100, "counts_per_rev": 128}) == pytest.approx(0.0, abs=1e-9)
 

@@ -86,6 +86,14 @@ def test_changes_are_of_like_conditions(made: Made) -> None:
         compute("identified_change", evidence, {**asked, "column": B, "where": {"grip_target_n": 99.0}})
 
 
+def test_one_estimator_beside_another_by_a_third(made: Made) -> None:
+    """Damping a tenth off by one, and four tenths by the other: a quarter."""
+    off = {"a": 1.1, "b": 0.6, "c": 1.0}
+    rows = [{**row, B: by * row[B], "estimator": name} for row in conditions() for name, by in off.items()]
+    asked = {"result": "r", "estimator": "a", "to": "b", "against": "c", "column": B}
+    assert compute("estimator_gain", made("r", {"conditions": rows}), asked) == pytest.approx(0.25)
+
+
 def test_a_mean_hand_turns_by_the_middle_of_the_range(made: Made) -> None:
     rows = [{**row, "subject": "S1"} for row in conditions() if row["level"] == "all"]
     stiff = [{**row, K: 4.0 * row[K], B: 3.0 * row[B]} for row in rows]

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
-from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
+from hknob_cli.page.claims.checks.grid import exponent
+from hknob_cli.page.claims.checks.rows import one_number, percent, rests, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
-from hknob_cli.specs.plan import COUNTS
+from hknob_cli.specs.plan import COUNTS, RATE
 
 if TYPE_CHECKING:
     from hknob_cli.theory.criteria import Case, Criterion
@@ -89,3 +90,23 @@ def damping_bounded(evidence: ResultSet, result: str, where: Where | None = None
     """Share of the cells, %, where love_book bounds the virtual damping from below, above 0, and from above."""
     words = (_word("love_book", case) for _, case in _cases(evidence, result, where))
     return percent(bool(word.least_damping) and bool(word.most_damping) for word in words)
+
+
+@check
+def resting_stiffness_exponent(
+    evidence: ResultSet, result: str, stiffness: str = "wall.stiffness", where: Where | None = None
+) -> float | None:
+    """Exponent of the largest stiffness up to which every trial rests, as a power of the sample rate.
+
+    ``stiffness``: the axis. A rate at which the softest wall does not rest, or the stiffest does, is left out.
+    """
+    by: dict[float, list[tuple[float, bool]]] = {}
+    for row in rows_of(evidence, result, "cells", where, needs=[RATE, stiffness, "at_rest_fraction"]):
+        by.setdefault(row[RATE], []).append((row[stiffness], rests(row)))
+    found = []
+    for rate, walls in by.items():
+        walls.sort()
+        ends = next((i for i, (_, still) in enumerate(walls) if not still), 0)
+        if ends:
+            found.append((rate, walls[ends - 1][0]))
+    return exponent(found)

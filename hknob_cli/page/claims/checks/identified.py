@@ -7,8 +7,11 @@ import numpy as np
 
 from hknob_cli.apparatus.bench_rigs import setups
 from hknob_cli.apparatus.hand import SecondOrder
-from hknob_cli.apparatus.hand_recording import peak_per_torque, scaled_pulse
-from hknob_cli.apparatus.inputs import unit_input
+from hknob_cli.apparatus.hand_recording import PEAK_RAD, peak_per_torque, scaled_pulse
+from hknob_cli.apparatus.inputs import runs, scaled_input, unit_input
+from hknob_cli.apparatus.people import mean_hand
+from hknob_cli.apparatus.rig import Rig
+from hknob_cli.apparatus.simulated_motion import follow, mechanism
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, percent, rows_of
 from hknob_cli.printed.tables import cell, table
@@ -143,6 +146,28 @@ def identified_change(
 
 
 @check
+def estimator_gain(
+    evidence: ResultSet, result: str, estimator: str, to: str, against: str, column: str, where: Where | None = None
+) -> float | None:
+    """Mean size of the difference of one estimator from a third, over that of another; people and grips one by one.
+
+    ``estimator`` and ``to`` are compared, each with ``against``, on the same recordings. Inertia is of hand and
+    apparatus.
+    """
+    found = []
+    for name in (estimator, to):
+        own, other = (
+            {tuple(row[key] for key in _KEYS[:3]): row for row in _conditions(evidence, result, one, "subject", where)}
+            for one in (name, against)
+        )
+        pairs = [(own[key], other[key]) for key in own if key in other]
+        sizes = [one[column] / two[column] - 1.0 for one, two in pairs if one[column] and two[column]]
+        found.append(one_number(sizes, "mean_size"))
+    first, second = found
+    return None if first is None or not second else first / second
+
+
+@check
 def displaced_share(
     evidence: ResultSet, result: str, estimator: str, low: float, high: float, where: Where | None = None
 ) -> float | None:
@@ -205,6 +230,31 @@ def asked_grip(evidence: ResultSet, result: str, push_nm: float, over_nm: float 
         raise MissingError(f"the grip of '{result}' does not follow its push")
     found = grip_of(placed(scene, {"bias.torque": push_nm}))
     return found if over_nm is None else found / grip_of(placed(scene, {"bias.torque": over_nm}))
+
+
+@check
+def turned_power(
+    _: ResultSet,
+    kind: str,
+    over: str,
+    experiment: int,
+    grip_n: float,
+    duration_s: float = 0.5,
+    sine_hz: float = 8.0,
+    chirp_hz: tuple[float, float] = (1.0, 100.0),
+) -> float:
+    """Mean square of the angle by which one kind of input turns a printed hand over that of another (Hasser, sec. 2.1).
+
+    Both turn it by the same angle at the most. A sine has the frequency ``sine_hz``.
+    """
+    hand, rig = mean_hand(experiment, grip_n), Rig.ideal()
+    squares = []
+    for one in (kind, over):
+        first, last = (sine_hz, sine_hz) if one == "sine" else chirp_hz
+        torque = scaled_input(InputPlan(one, duration_s, first, last, 0.002), hand, rig.interval_s, PEAK_RAD)
+        body = mechanism(hand)
+        squares.append(float(np.mean(follow(body, body.rest(0.0), runs(torque), rig.interval_s)[:, 0] ** 2)))
+    return squares[0] / squares[1]
 
 
 @check

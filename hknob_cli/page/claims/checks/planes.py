@@ -59,15 +59,21 @@ def planarity(evidence: ResultSet, result: str, column: str, where: Where | None
 
 
 @check
-def product_explains(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
-    """Part of the variance of log p2p, %, that C q T explains with the slope of 1 and the best C."""
-    rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad", RATE, COUNTS])
+def product_explains(
+    evidence: ResultSet, result: str, where: Where | None = None, step: str | None = None
+) -> float | None:
+    """Part of the variance of log p2p, %, that C q T explains with the slope of 1 and the best C.
+
+    ``step``: an axis of torque steps; q is then such a step over the wall's stiffness, instead of a count.
+    """
+    rows = rows_of(evidence, result, "cells", where, needs=["p2p_rad", RATE, step or COUNTS])
     left, values = [], []
     for row in rows:
         if row["p2p_rad"]:
             edge = edge_of(evidence, result, row)
             values.append(log(row["p2p_rad"]))
-            left.append(values[-1] - log(edge.quantum_rad * edge.period_s))
+            quantum = row[step] / edge.wall_stiffness if step else edge.quantum_rad
+            left.append(values[-1] - log(quantum * edge.period_s))
     return 100.0 * float(1.0 - np.var(left) / np.var(values)) if len(values) > 1 else None
 
 

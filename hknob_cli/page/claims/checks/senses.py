@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from hknob_cli.errors import UsageError
 from hknob_cli.page.claims.checks import check
 from hknob_cli.page.claims.checks.rows import one_number, rows_of
 from hknob_cli.results.result_set import ResultSet, Where
@@ -92,6 +93,26 @@ def level_difference(
     first = one_number((row[column] for row in rows_of(evidence, result, "cells", where, needs=[column])), "mean")
     second = one_number((row[column] for row in rows_of(evidence, to, "cells", to_where, needs=[column])), "mean")
     return None if first is None or second is None else first - second
+
+
+@check
+def torque_step_level(
+    _evidence: ResultSet, stiffness_nm_per_rad: float, counts_per_rev: int, threshold: str = "least"
+) -> float:
+    """Level, dB, of the torque step of a count (N·m/rad times its angle) over the least variation that was detected.
+
+    ``threshold``: the least of the published averages, or the largest, over the spatial periods of the experiment. A
+    count finer than these periods is compared all the same.
+    """
+    from hknob_cli.perception import torque_step
+    from hknob_cli.perception.published import threshold_set
+
+    found = threshold_set("torque", None)
+    published = {"least": found["torque_nm"], "largest": found["largest_nm"]}
+    if threshold not in published:
+        raise UsageError(f"threshold: must be least or largest, got '{threshold}'")
+    step = torque_step.torque_step(stiffness_nm_per_rad, counts_per_rev)
+    return float(20.0 * np.log10(step / published[threshold]))
 
 
 def _contour(frequency: np.ndarray, phon: float | None) -> np.ndarray:
