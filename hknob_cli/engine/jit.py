@@ -76,7 +76,8 @@ GENERAL_SETS = (
 )
 FRICTION_SETS = (
     *GENERAL_SETS,
-    *(f"general.sets.{name}" for name in ("convex", "friction_step", "friction_piece", "friction_rest")),
+    *(f"general.sets.{name}" for name in ("convex", "friction_step", "lagged_step")),
+    *(f"general.sets.{name}" for name in ("friction_piece", "friction_rest")),
     *(f"general.sets.{name}" for name in ("friction_box", "friction_phases")),
 )
 BOUNCES = (*MOTION, "bounces")

@@ -83,6 +83,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/arc.py": (f"{GENERAL_SETS}test_arc.py",),
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
     "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
+    "general/sets/lagged_step.py": (f"{GENERAL_SETS}test_lagged_step.py", f"{GENERAL_SETS}test_friction_search.py"),
     "general/sets/friction_room.py": (f"{PROOF}test_friction_room_margins.py", f"{PROOF}test_friction_rounding.py"),
     "general/sets/friction_rest.py": FRICTION,
     "general/sets/friction_piece.py": FRICTION_SETS,

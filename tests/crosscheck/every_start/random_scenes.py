@@ -3,10 +3,11 @@
     python tests/crosscheck/every_start/random_scenes.py plain --count 300 --seconds 2
 
 FAMILY is `plain` (starts anywhere), `affine` (delay, torque limit, torque step, virtual damping), `friction`,
-`finger`, `lag`, or `angle` (detents, end stops, dead zones, profiles, half of them with friction); starts in a range.
+`finger`, `lag`, `late` (friction, lag and often a delay), or `angle` (detents, end stops, dead zones, profiles, half of
+them with friction); starts in a range.
 Each scene is searched by the engine, for --seconds of the clock at most. Where the list
 is complete, --starts random starts are simulated by matrix exponentials (`tests/verification/general_starts.py`,
-`friction_starts.py`), which use nothing of the package. What their readings repeat in the end must be on the list.
+`lagged_starts.py`), which use nothing of the package. What their readings repeat in the end must be on the list.
 Scenes with an offset of the encoder, and those that take more than --samples samples, are searched only. The exit code
 is 1 if an end was not listed.
 """
@@ -33,11 +34,11 @@ from hknob_cli.engine.sets.search import Box, Search, SetEngine
 from hknob_cli.scene.general_knob import GeneralKnob, sample_general
 from hknob_cli.scene.sampled_knob import SampledKnob
 from hknob_cli.specs.scene import SceneSpec
-from tests.verification.friction_starts import FrictionStarts
 from tests.verification.general_starts import readings, turned
+from tests.verification.lagged_starts import starts_of
 from tests.verification.scenes import sample
 
-FAMILIES = ("plain", "affine", "friction", "finger", "lag", "angle")
+FAMILIES = ("plain", "affine", "friction", "finger", "lag", "late", "angle")
 ANGLE, VELOCITY = 0.02, 2.0  # rad, rad/s: the range
 FAR, FAST = 0.3, 5.0  # the same of a torque over the angle, to hold more than one detent
 SETTLED = 40.0  # time constants until most starts have settled
@@ -144,6 +145,12 @@ class Draw:
         cell = self.hand_on_knob()
         return cell._replace(scene={**cell.scene, "actuator": {"time_constant": self.between(0.01, 0.5) / cell.rate}})
 
+    def late(self) -> Cell:
+        """Friction and a lag of a hundredth of a sample to three; in two thirds a delay, or limit and step."""
+        cell = self.friction()
+        lag = {"time_constant": self.between(0.01, 3.0) / cell.rate}
+        return cell._replace(scene={**cell.scene, "actuator": {**cell.scene.get("actuator", {}), **lag}})
+
     def angle(self) -> Cell:
         """One or two torques over the angle, a wall in a third; friction, or delay, limit and step."""
         cell = self.hand_on_knob()
@@ -222,7 +229,7 @@ def random_ends(cell: Cell, far: tuple[float, float], starts: int, samples: int,
     states = np.column_stack([chance.uniform(-far[0], far[0], starts), chance.uniform(-far[1], far[1], starts)])
     if "coulomb_torque" not in cell.scene["knob"]:
         return readings(cell.scene, cell.rate, cell.counts, states, samples, kept)
-    trials = FrictionStarts(cell.scene, cell.rate, cell.counts)
+    trials = starts_of(cell.scene, cell.rate, cell.counts)
     theta, omega, _ = trials.run(states[:, 0], states[:, 1], samples)
     rows = []
     for _ in range(kept):

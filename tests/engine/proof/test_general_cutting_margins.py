@@ -10,7 +10,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import norm
 from hknob_cli.engine.general.sets.ball import step_through
 from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.lattice import CELL, MEMBERS, keep, put_box, release, slot
+from hknob_cli.engine.general.sets.lattice import CELL, KEY, MEMBERS, keep, put_box, release, slot
 from hknob_cli.engine.general.sets.piece import (
     BEFORE,
     CORNERS,
@@ -18,6 +18,7 @@ from hknob_cli.engine.general.sets.piece import (
     ERROR,
     LEVEL,
     SAMPLE,
+    SPREAD,
     STATE,
     WEIGHT,
     centre,
@@ -158,7 +159,7 @@ def test_a_piece_of_most_corners_fills_its_place_and_no_more(order: int, delay: 
     out, drift = zeros(size + 9), drift_of()._replace(units=[1.0] * order)
     corners = [2.0**k + j for k in range(CORNERS) for j in range(order)]
     put(out, 0, [1e9] * order, 1.0, [1.0] * delay, 0, 1.0, 1.0, 1.0, 1.0, corners, CORNERS, middle, drift, order)
-    assert all(out[:size])
+    assert all(number or k == SPREAD for k, number in enumerate(out[:size]))
     assert not any(out[size:])
 
 
@@ -309,25 +310,25 @@ def test_a_part_with_more_corners_than_are_kept_goes_on_in_halves(
 
 @pytest.mark.parametrize("delay", [0, 2])
 def test_every_cell_of_the_lattice_is_found_again(delay: int) -> None:
-    """With its last reading and its commands, in a table that is full except for one place."""
+    """With its last reading, its torque and its commands, in a table that is full except for one place."""
     chance = random.Random(2)
     for _ in range(40):
         room, places = small_room(delay, slots=8), {}
-        width = 3 + delay
+        width = KEY + delay
         cells = {
-            tuple(float(chance.randrange(-2, 2)) for _ in range(3))
+            tuple(float(chance.randrange(-2, 2)) for _ in range(KEY))
             + tuple(0.5 * chance.randrange(3) for _ in range(delay))
             for _ in range(30)
         }
         for one in list(cells)[:7]:
             head = chance.randrange(2) if delay else 0
-            ring = [one[3 + (k - head) % 2] for k in range(delay)]
-            at = slot(*one[:3], ring, head, room)
+            ring = [one[KEY + (k - head) % 2] for k in range(delay)]
+            at = slot(*one[:3], ring, head, room, one[3])
             assert room.used[at] == 0.0
             assert 0 <= at < 8
             room.used[at], room.keys[width * at : width * (at + 1)] = 1.0, list(one)
             places[one] = at
-        assert all(slot(*one[:3], list(one[3:]), 0, room) == at for one, at in places.items())
+        assert all(slot(*one[:3], list(one[KEY:]), 0, room, one[3]) == at for one, at in places.items())
         assert len(set(places.values())) == 7
 
 

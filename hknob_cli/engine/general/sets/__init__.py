@@ -4,6 +4,6 @@
   in the space of all states, `lattice`, `box`, `curve` and `arc` all clock phases, `known`, `search`
 - `memory` what all states of a set have in common: commands under way, or what a controller's law remembers
 - `afar` what a wall is from far out, for the region that every motion comes into
-- with friction `friction_step`, `friction_piece`, `friction_box`, `friction_phases`, `convex`
+- with a lag `lagged_step`; with friction `friction_step`, `friction_piece`, `friction_box`, `friction_phases`, `convex`
 - under a law, with friction or without, the same and `law_search`: cut at samples and at looks into an interval
 """

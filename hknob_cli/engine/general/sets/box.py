@@ -82,12 +82,15 @@ def sample_box(starts, first, stop, patience, budget, limit, ends, room, drift, 
 
 
 def fill_box(low_x, high_x, low_v, high_v, delay, room, drift, body, wall):
-    """Let the box be all that waits, no command under way; how many pieces: with virtual damping, one a reading."""
-    n, size = body.order, piece_size(body.order, delay)
+    """Let the box be all that waits, no command under way; how many pieces: with virtual damping, one a reading.
+
+    ``body``: its order says in how many numbers states may differ; ``room`` is that of a piece's state.
+    """
+    n, size = body.order, piece_size(len(room.z), delay)
     low, high = 0.0, 0.0
     if wall.damping > 0.0:
         low, high = acting(low_x, drift.bottom, wall), acting(high_x, drift.bottom, wall)
-    for j in range(n):
+    for j in range(len(room.z)):
         room.z[j] = 0.0
     for k in range(4 * n):
         room.corners[k] = 0.0
@@ -191,7 +194,21 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
         if small and (event == STEPS_DEEPER or width > SECTION):
             sample = float(at)
             if keep(
-                room, z, before, ring, head, error + blurred, level, sample, weight, corners, count, width, drift, body
+                room,
+                z,
+                before,
+                ring,
+                head,
+                error + blurred,
+                level,
+                sample,
+                weight,
+                corners,
+                count,
+                width,
+                drift,
+                body,
+                0.0,
             ):
                 return waiting, KEPT, taken
             small = False

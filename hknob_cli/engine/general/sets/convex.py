@@ -26,6 +26,15 @@ def radius_of(corners, count, beta):
     return sqrt(square)
 
 
+def widest(corners, count, body):
+    """Largest distance of a piece's states from its centre, in `body.norm`: of their angles and speeds."""
+    square = 0.0
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        square = max(square, dv * dv + body.beta * dx * dx)
+    return sqrt(square)
+
+
 def area_of(corners, count):
     """Area of a polygon, by the triangles from its first corner."""
     total = 0.0

@@ -44,10 +44,10 @@ class Drift(NamedTuple):
 def make_drift(body: Body, wall: Controller) -> Drift:
     """The numbers of a cell, in lists. The body has no friction and is held: ``body.reach`` is finite."""
     n = body.order
-    a = [[_whole(body.matrices[i * n + j]) for j in range(n)] for i in range(n)]
-    first, d1 = _exponential(a, wall.split)
-    second, d2 = _exponential(a, 1.0 - wall.split)
-    phi = _product(second, first)
+    a = whole_matrix(body)
+    first, d1 = exponential(a, wall.split)
+    second, d2 = exponential(a, 1.0 - wall.split)
+    phi = product(second, first)
     units = [norm([float(i == j) for j in range(n)], body) for i in range(n)]
     spans = _largest(body)
     overlap = 1.0 + sum(one * span for one, span in zip(units, spans, strict=True))
@@ -59,7 +59,7 @@ def make_drift(body: Body, wall: Controller) -> Drift:
         blur += sum(
             units[i] * (n + 2) * EPSILON * sum(abs(entries[i][j]) * spans[j] for j in range(n)) for i in range(n)
         )
-        phi = _product(phi, phi)
+        phi = product(phi, phi)
     once, _ = _hold(body, d2, second, SECOND)
     if wall.split > 0.0:
         before, reach_before = _hold(body, d1, first, FIRST)
@@ -94,12 +94,12 @@ def _coast(body: Body, a: Matrix, units: list[float], spans: list[float]) -> flo
         return float(32.0 * EPSILON * (1.0 + size) * (1.0 + within))
     total = 0.0
     exact: list[Matrix] = []
-    power, integral = _exponential(a, 0.5 ** (HALVINGS - 1))
+    power, integral = exponential(a, 0.5 ** (HALVINGS - 1))
     for _ in range(HALVINGS):
         exact.append(integral)
-        further = _product(power, integral)
+        further = product(power, integral)
         integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
-        power = _product(power, power)
+        power = product(power, power)
     size = [spans[i] + sum(abs(body.matrices[i * n + j]) * spans[j] for j in range(n)) for i in range(n)]
     for half in range(HALVINGS):
         base, right = (HALVES + half) * n * n, exact[HALVINGS - 1 - half]
@@ -170,12 +170,19 @@ def _whole(value: float) -> int:
     return int(Fraction(value) * POINT)
 
 
-def _product(a: Matrix, b: Matrix) -> Matrix:
+def whole_matrix(body: Body) -> Matrix:
+    """The rates of a body that slides, `body.RATES`, as whole numbers."""
+    n = body.order
+    return [[_whole(body.matrices[i * n + j]) for j in range(n)] for i in range(n)]
+
+
+def product(a: Matrix, b: Matrix) -> Matrix:
+    """Product of two matrices of numbers with `BITS` bits after the point."""
     columns = list(zip(*b, strict=True))
     return [[sum(p * q for p, q in zip(row, column, strict=True)) >> BITS for column in columns] for row in a]
 
 
-def _exponential(a: Matrix, span: float) -> tuple[Matrix, Matrix]:
+def exponential(a: Matrix, span: float) -> tuple[Matrix, Matrix]:
     """The exponential of ``a`` over ``span``, and its integral, of numbers with `BITS` bits after the point."""
     n = len(a)
     one = [[(1 << BITS) if i == j else 0 for j in range(n)] for i in range(n)]
@@ -187,15 +194,15 @@ def _exponential(a: Matrix, span: float) -> tuple[Matrix, Matrix]:
     term = one
     series = one  # sum of (A t)^k / (k + 1)!
     for k in range(1, TERMS):
-        term = [[entry // (k + 1) for entry in row] for row in _product(term, over)]
+        term = [[entry // (k + 1) for entry in row] for row in product(term, over)]
         series = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(series, term, strict=True)]
     step = time >> halvings
     integral = [[entry * step >> BITS for entry in row] for row in series]
-    power = _product(over, series)
+    power = product(over, series)
     for i in range(n):
         power[i][i] += 1 << BITS
     for _ in range(halvings):
-        further = _product(power, integral)
+        further = product(power, integral)
         integral = [[p + q for p, q in zip(r, s, strict=True)] for r, s in zip(integral, further, strict=True)]
-        power = _product(power, power)
+        power = product(power, power)
     return power, integral

@@ -7,6 +7,7 @@ from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import GREW, UNSETTLED
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.sets.box import ENDED, KEPT, PARTED, SECTION, SMALL, UNPROVEN
+from hknob_cli.engine.general.sets.convex import widest
 from hknob_cli.engine.general.sets.friction_piece import move_piece, part_piece
 from hknob_cli.engine.general.sets.friction_rest import UNKNOWN, resting_piece
 from hknob_cli.engine.general.sets.known import NO_ROOM, blame, captor, fate_of, is_proven, seek
@@ -18,9 +19,9 @@ from hknob_cli.engine.general.sets.piece import (
     ERROR,
     LEVEL,
     SAMPLE,
+    SPREAD,
     STATE,
     WEIGHT,
-    largest_norm,
     piece_size,
 )
 from hknob_cli.engine.general.sets.readings import acting, steps_deeper
@@ -34,7 +35,8 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
     ``row``: of the attractor where it ended.
     """
     own, corners, z, ring = room.own, room.corners, room.own_z, room.own_ring
-    size = piece_size(2, delay)
+    n = body.order
+    size = piece_size(n, delay)
     waiting -= 1
     start = int(room.stack[waiting * size + SAMPLE])
     since, wait, taken = start % patience, patience, 0
@@ -42,14 +44,19 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
     while True:
         for k in range(size):
             own[k] = room.stack[waiting * size + k]
-        z[0], z[1] = own[STATE], own[STATE + 1]
+        for j in range(n):
+            z[j] = own[STATE + j]
         for j in range(delay):
-            ring[j] = own[STATE + 2 + j]
+            ring[j] = own[STATE + n + j]
         error, before, last, at = own[ERROR], own[BEFORE], own[LEVEL], int(own[SAMPLE])
-        count, weight, edges = int(own[COUNT]), own[WEIGHT], STATE + 2 + delay
+        count, weight, edges = int(own[COUNT]), own[WEIGHT], STATE + n + delay
         for k in range(2 * count):
             corners[k] = own[edges + k]
-        radius = largest_norm(corners, 0, count, body)
+        radius = widest(corners, count, body)
+        spread, ahead = 0.0, error  # the latter with all that the torques may still add
+        if body.lag > 0.0:
+            spread = own[SPREAD]
+            ahead += spread / body.lag
         least, most = corners[0], corners[0]
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
@@ -80,6 +87,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 drift,
                 body,
                 watch,
+                spread,
             )
             if parted < 0:
                 blame(NO_ROOM, weight, known)
@@ -88,16 +96,16 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
         deeper = steps_deeper(level, last, watch)
         row = UNKNOWN
         if deeper:
-            row = captor(z, before, ring, 0 * delay, radius + error, known, body, wall)
+            row = captor(z, before, ring, 0 * delay, radius + ahead, known, body, wall)
         elif level == last or at == 0:
-            row = resting_piece(z, before, ring, error, radius, level, corners, count, known, drift, body, wall)
+            row = resting_piece(z, before, ring, ahead, radius, level, corners, count, known, drift, body, wall)
         if row >= 0:
             return waiting, ENDED, row, taken
         small = body.reach * (radius + error) < SMALL * width
         meets = at > start and (deeper or (width > SECTION and at % OFTEN == 0))
         sample = float(at)
         if (meets and small) and keep(
-            room, z, before, ring, 0 * delay, error, last, sample, weight, corners, count, width, drift, body
+            room, z, before, ring, 0 * delay, error, last, sample, weight, corners, count, width, drift, body, spread
         ):
             return waiting, KEPT, -1, taken
         if since >= wait:
@@ -126,6 +134,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
             drift,
             body,
             wall,
+            spread,
         )
         since += 1
         if after < 0:
@@ -141,7 +150,7 @@ def follow_friction(room, work, waiting, delay, width, patience, budget, limit, 
     As `box.follow_generation`. Without friction the measures of pieces are areas, which their ends take.
     """
     ended, undecided, taken = 0, 0.0, 0
-    size = piece_size(2, delay)
+    size = piece_size(body.order, delay)
     while waiting > 0 and taken < samples and not body.halt[0] > 0.0:
         weight = room.stack[(waiting - 1) * size + WEIGHT]
         waiting, fate, row, steps = follow_piece(
@@ -161,6 +170,8 @@ def sample_with_law(starts, first, stop, _patience, budget, limit, ends, room, d
     """Count where the trials from single states end under a law: as `box.sample_box`."""
     taken, unproven = 0, 0
     for k in range(first, stop):
+        for j in range(body.order):
+            room.own_z[j] = 0.0
         room.own_z[0], room.own_z[1] = starts[2 * k], starts[2 * k + 1]
         begin_memory(known.law, acting(room.own_z[0], drift.bottom, known.law.watch), room.own_ring)
         row, used = seek(room.own_z, 0.0, room.own_ring, 0, budget, limit, known, body, wall)

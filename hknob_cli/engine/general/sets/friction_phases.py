@@ -43,8 +43,9 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
 
     ``weight``: measure that a piece without a proven end counts. -1: no room.
     """
-    a, va = fly(angle, velocity, low, body)
-    b, vb = fly(angle, velocity, high, body)
+    plane = work.plane if body.lag > 0.0 else body
+    a, va = fly(angle, velocity, low, plane)
+    b, vb = fly(angle, velocity, high, plane)
     x, v = 0.5 * (a + b), 0.5 * (va + vb)
     # The distance from the rest at zero pull never grows: bounds on speed and pull.
     away = angle - body.drive / body.beta
@@ -53,14 +54,14 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
     part = high - low
     bulge = 0.125 * part * part * rate
     bulge_v = 0.125 * part * part * (body.beta * fastest + body.alpha * rate)
-    if part >= body.spacing:
+    if part >= plane.spacing:
         bulge_v += 0.5 * part * rate  # it may turn more than once
     elif not va * vb > 0.0:
         bulge_v += 0.5 * part * body.friction  # its rate may jump once, by at most twice the friction
     work.corners[0], work.corners[1], work.corners[2], work.corners[3] = a - x, va - v, b - x, vb - v
     count = widen(work.corners, 2, bulge * 1.001 + 1e-300, bulge_v * 1.001 + 1e-300, work.space)
     error = 4.0 * (drift.once[0] + drift.once[2] * (abs(angle) + abs(x)) + drift.once[3] * fastest)
-    delay, watch = len(work.ring), watched(work.law, wall)
+    n, delay, watch = body.order, len(work.ring), watched(work.law, wall)
     work.z[0], work.z[1] = x, v
     least, most = work.corners[0], work.corners[0]
     for k in range(1, count):
@@ -77,12 +78,14 @@ def put_chord(angle, velocity, low, high, weight, room, work, drift, body, wall)
             bottom, top = lowest(level, drift.bottom, watch) - reach - x, highest(level, watch) + reach - x
             kept = within(room, work.corners, count, bottom, top, 2)
         if kept > 0:
-            if (waiting + 1) * piece_size(2, delay) > len(room.stack):
+            if (waiting + 1) * piece_size(n, delay) > len(room.stack):
                 return -1
+            for j in range(2, n):
+                work.z[j] = 0.0
             begin_memory(work.law, level, work.ring)
             put(
                 room.stack,
-                waiting * piece_size(2, delay),
+                waiting * piece_size(n, delay),
                 work.z,
                 remembered(level, wall),
                 work.ring,
@@ -119,7 +122,7 @@ def follow_interval(angle, velocity, low, high, patience, budget, limit, room, w
         blame(NO_ROOM, blamed, known)
     delay = len(work.ring)
     while waiting > 0 and (narrow or (proven and other < 0)) and not body.halt[0] > 0.0:
-        weight = room.stack[(waiting - 1) * piece_size(2, delay) + WEIGHT]
+        weight = room.stack[(waiting - 1) * piece_size(body.order, delay) + WEIGHT]
         waiting, fate, found, used = follow_piece(
             room, work, waiting, delay, 0.0, patience, budget, limit, drift, known, body, wall
         )

@@ -29,14 +29,16 @@ def count_high(shown, wall):
     return shown + 1.0 if wall.sense > 0.0 or (wall.truncate > 0.0 and shown >= 0.0) else shown
 
 
-def enter_rest(x, shown, ring, known, body, wall):
-    """Row of the rest at ``x``, which reads ``shown``."""
+def enter_rest(x, shown, u, ring, known, body, wall):
+    """Row of the rest at ``x``, which reads ``shown``, under the torque ``u``."""
     known.z[0], known.z[1] = x, 0.0
+    if body.lag > 0.0:
+        known.z[2] = u
     copy_settled(known.law, ring, known.ring)
     return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
 
 
-def held_rest(low, high, zone_low, zone_high, shift, level, reach, ring, known, drift, body, wall):
+def held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, known, drift, body, wall):
     """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
 
     ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held, by a
@@ -63,7 +65,7 @@ def held_rest(low, high, zone_low, zone_high, shift, level, reach, ring, known, 
     while first <= last and shown <= end:
         at = min(max(0.5 * (first + last), count_low(shown, wall) + inside), count_high(shown, wall) - inside)
         if zone_low <= at and at <= zone_high:
-            row = enter_rest(at, shown, ring, known, body, wall)
+            row = enter_rest(at, shown, u, ring, known, body, wall)
             if row < 0:
                 return row
         shown += 1.0
@@ -78,11 +80,13 @@ def balance_rest(z, u, wrong, reach, level, ring, known, drift, body, wall):
     watch, away = watched(known.law, wall), known.space.away
     rest = (u + body.drive) / body.beta
     away[0], away[1] = z[0] - rest, z[1]
+    if body.lag > 0.0:
+        away[2] = 0.0  # what the torque still adds is in ``reach``
     gap = min(rest - lowest(level, drift.bottom, watch), highest(level, watch) - rest)
     bound = rest_rounding(z, rest, abs(u) + wrong / (ROUNDINGS * EPSILON), body)
     if not (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
         return UNKNOWN
-    return enter_rest(rest, read(rest, wall), ring, known, body, wall)
+    return enter_rest(rest, read(rest, wall), u, ring, known, body, wall)
 
 
 def near_rest(z, u, reach, zone_low, zone_high, level, ring, known, body, wall):
@@ -92,12 +96,14 @@ def near_rest(z, u, reach, zone_low, zone_high, level, ring, known, body, wall):
     first, last = max(low, zone_low), min(high, zone_high)
     if first > last or not keeps_torque(known.law, z[0], level, u, wall):
         return UNKNOWN
+    if body.lag > 0.0:
+        away[2] = 0.0
     for k in range(2):
         rest = min(max(z[0] if k == 0 else 0.5 * (low + high), first), last)
         away[0], away[1] = z[0] - rest, z[1]
         gap = min(rest - low, high - rest)
         if (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 64.0 * EPSILON * (1.0 + abs(rest)) < gap:
-            return enter_rest(rest, shown, ring, known, body, wall)
+            return enter_rest(rest, shown, u, ring, known, body, wall)
     return UNKNOWN
 
 
@@ -109,6 +115,11 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
     still, u, wrong, left = settle_memory(known.law, z[0], level, before, ring, wall)
     if not still:
         return UNKNOWN
+    late = 0.0
+    if body.lag > 0.0:
+        # The torque that acts follows its command: it is late by what it differs by now, and as long as that differs.
+        late = abs(z[2] - u)
+        left += late / body.lag
     # By what torques still differ the distance of two motions grows, at most.
     away = body.reach * (radius + error + left)
     if body.friction == 0.0:
@@ -123,8 +134,8 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
-        low, high, shift = z[0] + least, z[0] + most, left / body.beta
-        row = held_rest(low, high, zone_low, zone_high, shift, level, reach, ring, known, drift, body, wall)
+        low, high, shift = z[0] + least, z[0] + most, (left + late) / body.beta
+        row = held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, known, drift, body, wall)
         if row != UNKNOWN:
             return row
     return near_rest(z, u, away, zone_low, zone_high, level, ring, known, body, wall)

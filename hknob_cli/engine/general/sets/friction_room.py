@@ -11,13 +11,16 @@ from hknob_cli.engine.general.laws.law import LOOK as LAW_LOOK
 from hknob_cli.engine.general.laws.law import PIECE, Law
 from hknob_cli.engine.general.laws.law import SPAN as LAW_SPAN
 from hknob_cli.engine.general.laws.law import TORQUE as LAW_TORQUE
-from hknob_cli.engine.general.sets.drift import Drift
-from hknob_cli.engine.general.sets.friction_piece import LEG, MOST, SET, SETS, SETS_LOOKED
+from hknob_cli.engine.general.sets.drift import POINT, Drift, exponential, product, whole_matrix
+from hknob_cli.engine.general.sets.friction_piece import ACTS, LEG, MOST, SET, SETS, SETS_LOOKED
 from hknob_cli.engine.general.sets.friction_step import parts_of_hold
+from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS
 from hknob_cli.engine.general.sets.readings import deepest_level
 from hknob_cli.engine.general.slide_two import coefficients
+from hknob_cli.engine.turning import zero_spacing
 
 ROUNDED = 256.0  # units in the last place of all terms of a motion over one part of an interval
+LAGGED = 16.0  # times as many where a torque lags, whose stops are bracketed in up to twice `DEEPEST` steps
 LEAST = 1e-10  # counts: a set of less radius is not cut where its motion is not smooth
 
 
@@ -26,7 +29,9 @@ class FrictionRoom(NamedTuple):
 
     ``course``: parts of an interval, `friction_piece.LEG` numbers each; ``least[0]``: radius below which sets are not
     cut within it; ``torques``: of an interval; ``law``: of a controller, or None; ``sets``: that wait within an
-    interval; ``seen``: what one has read within it; the others: of one set.
+    interval; ``seen``: what one has read within it. With a lag ``acts``: the torque of one; ``plane``: the body without
+    lag; ``lags``: halves, and halves of these, of each length that a part has, `lagged_step.LAGS` numbers each, and
+    ``halves``: where those of each part begin. The others: of one set.
     """
 
     course: Any
@@ -41,23 +46,60 @@ class FrictionRoom(NamedTuple):
     z: Any
     ring: Any
     torques: Any
+    acts: Any
+    plane: Body
+    lags: Any
+    halves: Any
+    lag: Any
+    moved: Any
+    pad: Any
     law: Any = None
+
+
+def plane_of(body: Body) -> Body:
+    """A body of second order: knob and hand, as a torque that does not lag moves them."""
+    if body.lag == 0.0:
+        return body
+    return body._replace(order=2, lag=0.0, spacing=zero_spacing(body.alpha, body.beta), terms=0)
 
 
 def can_rub(body: Body, wall: Controller, law: Law | None = None) -> bool:
     """Whether sets of states can be followed interval by interval: knob and hand, held by a spring, and an encoder.
 
-    There is friction, or a law that is proven and feels no speed.
+    There is friction, or a law that is proven and feels no speed. The torque may lag, which no state changes.
     """
-    plane = body.order == 2 and body.damped and body.reach < inf and wall.analog == 0.0
+    order = 3 if body.lag > 0.0 else 2
+    plane = body.order == order and body.damped and body.reach < inf and wall.analog == 0.0
     known = law is not None and law.provable and not law.senses
     told = body.friction > 0.0 if law is None else known
     return plane and told and bool(_course(body, wall, law))
 
 
 def _course(body: Body, wall: Controller, law: Law | None) -> list[float]:
-    """Parts of an interval: which torque acts, span, the plant's coefficients, and a look; empty: too many."""
+    """Parts of an interval, `friction_piece.LEG` numbers each; empty: too many."""
+    return _plan(body, wall, law)[0]
+
+
+def _halves(body: Body, span: float) -> list[float]:
+    """Numbers of `lagged_step` of a part of a hold of this length, of its half, and of half of each."""
+    a = whole_matrix(body)
+    plane, rows = plane_of(body), []
+    phi, _ = exponential(a, span / 2.0**DEEPEST)
+    for depth in range(DEEPEST, -1, -1):
+        part = span / 2.0**depth
+        late = [row[2] / POINT for row in phi]
+        rows.append([part, *coefficients(part, plane), *late])
+        phi = product(phi, phi)
+    return [number for row in reversed(rows) for number in row]
+
+
+def _plan(body: Body, wall: Controller, law: Law | None) -> tuple[list[float], list[float], list[float]]:
+    """Parts of an interval; with a lag the halves of each length that one has, and where those of each part are."""
     course: list[float] = []
+    lags: list[float] = []
+    places: list[float] = []
+    known: dict[float, int] = {}
+    plane = plane_of(body)
     holds = [(0.0, wall.split, -1.0), (1.0, 1.0 - wall.split, -1.0)]
     if law is not None:
         starts, first = range(0, law.pieces * PIECE, PIECE), float(law.rows + 1)
@@ -68,12 +110,16 @@ def _course(body: Body, wall: Controller, law: Law | None) -> list[float]:
         ]
     for torque, span, look in holds:
         if span > 0.0:
-            n = parts_of_hold(span, body)
+            n = parts_of_hold(span, plane)
             if n == 0:
-                return []
-            part = [torque, span / n, *coefficients(span / n, body)]
+                return [], [], []
+            if body.lag > 0.0 and span / n not in known:
+                known[span / n] = len(lags)
+                lags += _halves(body, span / n)
+            part = [torque, span / n, *coefficients(span / n, plane)]
             course += [*((n - 1) * [*part, -1.0]), *part, look]
-    return course
+            places += n * [float(known.get(span / n, 0))]
+    return course, lags, places
 
 
 def make_friction_room(
@@ -86,8 +132,11 @@ def make_friction_room(
 ) -> FrictionRoom:
     """Work space for a cell with ``delay`` commands under way, or numbers that the law remembers."""
     looks = 0 if law is None else law.looks
+    course, lags, places = _plan(body, wall, law)
+    plane = plane_of(body)
+    ready = {name: filled(value) for name, value in plane._asdict().items() if isinstance(value, list)}
     return FrictionRoom(
-        course=filled(_course(body, wall, law)),
+        course=filled(course),
         least=filled([LEAST]),
         sets=zeros((SET + looks) * (SETS_LOOKED if looks else SETS)),
         seen=zeros(looks),
@@ -96,9 +145,16 @@ def make_friction_room(
         other=zeros(2 * MOST),
         space=zeros(2 * (4 * MOST + 2)),
         line=zeros(3),
-        z=zeros(2),
+        z=zeros(body.order),
         ring=zeros(delay),
         torques=zeros(max(2, delay)),
+        acts=zeros(ACTS),
+        plane=plane._replace(**ready),
+        lags=filled(lags),
+        halves=filled(places),
+        lag=zeros(LAGS),
+        moved=zeros(body.order),
+        pad=zeros(2 * body.order),
         law=law,
     )
 
@@ -112,12 +168,17 @@ def friction_drift(body: Body, wall: Controller, law: Law | None = None) -> Drif
     parts = len(_course(body, wall, law)) // LEG
     root = sqrt(body.beta)
     per = ROUNDED * EPSILON * parts
+    late = []  # of the torque that acts: it moves the knob, and is rounded itself
+    if body.lag > 0.0:
+        per *= LAGGED
+        late = [1.0 / body.lag]
     push = per * (1.0 + root)
     constant = push * (abs(body.drive) + body.friction)
+    slow = [(push + per * unit) for unit in late]
     return Drift(
         powers=[0.0],
-        once=[constant, push, per * root + push * body.beta, push],
-        units=[root, 1.0],
+        once=[constant, push + sum(per * unit for unit in late), per * root + push * body.beta, push, *slow],
+        units=[root, 1.0, *late],
         blur=ROUNDED * EPSILON * parts,
         coast=0.0,  # of arcs, which are not used
         bottom=deepest_level(wall) if law is None else -inf,

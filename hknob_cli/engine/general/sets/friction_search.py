@@ -15,12 +15,11 @@ from hknob_cli.engine.general.sets import friction_box, friction_phases
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
 from hknob_cli.engine.general.sets.friction_phases import FIRST, HALVINGS
-from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room
-from hknob_cli.engine.general.sets.room import make_piece_room
+from hknob_cli.engine.general.sets.friction_room import can_rub, friction_drift, make_friction_room, plane_of
 from hknob_cli.engine.general.sets.scope import make_scope
 from hknob_cli.engine.general.sets.search import GeneralSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets.search import SLICE
+from hknob_cli.engine.sets.search import SLICE, Box
 
 LONGEST = 20_000_000  # samples that a cell may take: a minute or two
 SLICE_INTERPRETED = 2000  # samples between two chances to be interrupted
@@ -55,10 +54,21 @@ class FrictionSetEngine(GeneralSetEngine):
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
         drift = friction_drift(body, wall, self.law)
-        known = make_known(self._zeros, 2, delay_line, make_space(2, delay_line, self._zeros), self.law)
+        n = body.order
+        known = make_known(self._zeros, n, delay_line, make_space(n, delay_line, self._zeros), self.law)
         if self.compiled:
             return as_arrays(body), Drift._make(np.array(v) if isinstance(v, list) else v for v in drift), known
         return body, drift, known
+
+    def dimensions(self, body: Body) -> int:
+        """In how many numbers the states of a piece differ: a torque that lags is the same for all."""
+        return plane_of(body).order
+
+    def _fill(
+        self, states: Box, room: Any, delay_line: int, drift: Drift, known: Known, body: Body, wall: Controller
+    ) -> int:
+        """As that of `GeneralSetEngine`."""
+        return super()._fill(states, room, delay_line, drift, known, plane_of(body), wall)
 
     def _filled(self, values: list[float]) -> Any:
         return np.array(values, dtype=np.float64) if self.compiled else list(values)
@@ -83,9 +93,7 @@ class FrictionSetEngine(GeneralSetEngine):
         scope = make_scope(body, wall, start[0], start[1], rate, max_samples)
         if not scope.fine:
             return None
-        if (2, delay_line) not in self._rooms:
-            self._rooms = {(2, delay_line): make_piece_room(self._zeros, 2, delay_line)}
-        room = self._rooms[2, delay_line]
+        room = self.room(body, delay_line)
         work = make_friction_room(self._zeros, self._filled, delay_line, body, wall, self.law)
         wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
@@ -105,7 +113,7 @@ class FrictionSetEngine(GeneralSetEngine):
                 pieces, undecided, taken = pieces + int(ended), undecided + float(lost), taken + int(used)
                 narrowest = min(narrowest, float(shortest))
         left = float(sum(stack[2 * k + 1] - stack[2 * k] for k in range(int(waiting))))
-        found, why = ends_of(known, 2, delay_line), why_not(known)
+        found, why = ends_of(known, body.order, delay_line), why_not(known)
         if self.by_area(body):  # a piece holds more than its interval: its middle may end where no phase does
             found = [one for one in found if one.trials > 0.0]
         if left > 0.0:

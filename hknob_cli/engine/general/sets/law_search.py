@@ -18,6 +18,7 @@ from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets import box, friction_box
 from hknob_cli.engine.general.sets.drift import Drift
 from hknob_cli.engine.general.sets.ends import Known
+from hknob_cli.engine.general.sets.friction_room import plane_of
 from hknob_cli.engine.general.sets.friction_search import LONGEST, FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import BEFORE, STATE, piece_size
 from hknob_cli.engine.general.sets.scope import Scope
@@ -52,7 +53,7 @@ class LawSetEngine(FrictionSetEngine):
         self, states: Box, room: Any, delay_line: int, drift: Drift, _known: Known, body: Body, _wall: Controller
     ) -> int:
         """As that of `GeneralSetEngine`; each piece remembers what the law does before it reads the first time."""
-        waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, body, self.law.watch))
+        waiting = int(self._function(box, "fill_box")(*states, delay_line, room, drift, plane_of(body), self.law.watch))
         size = piece_size(body.order, delay_line)
         past = self._zeros(delay_line)
         for k in range(waiting):

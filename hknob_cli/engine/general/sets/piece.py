@@ -4,8 +4,9 @@ A piece is a centre, which is a trial with its commands under way and its last r
 relative to it. While all of it acts alike its corners go by Phi from sample to sample, so that a polygon of starts, two
 angles wide, stays one in the space of all states.
 
-A piece in a list of numbers: `ERROR` to `COUNT`, then its state (order), the commands under way, oldest first (delay),
-and its corners (order each).
+A piece in a list of numbers: `ERROR` to `SPREAD`, by which torques that lag may differ from the centre's; then its
+state (order), the commands under way, oldest first (delay), and its corners (order each; of `friction_piece`, whose
+states differ in angle and speed alone, two).
 """
 
 from hknob_cli.engine.certificate import EPSILON
@@ -14,7 +15,7 @@ from hknob_cli.engine.general.sets.ball import step_through
 from hknob_cli.engine.general.sets.readings import count_levels, highest, lowest, next_level
 
 CORNERS = 16  # that a piece keeps; one with more is halved, for a simpler one around it might never shrink
-ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, STATE = range(7)
+ERROR, BEFORE, LEVEL, SAMPLE, WEIGHT, COUNT, SPREAD, STATE = range(8)
 
 
 def piece_size(n, delay):
@@ -97,21 +98,23 @@ def centre(corners, count, n, middle):
 
 
 def put(out, base, z, before, ring, head, error, level, sample, weight, corners, count, middle, drift, n):
-    """Enter a piece, told from the middle of the box around it, to ``out[base:]``."""
+    """Enter a piece, told from the middle of the box around it, to ``out[base:]``; states differ in ``n`` numbers."""
     centre(corners, count, n, middle)
-    delay = len(ring)
+    order, delay = len(z), len(ring)
     for j in range(n):
         at = z[j] + middle[j]
         out[base + STATE + j] = at
         error += 4.0 * EPSILON * drift.units[j] * (abs(at) + abs(middle[j]))
+    for j in range(n, order):
+        out[base + STATE + j] = z[j]
     for j in range(delay):
-        out[base + STATE + n + j] = ring[(head + j) % delay]
-    first = base + STATE + n + delay
+        out[base + STATE + order + j] = ring[(head + j) % delay]
+    first = base + STATE + order + delay
     for k in range(count):
         for j in range(n):
             out[first + k * n + j] = corners[k * n + j] - middle[j]
     out[base + ERROR], out[base + BEFORE], out[base + LEVEL] = error, before, level
-    out[base + SAMPLE], out[base + WEIGHT], out[base + COUNT] = sample, weight, float(count)
+    out[base + SAMPLE], out[base + WEIGHT], out[base + COUNT], out[base + SPREAD] = sample, weight, float(count), 0.0
 
 
 def move_piece(room, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall):

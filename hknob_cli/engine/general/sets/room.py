@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.sets.arc import arc_size
-from hknob_cli.engine.general.sets.lattice import CELL
+from hknob_cli.engine.general.sets.lattice import CELL, KEY
 from hknob_cli.engine.general.sets.piece import CORNERS, piece_size
 from hknob_cli.engine.general.torque_table import HEAD
 
@@ -73,11 +73,11 @@ class ArcRoom(NamedTuple):
 
 
 def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELLS, deep: int = DEEP) -> PieceRoom:
-    """Room for the pieces of a cell; pieces of more than two states are not merged, and have no lattice.
+    """Room for the pieces of a cell; those whose states differ in more than two numbers are not merged.
 
     ``lattice``: cells of the lattice, twice as many as it may hold; ``deep``: pieces that may wait beside them.
     """
-    size, cells = piece_size(order, delay), lattice if order == 2 else 1
+    size, cells = piece_size(order, delay), lattice
     return PieceRoom(
         stack=zeros(size * (deep + cells)),
         own=zeros(size),
@@ -94,7 +94,7 @@ def make_piece_room(zeros: Zeros, order: int, delay: int, *, lattice: int = CELL
         spare=zeros(order * order),
         pad=zeros(2 * order),
         used=zeros(cells),
-        keys=zeros((3 + delay) * cells),
+        keys=zeros((KEY + delay) * cells),
         cells=zeros(CELL * cells),
         singles=zeros(size * cells),
         taken=zeros(cells),

@@ -29,7 +29,7 @@ from hknob_cli.engine.general.sets.afar import look_from_afar
 from hknob_cli.engine.general.sets.drift import Drift, make_drift
 from hknob_cli.engine.general.sets.ends import Known, ends_of, make_known, why_not
 from hknob_cli.engine.general.sets.piece import WEIGHT, piece_size
-from hknob_cli.engine.general.sets.room import hash_scale, make_arc_room, make_piece_room
+from hknob_cli.engine.general.sets.room import CELLS, PieceRoom, hash_scale, make_arc_room, make_piece_room
 from hknob_cli.engine.general.sets.scope import LONGEST, Scope, can_follow, make_scope
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.engine.sets import region
@@ -53,7 +53,7 @@ class GeneralSetEngine:
         self.patience = patience
         self.compiled = functions is not None
         self._functions = functions
-        self._rooms: dict[tuple[int, int], Any] = {}
+        self._rooms: dict[tuple[int, int], PieceRoom] = {}
         self._regions: RegionFinder | None = None
 
     def _function(self, module: Any, name: str) -> Callable[..., Any]:
@@ -84,6 +84,18 @@ class GeneralSetEngine:
     def by_area(self, _body: Body) -> bool:
         """Whether shares of a box are those of its area, whose pieces are not merged, and not of random starts."""
         return False
+
+    def dimensions(self, body: Body) -> int:
+        """In how many numbers the states of a piece may differ; those of two are merged."""
+        return body.order
+
+    def room(self, body: Body, delay_line: int) -> PieceRoom:
+        """Work space for the pieces of a cell."""
+        key = body.order, delay_line
+        if key not in self._rooms:
+            cells = CELLS if self.dimensions(body) == 2 else 1
+            self._rooms = {key: make_piece_room(self._zeros, *key, lattice=cells)}
+        return self._rooms[key]
 
     def ready(self, body: Body, wall: Controller, delay_line: int) -> tuple[Body, Drift, Known]:
         """Body, bounds and empty tables as the functions of this engine want them."""
@@ -190,9 +202,7 @@ class GeneralSetEngine:
         wall = wall if self.compiled else as_list(wall)
         body, drift, known = self.ready(body, wall, delay_line)
         n = body.order
-        if (n, delay_line) not in self._rooms:
-            self._rooms = {(n, delay_line): make_piece_room(self._zeros, n, delay_line)}
-        room = self._rooms[n, delay_line]
+        room = self.room(body, delay_line)
         room.scale[0] = hash_scale(wall)
         rest = scope.budget, scope.limit
         cell = drift, known, body, wall
@@ -205,8 +215,8 @@ class GeneralSetEngine:
                 waiting, undecided, why = 0, 1.0, Reason.TOO_MANY
             across = max(states.high_x - states.low_x, (states.high_v - states.low_v) * body.reach)
             width = (
-                across / WIDEST if n == 2 and not self.by_area(body) else 0.0
-            )  # pieces of more states are not merged
+                across / WIDEST if self.dimensions(body) == 2 and not self.by_area(body) else 0.0
+            )  # pieces that differ in more are not merged
             for generation in range(GENERATIONS):
                 while waiting and not alarm.over and taken <= self.longest(body):
                     if self.stopped():

@@ -9,7 +9,7 @@ from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.sets.friction_phases import fly
 from hknob_cli.engine.general.sets.friction_rest import resting_piece
-from hknob_cli.engine.general.sets.friction_room import can_rub
+from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
 from hknob_cli.engine.general.sets.friction_search import FrictionSetEngine
 from hknob_cli.engine.general.sets.piece import largest_norm
 from hknob_cli.engine.general.sets.readings import remembered
@@ -36,14 +36,22 @@ def search_phases(one: GeneralKnob, **limits: Any) -> Any:
 
 def end_of(one: GeneralKnob, phase: float) -> list[float]:
     """State of the trial of one clock phase after 600 samples."""
-    z = list(fly(*one.start(0.02, 0.0), phase, one.body))
+    z = [*fly(*one.start(0.02, 0.0)[:2], phase, plane_of(one.body)), *one.start(0.02, 0.0)[2:]]
     before, ring, head = read(z[0], one.wall), [0.0] * one.delay_line, 0
     for _ in range(600):
-        before, head = advance(z, before, ring, head, one.body, one.wall, [0.0] * 4)
+        before, head = advance(z, before, ring, head, one.body, one.wall, [0.0] * 6)
     return z
 
 
-@pytest.mark.parametrize("actuator", [{}, {"delay_samples": 0.5}])
+@pytest.mark.parametrize(
+    "actuator",
+    [
+        {},
+        {"delay_samples": 0.5},
+        {"time_constant": 3e-4},
+        {"time_constant": 5e-5, "delay_samples": 1.0, "torque_step": 1e-4},
+    ],
+)
 def test_phases_end_where_trials_end(actuator: dict[str, Any]) -> None:
     """No trial of 48 ends on an orbit that is not listed, and shares agree as far as 48 trials can tell."""
     one = knob(455.0, 256, knob=MEASURED, bias=HALF, actuator=actuator)
@@ -53,14 +61,14 @@ def test_phases_end_where_trials_end(actuator: dict[str, Any]) -> None:
     assert sum(each.trials for each in found.attractors) == pytest.approx(1.0, abs=1e-6)
     counted = [0] * len(found.attractors)
     for trial in range(48):
-        x, v = end_of(one, (trial + 0.5) / 48)
+        x, v, *_ = end_of(one, (trial + 0.5) / 48)
         near = []
         for number, each in enumerate(found.attractors):
-            z, before, ring, head = [each.x, each.v], each.before, list(each.line), 0
+            z, before, ring, head = [each.x, each.v, *each.state], each.before, list(each.line), 0
             for _ in range(each.period):
                 if abs(z[0] - x) + abs(z[1] - v) < 1e-7:
                     near.append(number)
-                before, head = advance(z, before, ring, head, one.body, one.wall, [0.0] * 4)
+                before, head = advance(z, before, ring, head, one.body, one.wall, [0.0] * 6)
         assert len(near) == 1
         counted[near[0]] += 1
     for each, count in zip(found.attractors, counted, strict=True):
@@ -92,13 +100,12 @@ def test_too_few_samples_are_not_complete() -> None:
     "parts",
     [
         {"knob": {"inertia": 1.9e-6}},
-        {"actuator": {"time_constant": 3e-4}},
         {"encoder": "none"},
         {"hand": {"inertia": 3e-7, "damping": 3.45e-4}},
     ],
 )
 def test_other_scenes_are_not_followed(parts: dict[str, Any]) -> None:
-    """Without friction, with a lag, a continuous sensor, or nothing that holds the knob."""
+    """Without friction, with a continuous sensor, or where nothing holds the knob."""
     one = knob(1000.0, None if "encoder" in parts else 512, **parts)
     assert not can_rub(one.body, one.wall)
 

@@ -16,7 +16,7 @@ from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.search import LawEngine
 from hknob_cli.engine.general.laws.step import begin_past, run_with_law
 from hknob_cli.engine.general.sets.friction_phases import fly
-from hknob_cli.engine.general.sets.friction_room import can_rub
+from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
 from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.scene import SceneSpec
@@ -31,6 +31,7 @@ SCENE: dict[str, Any] = {
 }
 RUBS = {"knob": {"inertia": 1.9e-6, "coulomb_torque": 2.0e-4}}
 LATE = {"actuator": {"delay_samples": 1.0}}
+LAGS = {"actuator": {"delay_samples": 1.0, "time_constant": 5e-5}}
 CASES: list[tuple[str, dict[str, Any]]] = [
     ("bounded lag", RUBS | LATE),
     ("bounded lag", {"actuator": {"delay_samples": 0.4, "torque_step": 2e-4}}),
@@ -42,6 +43,10 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("first-order hold", {}),
     ("first-order hold, fitted", {"encoder": {"rounding": "nearest", "offset_counts": 0.3}}),
     ("first-order hold, fitted, in steps", RUBS),
+    ("bounded lag", RUBS | LAGS),
+    ("half sample", {"actuator": {"time_constant": 2e-4}}),
+    ("damping, differenced", RUBS | {"actuator": {"time_constant": 1e-3, "torque_limit": 4e-3}}),
+    ("impulse, short", RUBS | {"actuator": {"time_constant": 1e-4}}),
 ]
 
 
@@ -61,16 +66,23 @@ def search(made: LawKnob, law: Law, length: int, **limits: Any) -> Search | None
 
 def run(made: LawKnob, law: Law, z: list[float], past: list[float], samples: int) -> NDArray[np.float64]:
     """States at so many samples and one more, by what each reads."""
-    states = [0.0] * (2 * (samples + 1))
-    run_with_law(z, past, samples, made.knob.body, made.knob.wall, law, [0.0] * 4, states)
-    return np.array(states).reshape(samples + 1, 2)
+    n = made.knob.body.order
+    states = [0.0] * (n * (samples + 1))
+    run_with_law(z, past, samples, made.knob.body, made.knob.wall, law, [0.0] * (2 * n), states)
+    return np.array(states).reshape(samples + 1, n)
+
+
+def first_state(made: LawKnob, phase: float) -> list[float]:
+    """State at the first sample of a clock phase: no torque acts before it."""
+    start = made.knob.start(0.02, 0.0)
+    return [*fly(*start[:2], phase, plane_of(made.knob.body)), *start[2:]]
 
 
 def on_list(found: tuple[Attractor, ...], made: LawKnob, law: Law, z: list[float]) -> list[int]:
     """Which attractors a state that has settled is on, or rests in the reading of."""
     numbers = []
     for number, one in enumerate(found):
-        states = run(made, law, [one.x, one.v], list(one.line), one.period)
+        states = run(made, law, [one.x, one.v, *one.state], list(one.line), one.period)
         near = np.abs(states - np.array(z)).max(axis=1).min() < 1e-6
         same = one.outcome is Outcome.REST and read(z[0], made.knob.wall) == read(one.x, made.knob.wall)
         if near or (same and made.knob.body.friction > 0.0 and abs(z[1]) < 1e-6):
@@ -90,7 +102,7 @@ def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
     assert sum(one.trials for one in found.attractors) == pytest.approx(1.0, abs=1e-6)
     knob, counted = made.knob, [0] * len(found.attractors)
     for trial in range(24):
-        z = list(fly(*knob.start(0.02, 0.0), (trial + 0.5) / 24, knob.body))
+        z = first_state(made, (trial + 0.5) / 24)
         past = [0.0] * length
         begin_past(past, read(z[0], knob.wall), law)
         run(made, law, z, past, int(45.0 / made.rate) + 200)
@@ -127,7 +139,7 @@ def test_a_stiff_friction_holds_the_knob_under_a_lag() -> None:
     assert found.complete
     assert {one.outcome for one in found.attractors} == {Outcome.REST}
     for trial in range(8):
-        z = list(fly(*made.knob.start(0.02, 0.0), (trial + 0.5) / 8, made.knob.body))
+        z = first_state(made, (trial + 0.5) / 8)
         past = [0.0] * length
         begin_past(past, read(z[0], made.knob.wall), law)
         run(made, law, z, past, 2000)
