@@ -8,6 +8,7 @@ OUT ?= results
 COUNT ?= 10000
 SEED ?= 1000000
 WORKERS ?= auto
+DRAW ?= $(shell git rev-parse --short HEAD 2>/dev/null || date +%F)
 PAGES := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs
 TEXTS := $(PAGES) hknob_cli
 
@@ -68,8 +69,8 @@ test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; en
 	@$(BIN)/python -m tests.docs.prose $(PAGES)
 	@$(BIN)/python -m pytest -n $(WORKERS) --dist loadfile --no-loadscope-reorder -rs -m 'not long'
 
-long: $(VENV)/.dev ## the tests that take minutes: the whole dissertation, clusters, kills, ten thousand spoilt inputs
-	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long
+long: $(VENV)/.dev ## the tests that take minutes: dissertation, clusters, kills, odd inputs; ALL=1: every case
+	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long $(if $(ALL),,--draw $(DRAW))
 
 matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and newest dependencies; their licences
 	@$(BIN)/python -m tests.matrix.run

@@ -23,6 +23,7 @@ from hknob_cli.specs.plan import SweepPlan
 from hknob_cli.specs.source import parse
 from hknob_cli.stages.sweep.run import SweepStage
 from hknob_cli.stages.sweep.tables import SweepTables
+from tests.drawn import REST, Draw
 from tests.forked import HKNOB, Forks
 
 ROOT = Path(__file__).parent.parent
@@ -54,6 +55,23 @@ starts: {angle: 0.02, phases: 8}
 """
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """An option that `make long` gives."""
+    parser.addoption("--draw", metavar="WORD", help="of like long tests, only some, drawn by this: see tests/drawn.py")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Draw, where that is asked for."""
+    if by := config.getoption("--draw", default=None):
+        config.pluginmanager.register(Draw(by), "drawn")
+
+
+@pytest.fixture
+def drawn(request: pytest.FixtureRequest) -> bool:
+    """Whether only some of the long tests run, so that a series is to be short."""
+    return request.config.pluginmanager.has_plugin("drawn")
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Order tests by how long those of their folder take; of a test with ``one_in(n)`` one case in n is not long."""
@@ -64,6 +82,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             test = item.nodeid.partition("[")[0]
             if before[test] % one_in.args[0] != 0:
                 item.add_marker(pytest.mark.long)
+                item.add_marker(pytest.mark.drawn(REST))
             before[test] += 1
 
     def place(item: pytest.Item) -> int:
