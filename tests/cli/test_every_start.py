@@ -113,10 +113,16 @@ def test_maps_of_scenes_with_more_in_them_are_refused(hknob: Run, write: Callabl
     assert "scene.wall.damping: must be absent where basins are mapped" in done.stderr
 
 
+FINGER = (
+    "scene.hand={finger: {inertia: 3.0e-7, damping: 2.9e-3, stiffness: 0.4}, "
+    "fingerpad: {damping: 3.8e-4, stiffness: 0.05}}"
+)
+
+
 def test_what_cannot_be_cut_is_sampled_and_said(hknob: Run, write: Callable[[str], Path]) -> None:
-    """With friction and a lag, 64 phases; the list is not called complete."""
-    friction, lag = "scene.knob.coulomb_torque=1e-4", "scene.actuator={time_constant: 3e-4}"
-    done = hknob("sweep", write(PHASES), "--set", friction, "--set", lag, "--out", "out")
+    """With friction and a finger, 64 phases; the list is not called complete."""
+    friction = "scene.knob.coulomb_torque=1e-4"
+    done = hknob("sweep", write(PHASES), "--set", friction, "--set", FINGER, "--out", "out")
     assert done.returncode == 0, done.stderr
     words = " ".join(done.stdout.split())
     assert "The list is not proven to be complete." in words
@@ -189,6 +195,14 @@ def test_every_clock_phase_with_friction(hknob: Run, write: Callable[[str], Path
     assert "Complete: every clock phase of the start is proven to end in one of these." in done.stdout
 
 
+def test_every_start_with_friction_and_a_lag(hknob: Run, write: Callable[[str], Path]) -> None:
+    """Complete from the ranges, too; the torque that lags is no state of its own."""
+    friction, late = "scene.knob.coulomb_torque=2e-4", "scene.actuator={time_constant: 50 us, delay_samples: 1}"
+    done = hknob("sweep", write(RANGES), "--set", friction, "--set", late, "--out", "out", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["completeness"]["complete"] == 1
+
+
 def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
     """A map of one start would be a point."""
     done = hknob("sweep", write(PHASES + "basins: {points: 20}\n"))
@@ -197,7 +211,7 @@ def test_maps_need_ranges(hknob: Run, write: Callable[[str], Path]) -> None:
 
 
 UNCUT = [
-    ("scene.knob.coulomb_torque=1e-4", "scene.actuator.time_constant=2e-4"),
+    ("scene.knob.coulomb_torque=1e-4", FINGER),
     ("scene.hand.stiffness=0", "scene.knob.coulomb_torque=0"),
     ("scene.controller={kind: half_sample, velocity: sensor}", "scene.knob.coulomb_torque=0"),
 ]
