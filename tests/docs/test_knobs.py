@@ -42,6 +42,7 @@ def test_every_preset_has_a_verdict() -> None:
     assert all(row[1] == f"`knob_{name}`" for name, row in rows().items())
 
 
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=pytest.mark.long if name in SLOW else ()) for name in names()]
 )

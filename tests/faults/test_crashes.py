@@ -36,5 +36,5 @@ def test_a_few_losses_of_power() -> None:
 
 
 @pytest.mark.long
-def test_hundreds_of_losses_of_power() -> None:
-    lose_power(list(CASES), 70 * len(CASES), 7)
+def test_hundreds_of_losses_of_power(drawn: bool) -> None:
+    lose_power(list(CASES), (25 if drawn else 70) * len(CASES), 7)

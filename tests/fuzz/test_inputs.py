@@ -51,6 +51,7 @@ def test_ten_thousand_specs_are_tried() -> None:
     assert sum(COUNTS.values()) == 10_000
 
 
+@pytest.mark.drawn(5, 2)  # of ten thousand, four
 @pytest.mark.parametrize(("kind", "first"), PIECES)
 def test_specs(arena: Arena, kind: str, first: int) -> None:
     try_all("spec", first, first + PIECE, arena, kinds=[kind], run_share=RUN_SHARE)

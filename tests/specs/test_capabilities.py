@@ -191,6 +191,7 @@ def test_a_controller_goes_with_what_the_table_says(part: str, starts: str) -> N
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges"])
 @pytest.mark.parametrize("part", BESIDE)
 def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None:
@@ -209,6 +210,7 @@ def test_every_start_of_a_controller_beside_more(part: str, starts: str) -> None
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("starts", ["one", "ranges", "anywhere"])
 @pytest.mark.parametrize("part", CHANGES)
 def test_sets_of_starts_are_proven_where_the_table_says(part: str, starts: str) -> None:

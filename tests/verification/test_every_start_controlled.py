@@ -105,6 +105,7 @@ def test_phases_end_as_their_intervals_do(name: str, rate: float, counts: int, s
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(("name", "rate", "counts", "samples"), CELLS)
 def test_two_thousand_phases_end_as_their_intervals_do(name: str, rate: float, counts: int, samples: int) -> None:
     """So many that a length is told to a part in two thousand a cut."""
@@ -112,6 +113,7 @@ def test_two_thousand_phases_end_as_their_intervals_do(name: str, rate: float, c
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize(("name", "rate", "counts", "samples"), [one for one in CELLS if one[0] != "impulse, timed"])
 def test_many_random_starts_of_a_box_end_in_listed_orbits(name: str, rate: float, counts: int, samples: int) -> None:
     """1000 states of the box: areas are told to some parts in a hundred.
@@ -122,6 +124,7 @@ def test_many_random_starts_of_a_box_end_in_listed_orbits(name: str, rate: float
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("name", COUNTING)
 def test_all_phases_are_followed_to_an_end(name: str) -> None:
     """Shares add up to all, and each end is proven where the list is complete."""

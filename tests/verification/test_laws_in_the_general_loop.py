@@ -212,6 +212,7 @@ def test_a_dead_band(controller: str) -> None:
 
 
 @pytest.mark.long
+@pytest.mark.drawn(3)
 @pytest.mark.parametrize("controller", ORDER)
 def test_many_scenes(controller: str) -> None:
     for one in scenes(controller, 12, seed=1):
