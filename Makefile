@@ -13,7 +13,7 @@ PAGES := README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md docs
 TEXTS := $(PAGES) hknob_cli
 
 .DEFAULT_GOAL := help
-.PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long matrix firmware lint schemas compare bench clean
+.PHONY: help docs fuzz sweep every-start paper ladder maps smoke test long matrix firmware target lint schemas compare bench clean
 
 help: ## this list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-11s %s\n", $$1, $$2}'
@@ -77,6 +77,9 @@ matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
+	@$(MAKE) --no-print-directory target
+
+target: $(VENV)/.run ## that, only built: its tests are among those of make test
 	@$(BIN)/python -m hknob_cli.hardware.reference_target $(OUT)/firmware
 
 lint: $(VENV)/.dev ## lint, format, types, words and sentences, mending what can be mended
