@@ -72,8 +72,8 @@ test: $(VENV)/.dev ## lint, types, prose, and the tests except the long ones; en
 long: $(VENV)/.dev ## the tests that take minutes: dissertation, clusters, kills, odd inputs; ALL=1: every case
 	@$(BIN)/python -m pytest -n $(WORKERS) -rs -m long $(if $(ALL),,--draw $(DRAW))
 
-matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and newest dependencies; their licences
-	@$(BIN)/python -m tests.matrix.run
+matrix: $(VENV)/.dev ## the wheel in a foreign folder: other Pythons, lowest and newest dependencies; licences
+	@$(BIN)/python -m tests.matrix.run $(if $(ENDS),--ends)
 
 firmware: $(VENV)/.dev ## the control loop in C, built as a process and for QEMU, and tested; says what it needs
 	@$(BIN)/python -m pytest -rs tests/hardware/test_firmware_wire.py tests/hardware/test_firmware_states.py
