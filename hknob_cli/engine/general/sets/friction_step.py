@@ -51,6 +51,82 @@ def take_in(jac, entry, low, high):
     jac[2 * entry + 1] = max(jac[2 * entry + 1], high)
 
 
+def take_in_slide(s, g, f, beta, jac):
+    """Take in the derivative of states that slide one way all along."""
+    take_in(jac, 0, 1.0 - beta * g, 1.0 - beta * g)
+    take_in(jac, 1, s, s)
+    take_in(jac, 2, -beta * s, -beta * s)
+    take_in(jac, 3, f, f)
+
+
+def take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac):
+    """Take in the derivatives of states that turn round, from ``first`` to ``last``, by jumps of the rate."""
+    beta = body.beta
+    sa, _, fa = coefficients(first, body)
+    sb, _, fb = coefficients(last, body)
+    sc, _, fc = coefficients(span - first, body)
+    sd, _, fd = coefficients(span - last, body)
+    take_in(jac, 0, 1.0 - beta * (g - small_jump * sd * sa), 1.0 - beta * (g - jump * sc * sb))
+    take_in(jac, 1, s - jump * sc * fa, s - small_jump * sd * fb)
+    take_in(jac, 2, -beta * (s - small_jump * fc * sa), -beta * (s - jump * fd * sb))
+    take_in(jac, 3, f - jump * fd * fa, f - small_jump * fc * fb)
+
+
+def take_in_hold(sa, ga, sb, gb, beta, jac):
+    """Take in the derivatives of states that stop and are held; coefficients of the first and the last stop."""
+    take_in(jac, 0, 1.0 - beta * gb, 1.0 - beta * ga)
+    take_in(jac, 1, sa, sb)
+    take_in(jac, 2, 0.0, 0.0)
+    take_in(jac, 3, 0.0, 0.0)
+
+
+def slide_corners(corners, count, s, g, f, beta):
+    """Move corners, relative to the centre, by the free response."""
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        corners[2 * k] = dx + (s * dv - beta * g * dx)
+        corners[2 * k + 1] = f * dv - beta * s * dx
+
+
+def excess(jac, high_x, high_v, corners, count, beta):
+    """What an enclosure is made of: ``(more_x, more_v, wider, grown)``.
+
+    By how much the intervals of the derivative widen a set of this extent, in x and v and as a radius; and the largest
+    radius after it.
+    """
+    more_x = 0.5 * ((jac[1] - jac[0]) * high_x + (jac[3] - jac[2]) * high_v)
+    more_v = 0.5 * ((jac[5] - jac[4]) * high_x + (jac[7] - jac[6]) * high_v)
+    ax, ay, bx, by = middle_of(jac)
+    grown = 0.0
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        at_x, at_v = abs(ax * dx + ay * dv) + more_x, abs(bx * dx + by * dv) + more_v
+        grown = max(grown, at_x * at_x + at_v * at_v / beta)
+    return more_x, more_v, sqrt(more_x * more_x + more_v * more_v / beta), sqrt(grown)
+
+
+def middle_of(jac):
+    """Middles of the intervals of a derivative, row by row."""
+    return 0.5 * (jac[0] + jac[1]), 0.5 * (jac[2] + jac[3]), 0.5 * (jac[4] + jac[5]), 0.5 * (jac[6] + jac[7])
+
+
+def ask_for_cut(corners, count, cx, cv, line):
+    """Tell corners and line from the caller's centre again: the line was told from the middle of the polygon."""
+    line[2] += line[0] * cx + line[1] * cv
+    for k in range(count):
+        corners[2 * k] += cx
+        corners[2 * k + 1] += cv
+
+
+def map_corners(corners, count, jac):
+    """Move corners by the middle of the derivative; whether it is that of states which are all held."""
+    ax, ay, bx, by = middle_of(jac)
+    for k in range(count):
+        dx, dv = corners[2 * k], corners[2 * k + 1]
+        corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
+    return jac[4] == 0.0 and jac[5] == 0.0 and jac[6] == 0.0 and jac[7] == 0.0
+
+
 def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, jac, line):
     """Take the derivatives of the states that begin by moving in direction ``sign`` into ``jac``: ``(smooth, spread)``.
 
@@ -88,18 +164,13 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         first, stops = 0.0, True
         slides = slides or high_y >= 0.0
     if slides or (ends and not stops):
-        take_in(jac, 0, 1.0 - beta * g, 1.0 - beta * g)
-        take_in(jac, 1, s, s)
-        take_in(jac, 2, -beta * s, -beta * s)
-        take_in(jac, 3, f, f)
+        take_in_slide(s, g, f, beta, jac)
     if not stops:
         return True, 0.0
     if slides or late:
         last = span
-    sa, ga, fa = coefficients(first, body)
-    sb, gb, fb = coefficients(last, body)
-    sc, _, fc = coefficients(span - first, body)
-    sd, _, fd = coefficients(span - last, body)
+    sa, ga, _ = coefficients(first, body)
+    sb, gb, _ = coefficients(last, body)
     sign_free = sign * free
     least, most = sign_free - beta * (high_x + sb * fastest), sign_free - beta * low_x  # pull where they stop
     small_jump, jump = 1.0, 1.0
@@ -107,15 +178,9 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         small_jump = 2.0 * friction / (friction - least)
         if most < -friction:
             jump = 2.0 * friction / (friction - most)
-        take_in(jac, 0, 1.0 - beta * (g - small_jump * sd * sa), 1.0 - beta * (g - jump * sc * sb))
-        take_in(jac, 1, s - jump * sc * fa, s - small_jump * sd * fb)
-        take_in(jac, 2, -beta * (s - small_jump * fc * sa), -beta * (s - jump * fd * sb))
-        take_in(jac, 3, f - jump * fd * fa, f - small_jump * fc * fb)
+        take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac)
     if most >= -friction:
-        take_in(jac, 0, 1.0 - beta * gb, 1.0 - beta * ga)
-        take_in(jac, 1, sa, sb)
-        take_in(jac, 2, 0.0, 0.0)
-        take_in(jac, 3, 0.0, 0.0)
+        take_in_hold(sa, ga, sb, gb, beta, jac)
     # Lines: v = 0, the states that stop as the hold ends, those that stop halfway, or half the width.
     times, jumps = (last - first) * jump, (jump - small_jump + (beta if most >= -friction > least else 0.0)) * span
     at = span
@@ -167,10 +232,7 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         return HELD, x, v, count
     if up or down or friction == 0.0:
         y = free - (friction if up else -friction) - beta * x
-        for k in range(count):
-            dx, dv = corners[2 * k], corners[2 * k + 1]
-            corners[2 * k] = dx + (s * dv - beta * g * dx)
-            corners[2 * k + 1] = f * dv - beta * s * dx
+        slide_corners(corners, count, s, g, f, beta)
         return SLID, x + (s * v + g * y), f * v + s * y, count
     cx, cv = recentre(corners, count)
     mid_x, mid_v = x + cx, v + cv
@@ -196,28 +258,12 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
         edge = free - friction if free - beta * (mid_x + low_x) > friction else free + friction
         line[0], line[1], line[2] = 1.0, 0.0, edge / beta - mid_x
         smooth = False
-    ax, ay = 0.5 * (space[0] + space[1]), 0.5 * (space[2] + space[3])
-    bx, by = 0.5 * (space[4] + space[5]), 0.5 * (space[6] + space[7])
-    more_x = 0.5 * ((space[1] - space[0]) * high_x + (space[3] - space[2]) * high_v)
-    more_v = 0.5 * ((space[5] - space[4]) * high_x + (space[7] - space[6]) * high_v)
-    wider = sqrt(more_x * more_x + more_v * more_v / beta)
-    grown = 0.0
-    for k in range(count):
-        dx, dv = corners[2 * k], corners[2 * k + 1]
-        at_x, at_v = abs(ax * dx + ay * dv) + more_x, abs(bx * dx + by * dv) + more_v
-        grown = max(grown, at_x * at_x + at_v * at_v / beta)
+    more_x, more_v, wider, grown = excess(space, high_x, high_v, corners, count, beta)
     narrow = NARROW_SMOOTH if smooth else NARROW
-    if not (wider <= narrow * radius or radius <= least or (smooth and sqrt(grown) <= GROWN * radius)):
-        # The line is told from the middle of the polygon; the caller's centre may be another.
-        line[2] += line[0] * cx + line[1] * cv
-        for k in range(count):
-            corners[2 * k] += cx
-            corners[2 * k + 1] += cv
+    if not (wider <= narrow * radius or radius <= least or (smooth and grown <= GROWN * radius)):
+        ask_for_cut(corners, count, cx, cv, line)
         return CUT, x, v, count
-    for k in range(count):
-        dx, dv = corners[2 * k], corners[2 * k + 1]
-        corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
-    stuck = space[4] == 0.0 and space[5] == 0.0 and space[6] == 0.0 and space[7] == 0.0
+    stuck = map_corners(corners, count, space)
     to_x, to_v = step_with_friction(mid_x, mid_v, u, span, s, g, f, body)
     if more_x > 0.0 or more_v > 0.0:
         count = widen(corners, count, more_x, more_v, space)

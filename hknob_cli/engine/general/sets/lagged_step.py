@@ -11,7 +11,6 @@ velocity after a time only grows with the torque. Where that cannot be told, the
 it for any number of stops (`take_in_any`): what is left of a difference in speed at each is between none and all.
 """
 
-from math import sqrt
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import rub_many
@@ -25,7 +24,14 @@ from hknob_cli.engine.general.sets.friction_step import (
     NARROW_SMOOTH,
     ROUNDED,
     SLID,
+    ask_for_cut,
+    excess,
+    map_corners,
+    slide_corners,
     take_in,
+    take_in_hold,
+    take_in_slide,
+    take_in_turn,
 )
 from hknob_cli.engine.general.slide_two import coefficients
 from hknob_cli.engine.turning import first_zero
@@ -109,18 +115,13 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
         first, stops = 0.0, True
         slides = slides or high_y >= 0.0
     if slides or (ends and not stops):
-        take_in(jac, 0, 1.0 - beta * g, 1.0 - beta * g)
-        take_in(jac, 1, s, s)
-        take_in(jac, 2, -beta * s, -beta * s)
-        take_in(jac, 3, f, f)
+        take_in_slide(s, g, f, beta, jac)
     if not stops:
         return True, 0.0, False
     if slides or more:
         last = span
     sa, ga, fa = coefficients(first, body)
-    sb, gb, fb = coefficients(last, body)
-    sc, _, fc = coefficients(span - first, body)
-    sd, _, fd = coefficients(span - last, body)
+    sb, gb, _ = coefficients(last, body)
     # Pulls where they stop, and on the way back.
     way = span * (fastest + span * max(0.0, high_y))
     least, most = low_a + drive - beta * (high_x + way), high_a + drive - beta * low_x
@@ -131,15 +132,9 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
         small_jump = 2.0 * friction / (friction - least)
     if sure and back < -friction:
         jump = 2.0 * friction / (friction - back)
-        take_in(jac, 0, 1.0 - beta * (g - small_jump * sd * sa), 1.0 - beta * (g - jump * sc * sb))
-        take_in(jac, 1, s - jump * sc * fa, s - small_jump * sd * fb)
-        take_in(jac, 2, -beta * (s - small_jump * fc * sa), -beta * (s - jump * fd * sb))
-        take_in(jac, 3, f - jump * fd * fa, f - small_jump * fc * fb)
+        take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac)
     elif sure and least >= -friction and most <= friction:
-        take_in(jac, 0, 1.0 - beta * gb, 1.0 - beta * ga)
-        take_in(jac, 1, sa, sb)
-        take_in(jac, 2, 0.0, 0.0)
-        take_in(jac, 3, 0.0, 0.0)
+        take_in_hold(sa, ga, sb, gb, beta, jac)
     else:
         take_in_any(beta, span, sa, sb, ga, gb, fa, 1.0 - small_jump if least < -friction else 0.0, jac)
         unsure = True
@@ -216,10 +211,7 @@ def move_lagged(x, v, a, apart, u, part, halve, corners, count, least, body, who
         y = u + body.drive - beta * x
         if friction > 0.0:
             y -= friction if up else -friction
-        for k in range(count):
-            dx, dv = corners[2 * k], corners[2 * k + 1]
-            corners[2 * k] = dx + (s * dv - beta * g * dx)
-            corners[2 * k + 1] = f * dv - beta * s * dx
+        slide_corners(corners, count, s, g, f, beta)
         if apart > 0.0:
             added = apart * (1.0 - part[LEFT]) / whole.lag
             count = widen(corners, count, part[SPAN] * added, added, space)
@@ -252,31 +244,14 @@ def move_lagged(x, v, a, apart, u, part, halve, corners, count, least, body, who
             if low_x < edge and edge < high_x:
                 line[2] = edge
         smooth, later = False, True
-    ax, ay = 0.5 * (space[0] + space[1]), 0.5 * (space[2] + space[3])
-    bx, by = 0.5 * (space[4] + space[5]), 0.5 * (space[6] + space[7])
-    more_x = 0.5 * ((space[1] - space[0]) * high_x + (space[3] - space[2]) * high_v)
-    more_v = 0.5 * ((space[5] - space[4]) * high_x + (space[7] - space[6]) * high_v)
-    wider = sqrt(more_x * more_x + more_v * more_v / beta)
-    grown = 0.0
-    for k in range(count):
-        dx, dv = corners[2 * k], corners[2 * k + 1]
-        at_x, at_v = abs(ax * dx + ay * dv) + more_x, abs(bx * dx + by * dv) + more_v
-        grown = max(grown, at_x * at_x + at_v * at_v / beta)
-    narrow = wider <= (NARROW_SMOOTH if smooth else NARROW) * radius or (
-        sqrt(grown) <= GROWN * radius and (smooth or radius > COARSE)
-    )
+    more_x, more_v, wider, grown = excess(space, high_x, high_v, corners, count, beta)
+    narrow = wider <= (NARROW_SMOOTH if smooth else NARROW) * radius
+    narrow = narrow or (grown <= GROWN * radius and (smooth or radius > COARSE))
     sooner = halve and later
     if not narrow and (sooner or radius > least):
-        # The line is told from the middle of the polygon; the caller's centre may be another.
-        line[2] += line[0] * cx + line[1] * cv
-        for k in range(count):
-            corners[2 * k] += cx
-            corners[2 * k + 1] += cv
+        ask_for_cut(corners, count, cx, cv, line)
         return (LATER if sooner else CUT), x, v, a, count
-    for k in range(count):
-        dx, dv = corners[2 * k], corners[2 * k + 1]
-        corners[2 * k], corners[2 * k + 1] = ax * dx + ay * dv, bx * dx + by * dv
-    stuck = space[4] == 0.0 and space[5] == 0.0 and space[6] == 0.0 and space[7] == 0.0
+    stuck = map_corners(corners, count, space)
     z[0], z[1], z[2] = mid_x, mid_v, a
     rub_many(z, u, part[SPAN], whole, pad)
     if apart > 0.0:
