@@ -323,12 +323,12 @@ def test_every_cell_of_the_lattice_is_found_again(delay: int) -> None:
         for one in list(cells)[:7]:
             head = chance.randrange(2) if delay else 0
             ring = [one[KEY + (k - head) % 2] for k in range(delay)]
-            at = slot(*one[:3], ring, head, room, one[3])
+            at = slot(*one[:4], ring, head, room)
             assert room.used[at] == 0.0
             assert 0 <= at < 8
             room.used[at], room.keys[width * at : width * (at + 1)] = 1.0, list(one)
             places[one] = at
-        assert all(slot(*one[:3], list(one[KEY:]), 0, room, one[3]) == at for one, at in places.items())
+        assert all(slot(*one[:4], list(one[KEY:]), 0, room) == at for one, at in places.items())
         assert len(set(places.values())) == 7
 
 

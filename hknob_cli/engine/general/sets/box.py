@@ -194,21 +194,7 @@ def follow_piece(room, waiting, delay, width, patience, budget, limit, drift, kn
         if small and (event == STEPS_DEEPER or width > SECTION):
             sample = float(at)
             if keep(
-                room,
-                z,
-                before,
-                ring,
-                head,
-                error + blurred,
-                level,
-                sample,
-                weight,
-                corners,
-                count,
-                width,
-                drift,
-                body,
-                0.0,
+                room, z, before, ring, head, error + blurred, level, sample, weight, corners, count, width, drift, body
             ):
                 return waiting, KEPT, taken
             small = False

@@ -53,10 +53,9 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
         for k in range(2 * count):
             corners[k] = own[edges + k]
         radius = widest(corners, count, body)
-        spread, ahead = 0.0, error  # the latter with all that the torques may still add
+        ahead = error  # with all that torques may still add
         if body.lag > 0.0:
-            spread = own[SPREAD]
-            ahead += spread / body.lag
+            ahead += own[SPREAD] / body.lag
         least, most = corners[0], corners[0]
         for k in range(1, count):
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
@@ -87,7 +86,6 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
                 drift,
                 body,
                 watch,
-                spread,
             )
             if parted < 0:
                 blame(NO_ROOM, weight, known)
@@ -105,7 +103,7 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
         meets = at > start and (deeper or (width > SECTION and at % OFTEN == 0))
         sample = float(at)
         if (meets and small) and keep(
-            room, z, before, ring, 0 * delay, error, last, sample, weight, corners, count, width, drift, body, spread
+            room, z, before, ring, 0 * delay, error, last, sample, weight, corners, count, width, drift, body
         ):
             return waiting, KEPT, -1, taken
         if since >= wait:
@@ -134,7 +132,6 @@ def follow_piece(room, work, waiting, delay, width, patience, budget, limit, dri
             drift,
             body,
             wall,
-            spread,
         )
         since += 1
         if after < 0:

@@ -158,28 +158,12 @@ def move_over_part(work, part, x, v, count, least, body):
 
 
 def move_piece(
-    room,
-    work,
-    waiting,
-    z,
-    before,
-    ring,
-    head,
-    error,
-    level,
-    sample,
-    weight,
-    corners,
-    count,
-    drift,
-    body,
-    wall,
-    spread=0.0,
+    room, work, waiting, z, before, ring, head, error, level, sample, weight, corners, count, drift, body, wall
 ):
     """Move a piece over one interval, acting as ``level``, and let what becomes of it wait; how many then, -1: no room.
 
-    The piece is told from ``z``, which is left alone, as ``ring`` is. ``spread``: by which torques that lag may differ
-    from that of ``z``.
+    The piece is told from ``z``, which is left alone, as ``ring`` is. The piece in ``room.own`` says how far
+    torques that lag may differ from that of ``z``.
     """
     delay = len(ring)
     for j in range(delay):
@@ -189,7 +173,7 @@ def move_piece(
     for k in range(ACTS):
         work.acts[k] = 0.0
     if body.lag > 0.0:
-        work.acts[0], work.acts[1] = z[2], spread
+        work.acts[0], work.acts[1] = z[2], room.own[SPREAD]
         error += drift.once[4] * abs(z[2])
     error += drift.blur * widest(corners, count, body)
     legs, looks, size = len(work.course) // LEG, looks_of(work.law), piece_size(len(z), delay)
@@ -271,24 +255,7 @@ def move_piece(
 
 
 def part_piece(
-    room,
-    waiting,
-    z,
-    before,
-    ring,
-    head,
-    error,
-    reach,
-    sample,
-    weight,
-    corners,
-    count,
-    low,
-    high,
-    drift,
-    body,
-    wall,
-    spread=0.0,
+    room, waiting, z, before, ring, head, error, reach, sample, weight, corners, count, low, high, drift, body, wall
 ):
     """Cut a piece at the edges that change the command, and let the parts wait; how many pieces wait then, -1: no room.
 
@@ -320,7 +287,7 @@ def part_piece(
                 drift,
                 2,
             )
-            room.stack[waiting * size + SPREAD] = spread
+            room.stack[waiting * size + SPREAD] = room.own[SPREAD]
             waiting += 1
         level = next_level(level, wall)
     return waiting

@@ -11,7 +11,6 @@ velocity after a time only grows with the torque. Where that cannot be told, the
 it for any number of stops (`take_in_any`): what is left of a difference in speed at each is between none and all.
 """
 
-
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.sets.convex import extent, radius_of, recentre, widen

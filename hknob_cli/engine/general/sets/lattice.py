@@ -33,7 +33,7 @@ def late_cell(z, width, body):
     return z[2] * FINER * body.reach / (width * body.lag) // 1.0
 
 
-def slot(i, j, before, ring, head, room, late=0.0):
+def slot(i, j, late, before, ring, head, room):
     """Slot of a cell of the lattice and its memory: where it is, or the empty one where it may be entered."""
     size, delay = len(room.used), len(ring)
     at = int(i) * 73856093 + int(j) * 19349663 + int(before) * 83492791 + int(late) * 40503001
@@ -45,7 +45,7 @@ def slot(i, j, before, ring, head, room, late=0.0):
     while room.used[at] > 0.0:
         key = width * at
         same = room.keys[key] == i and room.keys[key + 1] == j
-        same = same and room.keys[key + 2] == before and room.keys[key + 3] == late
+        same = same and room.keys[key + 2] == late and room.keys[key + 3] == before
         for k in range(delay):
             same = same and room.keys[key + KEY + k] == ring[(head + k) % delay]
         if same:
@@ -54,20 +54,23 @@ def slot(i, j, before, ring, head, room, late=0.0):
     return at
 
 
-def keep(room, z, before, ring, head, error, level, sample, weight, corners, count, width, drift, body, spread=0.0):
-    """Enter a small piece into the lattice whose cells are ``width`` counts wide; whether there was room."""
+def keep(room, z, before, ring, head, error, level, sample, weight, corners, count, width, drift, body):
+    """Enter a small piece into the lattice whose cells are ``width`` counts wide; whether there was room.
+
+    The piece in ``room.own`` says how far torques that lag may differ from that of ``z``.
+    """
     delay = len(ring)
     scale = 1.0 / body.reach
     i, j = z[0] / width // 1.0, z[1] / (scale * width) // 1.0
     late = late_cell(z, width, body)
-    at = slot(i, j, before, ring, head, room, late)
+    at = slot(i, j, late, before, ring, head, room)
     size = piece_size(len(z), delay)
     if room.used[at] == 0.0:
         if 2 * room.counts[0] >= len(room.used):
             return False
         room.used[at] = 1.0
         key = (KEY + delay) * at
-        room.keys[key], room.keys[key + 1], room.keys[key + 2], room.keys[key + 3] = i, j, before, late
+        room.keys[key], room.keys[key + 1], room.keys[key + 2], room.keys[key + 3] = i, j, late, before
         for k in range(delay):
             room.keys[key + KEY + k] = ring[(head + k) % delay]
         room.taken[int(room.counts[0])] = at
@@ -93,15 +96,15 @@ def keep(room, z, before, ring, head, error, level, sample, weight, corners, cou
             drift,
             2,
         )
-        room.singles[size * at + SPREAD] = spread
+        room.singles[size * at + SPREAD] = room.own[SPREAD]
     base = CELL * at
     room.cells[base + MEMBERS] += 1.0
     room.singles[size * at + WEIGHT] += weight
     slack = body.reach * error + 4.0 * EPSILON * abs(z[0])
     slack_v = error + 4.0 * EPSILON * abs(z[1])
     if body.lag > 0.0:
-        room.cells[base + LOW_LATE] = min(room.cells[base + LOW_LATE], z[2] - spread)
-        room.cells[base + HIGH_LATE] = max(room.cells[base + HIGH_LATE], z[2] + spread)
+        room.cells[base + LOW_LATE] = min(room.cells[base + LOW_LATE], z[2] - room.own[SPREAD])
+        room.cells[base + HIGH_LATE] = max(room.cells[base + HIGH_LATE], z[2] + room.own[SPREAD])
     for k in range(count):
         at_x, at_v = z[0] + corners[2 * k], z[1] + corners[2 * k + 1]
         room.cells[base + LOW_X] = min(room.cells[base + LOW_X], at_x - slack)

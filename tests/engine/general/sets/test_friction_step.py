@@ -12,22 +12,22 @@ from hknob_cli.engine.general.sets.convex import MOST_CORNERS, keep_side, radius
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, move_set, parts_of_hold
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 from hknob_cli.scene.general_knob import make_body
-from hknob_cli.specs.plan import Bias, Hand, Knob, Scene, Wall
+from hknob_cli.specs.plan import Actuator, Bias, Hand, Knob, Scene, Wall
 from tests.engine.sets.loops import zeros
 from tests.engine.sets.test_polygon import convex, inside, states_of
 
 ROOM = 8 * (MOST_CORNERS + 6)
 
 
-def body_of(alpha: float, beta: float, friction: float, push: float) -> Body:
-    """A body with these numbers: unit inertia, period and quantum."""
+def body_of(alpha: float, beta: float, friction: float, push: float, lag: float = 0.0) -> Body:
+    """A body with these numbers, ``lag`` in sample periods over its time: unit inertia, period and quantum."""
     scene = Scene(
         knob=Knob(inertia=1.0, damping=alpha, coulomb_torque=friction),
         wall=Wall(stiffness=1.0),
         hand=Hand(stiffness=beta),
         bias=Bias(torque=push),
         encoder=None,
-        actuator=None,
+        actuator=Actuator(time_constant=1.0 / lag) if lag else None,
     )
     return make_body(scene, period=1.0, quantum=1.0, shift=0.0, split=0.0)[0]
 

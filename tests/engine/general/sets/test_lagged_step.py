@@ -1,7 +1,7 @@
 """Tests of `engine.general.sets.lagged_step`: no state of a set is lost over a hold under a torque that comes late."""
 
 from math import sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -14,25 +14,9 @@ from hknob_cli.engine.general.sets.convex import keep_side, radius_of
 from hknob_cli.engine.general.sets.friction_room import _halves, plane_of
 from hknob_cli.engine.general.sets.friction_step import CUT, ENCLOSED, HELD, MOST_CUTS, SLID, parts_of_hold
 from hknob_cli.engine.general.sets.lagged_step import DEEPEST, LAGS, LATER, depth_at, move_lagged
-from hknob_cli.scene.general_knob import make_body
-from hknob_cli.specs.plan import Actuator, Bias, Hand, Knob, Scene, Wall
-from tests.engine.general.sets.test_friction_step import ROOM, inside_of, shapes
+from tests.engine.general.sets.test_friction_step import ROOM, body_of, inside_of, shapes
 from tests.engine.sets.loops import zeros
 from tests.engine.sets.test_polygon import states_of
-
-
-def body_of(alpha: float, beta: float, friction: float, push: float, lag: float) -> Body:
-    """A body with these numbers: unit inertia, period and quantum."""
-    scene = Scene(
-        knob=Knob(inertia=1.0, damping=alpha, coulomb_torque=friction),
-        wall=Wall(stiffness=1.0),
-        hand=Hand(stiffness=beta),
-        bias=Bias(torque=push),
-        encoder=None,
-        actuator=Actuator(time_constant=1.0 / lag),
-    )
-    return make_body(scene, period=1.0, quantum=1.0, shift=0.0, split=0.0)[0]
-
 
 bodies = st.builds(
     body_of,
@@ -42,6 +26,16 @@ bodies = st.builds(
     push=st.floats(0.0, 1.0),
     lag=st.sampled_from([0.05, 0.5, 3.0, 20.0, 1000.0]),
 )
+
+SETS: dict[str, Any] = {
+    "body": bodies,
+    "corners": shapes(),
+    "x": st.floats(-3.0, 1.0),
+    "v": st.one_of(st.just(0.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01)),
+    "a": st.floats(0.0, 3.0),
+    "u": st.floats(0.0, 3.0),
+    "seed": st.integers(0, 2**32 - 1),
+}
 
 
 def move_one(body: Body, x: float, v: float, a: float, u: float, span: float) -> tuple[float, float]:
@@ -129,15 +123,7 @@ def move_all(
 @pytest.mark.one_in(4)
 @pytest.mark.parametrize("turn", range(4))
 @settings(deadline=None, max_examples=150, phases=[Phase.explicit, Phase.reuse, Phase.generate])
-@given(
-    body=bodies,
-    corners=shapes(),
-    x=st.floats(-3.0, 1.0),
-    v=st.one_of(st.just(0.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01)),
-    a=st.floats(0.0, 3.0),
-    u=st.floats(0.0, 3.0),
-    seed=st.integers(0, 2**32 - 1),
-)
+@given(**SETS)
 def test_no_state_is_lost(
     turn: int, body: Body, corners: list[float], x: float, v: float, a: float, u: float, seed: int
 ) -> None:
@@ -151,16 +137,7 @@ def test_no_state_is_lost(
 
 
 @settings(deadline=None, max_examples=300, phases=[Phase.explicit, Phase.reuse, Phase.generate])
-@given(
-    body=bodies,
-    corners=shapes(),
-    x=st.floats(-3.0, 1.0),
-    v=st.one_of(st.just(0.0), st.floats(-1.0, 1.0), st.floats(-0.01, 0.01)),
-    a=st.floats(0.0, 3.0),
-    u=st.floats(0.0, 3.0),
-    depth=st.integers(0, DEEPEST),
-    seed=st.integers(0, 2**32 - 1),
-)
+@given(depth=st.integers(0, DEEPEST), **SETS)
 def test_no_state_is_lost_without_a_cut(
     body: Body, corners: list[float], x: float, v: float, a: float, u: float, depth: int, seed: int
 ) -> None:
