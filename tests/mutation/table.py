@@ -84,7 +84,9 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
     "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
     "general/sets/lagged_step.py": (f"{GENERAL_SETS}test_lagged_step.py", f"{GENERAL_SETS}test_friction_search.py"),
-    "general/sets/friction_room.py": (f"{PROOF}test_friction_room_margins.py", f"{PROOF}test_friction_rounding.py"),
+    "general/sets/friction_room.py": (
+        *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "friction_rounding", "lagged_rounding")),
+    ),
     "general/sets/friction_rest.py": FRICTION,
     "general/sets/friction_piece.py": FRICTION_SETS,
     "general/sets/friction_box.py": FRICTION,

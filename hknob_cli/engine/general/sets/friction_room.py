@@ -20,7 +20,6 @@ from hknob_cli.engine.general.slide_two import coefficients
 from hknob_cli.engine.turning import zero_spacing
 
 ROUNDED = 256.0  # units in the last place of all terms of a motion over one part of an interval
-LAGGED = 16.0  # times as many where a torque lags, whose stops are bracketed in up to twice `DEEPEST` steps
 LEAST = 1e-10  # counts: a set of less radius is not cut where its motion is not smooth
 
 
@@ -170,7 +169,6 @@ def friction_drift(body: Body, wall: Controller, law: Law | None = None) -> Drif
     per = ROUNDED * EPSILON * parts
     late = []  # of the torque that acts: it moves the knob, and is rounded itself
     if body.lag > 0.0:
-        per *= LAGGED
         late = [1.0 / body.lag]
     push = per * (1.0 + root)
     constant = push * (abs(body.drive) + body.friction)
