@@ -88,6 +88,11 @@ def slide_corners(corners, count, s, g, f, beta):
         corners[2 * k + 1] = f * dv - beta * s * dx
 
 
+def middle_of(jac):
+    """Middles of the intervals of a derivative, row by row."""
+    return 0.5 * (jac[0] + jac[1]), 0.5 * (jac[2] + jac[3]), 0.5 * (jac[4] + jac[5]), 0.5 * (jac[6] + jac[7])
+
+
 def excess(jac, high_x, high_v, corners, count, beta):
     """What an enclosure is made of: ``(more_x, more_v, wider, grown)``.
 
@@ -103,11 +108,6 @@ def excess(jac, high_x, high_v, corners, count, beta):
         at_x, at_v = abs(ax * dx + ay * dv) + more_x, abs(bx * dx + by * dv) + more_v
         grown = max(grown, at_x * at_x + at_v * at_v / beta)
     return more_x, more_v, sqrt(more_x * more_x + more_v * more_v / beta), sqrt(grown)
-
-
-def middle_of(jac):
-    """Middles of the intervals of a derivative, row by row."""
-    return 0.5 * (jac[0] + jac[1]), 0.5 * (jac[2] + jac[3]), 0.5 * (jac[4] + jac[5]), 0.5 * (jac[6] + jac[7])
 
 
 def ask_for_cut(corners, count, cx, cv, line):
