@@ -47,7 +47,7 @@ def work_of(sets: int = 32, delay: int = 0, looks: int = 0, course: list[float] 
     work = SimpleNamespace(
         course=course or [], least=[0.0], sets=zeros((SET + looks) * sets), seen=zeros(looks),
         corners=zeros(8 * MOST + 4), one=zeros(2 * MOST), other=zeros(2 * MOST), space=zeros(8 * MOST + 12),
-        line=zeros(3), acts=zeros(3), z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)), law=law,
+        line=zeros(3), acts=zeros(3), lags=None, z=zeros(2), ring=zeros(delay), torques=zeros(max(2, delay)), law=law,
     )  # fmt: skip
     work.__dict__.update(more)
     return work

@@ -120,22 +120,22 @@ def cut_set(work, at, part, cuts, x, v, weight, count):
     return at + 2
 
 
-def move_over_part(work, part, x, v, count, least, body):
+def move_over_part(lags, work, part, x, v, count, least, body):
     """Move the set in ``work.corners`` over the part of a hold, or over half of it: ``(fate, x, v, late, count)``.
 
-    ``work.acts`` tells the torque, and which half; ``late`` is the torque then.
-
-    ``least``: as `friction_step.move_set` has it, infinite where the set is not to be cut.
+    ``lags``: None without a lag, and the compiler leaves out what only a lag needs. ``work.acts`` tells the torque, and
+    which half; ``late`` is the torque then. ``least``: as `friction_step.move_set` has it, infinite where the set is
+    not to be cut.
     """
     leg = int(part) * LEG
     u = work.torques[int(work.course[leg + TORQUE])]
-    if body.lag == 0.0:
+    if lags is None:
         span, s, g, f = work.course[leg + SPAN], work.course[leg + S], work.course[leg + G], work.course[leg + F]
         fate, x, v, count = move_set(x, v, u, span, s, g, f, work.corners, count, least, body, work.space, work.line)
         return fate, x, v, 0.0, count
     at = int(work.halves[int(part)]) + int(work.acts[2]) * LAGS
     for k in range(LAGS):
-        work.lag[k] = work.lags[at + k]
+        work.lag[k] = lags[at + k]
     halve = work.acts[2] < DEEPEST
     return move_lagged(
         x,
@@ -221,24 +221,25 @@ def move_piece(
             waiting += 1
             continue
         least = work.least[0] if cuts < MOST_CUTS and sets + 2 <= most else float("inf")
-        fate, to_x, to_v, later, after = move_over_part(work, part, x, v, kept, least, body)
+        fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, least, body)
         while fate == LATER:
             work.acts[2] += 1.0
-            fate, to_x, to_v, later, after = move_over_part(work, part, x, v, kept, least, body)
+            fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, least, body)
         if fate == CUT:
             more = cut_set(work, sets, part, cuts, x, v, weight, kept)
             if more > 0:
                 sets = more
                 continue
             # Within rounding of the line: the enclosure is taken as it is.
-            fate, to_x, to_v, later, after = move_over_part(work, part, x, v, kept, float("inf"), body)
+            fate, to_x, to_v, later, after = move_over_part(work.lags, work, part, x, v, kept, float("inf"), body)
         if body.friction > 0.0:
             while after > MOST_CORNERS:
                 after = drop_edge(work.corners, after)
         if fate != HELD and stands(to_v, work.corners, after):
             after = widen(work.corners, after, 0.0, TINY + EPSILON * abs(to_v), work.space)
-        look, then = int(work.course[int(part) * LEG + LOOK]), part + 0.5 ** work.acts[2]
+        look, then = int(work.course[int(part) * LEG + LOOK]), part + 1.0
         if body.lag > 0.0:
+            then = part + 0.5 ** work.acts[2]
             work.acts[0], work.acts[1] = later, work.acts[1] * work.lag[LEFT]
             work.acts[2] = depth_at(then, work.acts[2])
         if look >= 0 and then % 1.0 == 0.0:

@@ -30,7 +30,7 @@ class FrictionRoom(NamedTuple):
     cut within it; ``torques``: of an interval; ``law``: of a controller, or None; ``sets``: that wait within an
     interval; ``seen``: what one has read within it. With a lag ``acts``: the torque of one; ``plane``: the body without
     lag; ``lags``: halves, and halves of these, of each length that a part has, `lagged_step.LAGS` numbers each, and
-    ``halves``: where those of each part begin. The others: of one set.
+    ``halves``: where those of each part begin. Without a lag ``lags`` is None. The others: of one set.
     """
 
     course: Any
@@ -149,7 +149,7 @@ def make_friction_room(
         torques=zeros(max(2, delay)),
         acts=zeros(ACTS),
         plane=plane._replace(**ready),
-        lags=filled(lags),
+        lags=filled(lags) if lags else None,
         halves=filled(places),
         lag=zeros(LAGS),
         moved=zeros(body.order),
