@@ -27,6 +27,7 @@ from hknob_cli.report.verdicts import (
     people_buzz,
     quietest,
     scope_of,
+    unproven_of,
 )
 from hknob_cli.report.what_matters import columns_of
 from hknob_cli.results.means import WORST
@@ -34,7 +35,8 @@ from hknob_cli.results.result_set import CAMPAIGN, MissingError, Result, ResultS
 from hknob_cli.specs.plan import COUNTS, PERSON, RATE
 
 _SHARES = ("at_rest_fraction", "certified_fraction")
-_OTHERS = ("complete", "sustained", "growth_j_per_s2", "rattle_max_rad")
+_RANGED = ("complete", "share_error", "grows_rad", "undecided_fraction", "piece_count")
+_OTHERS = (*_RANGED, "sustained", "growth_j_per_s2", "rattle_max_rad")
 
 
 def answers_of(evidence: ResultSet) -> tuple[str, ...]:
@@ -105,7 +107,13 @@ def _part(table: pa.Table, sizes: "np.ndarray", resting: "np.ndarray", *, comple
         ends = [table.slice(int(place), 1).to_pylist()[0] for place in places]
     scope = scope_of(table.column_names, complete=complete)
     swings = table["rattle_max_rad"].drop_null().to_pylist() if "rattle_max_rad" in table.column_names else []
-    return Buzz(table.num_rows, int(moving.size), int((resting == 1.0).sum()), ends[0], ends[1], scope, tuple(swings))
+    still = int((resting == 1.0).sum())
+    return Buzz(table.num_rows, int(moving.size), still, ends[0], ends[1], scope, tuple(swings), _unproven(table))
+
+
+def _unproven(table: pa.Table) -> tuple[int, float]:
+    names = [name for name in _RANGED if name in table.column_names]
+    return unproven_of(table.select(names).to_pylist()) if "complete" in names else (0, 0.0)
 
 
 def _merged(one: Buzz, other: Buzz) -> Buzz:
@@ -120,6 +128,7 @@ def _merged(one: Buzz, other: Buzz) -> Buzz:
         min(least, key=lambda row: row[size], default=None),
         one.scope if one.cells and one.scope != scope_of(("complete",), complete=True) else other.scope,
         (*one.rattles, *other.rattles),
+        (one.unproven[0] + other.unproven[0], max(one.unproven[1], other.unproven[1])),
     )
 
 

@@ -21,7 +21,8 @@ class Buzz(NamedTuple):
 
     ``most`` and ``least``: rows of the cells with the largest and the smallest of the cells' largest cycles; None where
     none cycles. ``resting``: cells in which every trial comes to rest. ``scope``: from which starts. ``rattles``:
-    swings of the knob (rad) in cells where the teeth of a gear part and no trial repeats.
+    swings of the knob (rad) in cells where the teeth of a gear part and no trial repeats. ``unproven``: how many cells
+    have a part of their range of starts without a proven end, and the largest such part.
     """
 
     cells: int
@@ -31,10 +32,17 @@ class Buzz(NamedTuple):
     least: Row | None
     scope: str
     rattles: tuple[float, ...] = ()
+    unproven: tuple[int, float] = (0, 0.0)
 
     def text(self, axes: Collection[str]) -> str:
         """The answer in a sentence or four; ``axes``: the names that vary."""
-        return self._cycles(axes) + rattle_text(self.rattles, f" in {_of_cells(len(self.rattles), self.cells)}")
+        cells, share = self.unproven
+        said = self._cycles(axes) + rattle_text(self.rattles, f" in {_of_cells(len(self.rattles), self.cells)}")
+        if not cells:
+            return said
+        most = "" if cells == 1 else "up to "
+        where = "" if self.cells == 1 else f"In {_of_cells(cells, self.cells)} "
+        return f"{said} {where}{most}{percent(share)} of the range has no proven end."
 
     def _cycles(self, axes: Collection[str]) -> str:
         if not self.cells:
@@ -65,7 +73,31 @@ def buzz_of(cells: Sequence[Row]) -> Buzz:
         min(buzz, key=lambda row: row["p2p_max_rad"], default=None),
         scope_of(cells[0], complete=all(row.get("complete", True) for row in cells)) if cells else "",
         tuple(row["rattle_max_rad"] for row in cells if row.get("rattle_max_rad")),
+        unproven_of(cells),
     )
+
+
+def unproven_of(cells: Sequence[Row]) -> tuple[int, float]:
+    """Of how many cells a part of the range of starts has no proven end, and the largest such part.
+
+    Nothing is proven of a range in which no set was followed, whatever its random starts do. Cells whose motions grow
+    without bound are left out: their list says so itself.
+    """
+    shares = [share for row in cells if (share := _unproven(row)) > 0.0]
+    return len(shares), max(shares, default=0.0)
+
+
+def _unproven(row: Row) -> float:
+    # `share_error` is of one start, and only sets of starts have pieces.
+    if row.get("complete", True) or "share_error" in row or "piece_count" not in row or row.get("grows_rad"):
+        return 0.0
+    return float(row["undecided_fraction"]) if row["piece_count"] else 1.0
+
+
+def percent(share: float) -> str:
+    """A share that is never called all or nothing by rounding."""
+    said = f"{100.0 * share:.3g}"
+    return "almost 100 %" if said == "100" and share < 1.0 else f"{said} %"
 
 
 def rattle_text(swings: Sequence[float], where: str = "") -> str:

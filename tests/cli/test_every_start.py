@@ -43,6 +43,15 @@ def test_every_clock_phase_is_the_default(hknob: Run, write: Callable[[str], Pat
     assert orbits[0]["basin_fraction"] == pytest.approx(0.8566, abs=9 / 6400)
 
 
+def test_rest_from_one_start_says_so(hknob: Run, write: Callable[[str], Path]) -> None:
+    """One start that rests does not speak for others."""
+    soft = ("--set", "scene.wall.stiffness=0.001", "--set", "scene.knob.damping=0.01")
+    done = hknob("sweep", write(PHASES), *soft, "--out", "out")
+    assert done.returncode == 0, done.stderr
+    assert "comes to rest" in done.stdout
+    assert "This is one start. Another may end in a limit cycle. To look for one, add" in done.stdout
+
+
 def test_sampled_phases_have_no_column_of_completeness(hknob: Run, write: Callable[[str], Path]) -> None:
     """What is not asked for takes no column and no line."""
     path = write(SPEC)

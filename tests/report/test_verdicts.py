@@ -35,6 +35,37 @@ def test_every_start_is_said_of_complete_lists_only() -> None:
         assert grid_verdict(cells, []).startswith("It buzzes in all 2 cells, from the starts tried. ")
 
 
+RANGE = {"complete": False, "piece_count": 9, "undecided_fraction": 1.0}
+
+
+def test_a_range_without_a_proven_end_is_never_assured() -> None:
+    """Random starts that rest prove nothing of the others."""
+    rest = {"outcome": "rest", "basin_fraction": 1.0, "certified": True, "reason": ""}
+    assert one_cell_text([rest], unproven=1.0, trials=4096) == [
+        "No limit cycle was found. All 4096 random starts come to rest; 100 % of the range has no proven end."
+    ]
+    assert "Every start tried comes to rest; almost 100 % of" in one_cell_text([rest], unproven=0.9999)[0]
+    assert one_cell_text([rest], trials=4096) == [
+        "It does not buzz: it comes to rest, from every start tried (proven)."
+    ]
+    cycle = {**rest, "outcome": "cycle", "p2p_rad": 1e-3, "frequency_hz": 80.0}
+    assert one_cell_text([cycle], unproven=0.123, trials=4096) == [
+        "It buzzes, from all 4096 random starts: 1 mrad peak to peak at 80 Hz (proven). "
+        "12.3 % of the range has no proven end."
+    ]
+
+
+def test_a_grid_says_how_much_of_its_ranges_has_no_proven_end() -> None:
+    open_, closed = cell(0.0, **RANGE), cell(0.0, **RANGE) | {"complete": True, "undecided_fraction": 0.0}
+    said = grid_verdict([closed, open_, open_ | {"undecided_fraction": 0.25}], [])
+    assert said.endswith(", from the starts tried. In 2 of 3 cells up to 100 % of the range has no proven end.")
+    assert grid_verdict([open_], []).endswith(" the starts tried. 100 % of the range has no proven end.")
+    sampled = open_ | {"piece_count": 0, "undecided_fraction": 0.0}
+    assert "100 % of the range" in grid_verdict([sampled], [])
+    for other in (closed, open_ | {"share_error": 0.0}, open_ | {"grows_rad": 1.0}):
+        assert "proven" not in grid_verdict([other], [])
+
+
 def test_of_recorded_trials_it_says_so() -> None:
     recorded = {"sustained": 1, "x": 1.0}
     assert grid_verdict([], ["x"]) == "No trial could be measured."
@@ -118,3 +149,11 @@ def test_one_cell_that_rattles_says_so() -> None:
         " The teeth of its gear rattle: no trial repeats, and the knob swings by 4 mrad (one trial each, not proven)."
     )
     assert "rattle" not in one_cell_text([end])[0]
+
+
+def test_random_starts_are_as_many_as_the_engine_counts() -> None:
+    """The terminal loads no engine to say so."""
+    from hknob_cli.engine.sets.search import SAMPLED
+    from hknob_cli.stages.sweep.completeness_text import COUNTED
+
+    assert COUNTED == SAMPLED

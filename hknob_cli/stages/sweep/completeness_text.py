@@ -6,6 +6,7 @@ from hknob_cli.report.table import labels
 from hknob_cli.specs.plan import Starts
 
 RANGES = "starts={angle: [-0.05, 0.05], velocity: [-5, 5]}"  # rad and rad/s, of a knob that a hand lets go
+COUNTED = 4096  # random starts in a range whose ends are counted for shares (`engine.sets.search.SAMPLED`)
 
 
 def describe_completeness(cells: list[dict[str, Any]], starts: Starts, *, areas: bool = False) -> dict[str, Any]:
@@ -41,8 +42,9 @@ def completeness_text(found: dict[str, Any], *, buzzes: bool) -> list[str]:
     if complete == total and found["ranged"] and buzzes:
         there = "" if "regions" in found else " there"
         lines[0] += f" However the knob is let go{there}, its buzz is no larger than the largest cycle above."
-    if total == 1 and not found["ranged"] and buzzes:
-        lines += ["This is one start. Another may end in a larger cycle. To look for one, add", f"  --set '{RANGES}'"]
+    if total == 1 and not found["ranged"]:
+        end = "a larger cycle" if buzzes else "a limit cycle"
+        lines += [f"This is one start. Another may end in {end}. To look for one, add", f"  --set '{RANGES}'"]
     growing = found.get("growing") or {"cells": 0}
     if left := total - complete - found["sampled"] - growing["cells"]:
         most = found["undecided_max"]
@@ -72,8 +74,15 @@ def completeness_text(found: dict[str, Any], *, buzzes: bool) -> list[str]:
         lines[-1] += " the wall is too stiff for its rate."
     if found["shares_counted"] and found["sampled"] + growing["cells"] < total:
         where = " in that region" if regions else ""
-        lines.append(f"Shares are counted: 4096 random starts{where}, with a standard error of at most 0.8 %.")
+        lines.append(f"Shares are counted: {COUNTED} random starts{where}, with a standard error of at most 0.8 %.")
     return lines
+
+
+def random_trials(found: dict[str, Any]) -> int:
+    """How many random starts of a range the shares of the one cell are of; 0 where they are of something else."""
+    if found["sampled"]:
+        return int(found.get("random", 0))
+    return COUNTED if found["shares_counted"] else 0
 
 
 def _reaches(cells: list[dict[str, Any]], name: str) -> dict[str, Any]:

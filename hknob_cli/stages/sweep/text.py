@@ -10,10 +10,11 @@ import pyarrow as pa
 from hknob_cli.report.population import describe_people, people_text
 from hknob_cli.report.sweep_words import Level, perceived_levels, perceived_text, undecided_in, undecided_text
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
-from hknob_cli.report.verdicts import grid_verdict, rattle_text
+from hknob_cli.report.verdicts import grid_verdict, percent, rattle_text, unproven_of
 from hknob_cli.report.what_matters import describe_matters, matters_of, matters_text
 from hknob_cli.results.means import differs
 from hknob_cli.specs.plan import PERSON
+from hknob_cli.stages.sweep.completeness_text import random_trials
 
 Row = dict[str, Any]
 MOST_ORBITS = 20  # lines
@@ -26,18 +27,24 @@ def describe_one(orbits: list[Row]) -> list[Row]:
     return [{key: row[key] for key in keys if key in row} for row in orbits]
 
 
-def one_cell_text(orbits: list[Row]) -> list[str]:
-    """The sentence, and a table where there are several cycles."""
+def one_cell_text(orbits: list[Row], *, unproven: float = 0.0, trials: int = 0) -> list[str]:
+    """The sentence, and a table where there are several cycles.
+
+    ``unproven``: part of a range of starts without a proven end. ``trials``: how many random starts of that range were
+    tried, 0 where shares are areas.
+    """
     cycles = sorted((row for row in orbits if row["outcome"] == "cycle"), key=lambda row: -row["p2p_rad"])
     rattles = rattle_text([row["rattle_p2p_rad"] for row in orbits if row.get("rattle_p2p_rad")])
+    tried = f"{trials} random starts" if trials and unproven else "every start tried"
+    left = f" {percent(unproven)} of the range has no proven end." if unproven else ""
     if not cycles:
-        return [_without_cycle(orbits) + rattles]
+        return [_without_cycle(orbits, tried, left) + rattles]
     share = sum(row["basin_fraction"] for row in cycles)
     worst = cycles[0]
     of = "" if len(cycles) == 1 else f" in the largest of {len(cycles)} limit cycles"
     sentence = (
-        f"It buzzes, from {_share(share)}: {short(1e3 * worst['p2p_rad'])} mrad peak to peak at "
-        f"{short(worst['frequency_hz'])} Hz{of} ({_proof(cycles)})."
+        f"It buzzes, from {_share(share, tried)}: {short(1e3 * worst['p2p_rad'])} mrad peak to peak at "
+        f"{short(worst['frequency_hz'])} Hz{of} ({_proof(cycles)}).{left}"
     )
     if len(cycles) > 1:
         size, pitch = (sum(row["basin_fraction"] * row[name] for row in cycles) for name in ("p2p_rad", "frequency_hz"))
@@ -62,11 +69,16 @@ def one_cell_text(orbits: list[Row]) -> list[str]:
     return [sentence, "", *table(["p2p mrad", "frequency Hz", "% of starts", "proven"], body), *more]
 
 
-def _without_cycle(orbits: list[Row]) -> str:
+def _without_cycle(orbits: list[Row], tried: str, left: str) -> str:
+    """``tried``: which starts; ``left``: a sentence on those without a proven end, empty if there are none."""
     rest = [row for row in orbits if row["outcome"] == "rest"]
-    if rest and len(rest) == len(orbits):
-        return f"It does not buzz: it comes to rest, from {_share(1.0)} ({_proof(rest)})."
-    return f"No limit cycle was found: {_ends(orbits)}."
+    if not rest or len(rest) < len(orbits):
+        return f"No limit cycle was found: {_ends(orbits)}.{left}"
+    if not left:
+        return f"It does not buzz: it comes to rest, from {tried} ({_proof(rest)})."
+    proof = "" if all(row["certified"] for row in rest) else f" ({_proof(rest)})"
+    all_rest = f"All {tried} come" if tried[0].isdigit() else f"{tried.capitalize()} comes"
+    return f"No limit cycle was found. {all_rest} to rest{proof};{left}"
 
 
 def _ends(orbits: list[Row]) -> str:
@@ -83,8 +95,10 @@ def _ends(orbits: list[Row]) -> str:
     )
 
 
-def _share(share: float) -> str:
-    return "every start tried" if share > _ALMOST else f"{short(100.0 * share)} % of the starts tried"
+def _share(share: float, tried: str = "every start tried") -> str:
+    if share <= _ALMOST:
+        return f"{short(100.0 * share)} % of the starts tried"
+    return f"all {tried}" if tried[0].isdigit() else tried  # a number of random ones
 
 
 def _proof(orbits: list[Row]) -> str:
@@ -145,7 +159,8 @@ def table_text(summary: dict[str, Any], axes: list[str]) -> str:
         for level in perceived_levels(rows):
             lines += ["", *matrix(rows, wide, level.column, scale=1.0, title=level.title)]
     elif "ends" in summary:
-        lines += ["", *one_cell_text(summary["ends"])]
+        trials = random_trials(summary["completeness"]) if "completeness" in summary else 0
+        lines += ["", *one_cell_text(summary["ends"], unproven=unproven_of(rows)[1], trials=trials)]
         if levels := perceived_levels(rows):
             lines += ["", *_list(rows, wide, levels)]
     else:
@@ -173,7 +188,8 @@ def _headline(summary: dict[str, Any]) -> str:
     counts = {**summary["orbits"], "undecided": sum(one["trials"] for one in summary.get("undecided", []))}
     found = ", ".join(f"{number} {_plural(kind, number)}" for kind, number in counts.items() if number)
     share = summary["certified_fraction"]
-    proven = "all proven" if share == 1.0 else f"{100 * share:.4g} % of trials proven"
+    every = "every trial proven" if unproven_of(summary["cells"])[0] else "all proven"
+    proven = every if share == 1.0 else f"{100 * share:.4g} % of trials proven"
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     cells = len(summary["cells"])
     return f"{summary['name']}: {cells} {'cell' if cells == 1 else 'cells'}, {found}, {proven}{stale}"
