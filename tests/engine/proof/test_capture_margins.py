@@ -140,6 +140,18 @@ def test_each_orbit_captures_by_its_own_margin() -> None:
         assert known.captor(x, 0.5, 0.188, [], 0, ends, SOFT) == -1
 
 
+@pytest.mark.parametrize("margins", [(0.375, 0.125), (0.125, 0.375)])
+def test_an_orbit_captures_by_its_own_margin_whichever_was_entered_last(margins: tuple[float, float]) -> None:
+    """A smaller margin after a larger one hides nothing, nor the other way round."""
+    ends = room()
+    for row, margin in enumerate(margins):
+        ends.table[10 * row + 4] = margin
+        known.add_point(row, -0.25 - 5.0 * row, 0.5, [], 0, ends)
+    for row, margin in enumerate(margins):
+        assert known.captor(-0.25 - 5.0 * row, 0.5, margin - 1e-6, [], 0, ends, SOFT) == row
+        assert known.captor(-0.25 - 5.0 * row, 0.5, margin + 1e-6, [], 0, ends, SOFT) == -1
+
+
 def test_a_rest_point_captures_below_its_margin_less_all_roundings() -> None:
     """Half a count less 24 units; what is added up is rounded, too."""
     unit = EPSILON

@@ -198,11 +198,12 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 if bow < FLAT * ways:
                     edge = highest(least, wall)
                     # So far from the edge that neither outer part, whose own reach is below twice this one, meets it.
+                    # That is less than half of the arc; and as it comes to the edge, an outer part is never all of it.
                     one = (edge - 2.0 * reach - left) / (right - left)
                     other = (edge + 2.0 * reach - left) / (right - left)
-                    first = low + (high - low) * min(1.0, max(0.0, min(one, other)))
-                    last = low + (high - low) * min(1.0, max(0.0, max(one, other)))
-                if last - first > 0.75 * (high - low) or first >= high or last <= low:
+                    first = low + (high - low) * max(0.0, min(one, other))
+                    last = low + (high - low) * min(1.0, max(one, other))
+                if first >= high or last <= low:  # by rounding
                     first, last = middle, middle
                 waiting = split_arc(
                     room, waiting, low, high, first, last, z, before, ring, head, error, slack, at, drift, body

@@ -108,31 +108,25 @@ def fill_box(low_x, high_x, low_v, high_v, delay, room, drift, body, wall):
             room.halves[k] = room.corners[k]
         if wall.damping > 0.0:
             kept = within(room, room.corners, 4, lowest(low, drift.bottom, wall), highest(low, wall), n)
-            if kept > 0:
-                left, right = room.halves[0], room.halves[0]
-                for k in range(kept):
-                    left, right = min(left, room.halves[k * n]), max(right, room.halves[k * n])
-                weight = (right - left) / (high_x - low_x)
-        if kept > 0:
-            base = waiting * size
-            put(
-                room.stack,
-                base,
-                room.z,
-                remembered(low, wall),
-                room.ring,
-                0 * delay,
-                error,
-                0.0,
-                0.0,
-                weight,
-                room.halves,
-                kept,
-                room.middle,
-                drift,
-                n,
-            )
-            waiting += 1
+            weight = (room.halves[n] - room.halves[0]) / (high_x - low_x)  # a rectangle again, in the same order
+        put(
+            room.stack,
+            waiting * size,
+            room.z,
+            remembered(low, wall),
+            room.ring,
+            0 * delay,
+            error,
+            0.0,
+            0.0,
+            weight,
+            room.halves,
+            kept,
+            room.middle,
+            drift,
+            n,
+        )
+        waiting += 1
         low += 1.0
     room.counts[0] = 0.0
     return waiting if low > high else -1
