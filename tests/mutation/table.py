@@ -15,6 +15,7 @@ GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}te
 FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
 FRICTION_SETS = (f"{PROOF}test_friction_set_margins.py", f"{PROOF}test_friction_piece_margins.py")
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
+ORBIT = ("tests/engine/orbit/",)
 STANDSTILL = (
     f"{PROOF}test_standstill_margins.py",
     f"{PROOF}test_runs_off.py",
@@ -56,6 +57,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
+    **{f"orbit/{name}.py": ORBIT for name in ("cycle", "extrema", "forms", "holds", "integrals", "leak")},
     "general/torque_table.py": (f"{GENERAL}test_torque_table.py",),
     "general/standstill.py": STANDSTILL,
     "general/inner_region.py": (f"{PROOF}test_region_margins.py", f"{GENERAL}test_inner_region.py"),
@@ -80,7 +82,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/readings.py": (f"{GENERAL_SETS}test_readings.py",),
     "general/sets/box.py": (f"{PROOF}test_general_box_margins.py", f"{GENERAL_SETS}test_piece.py"),
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
-    "general/sets/arc.py": (f"{PROOF}test_general_arc_margins.py", f"{GENERAL_SETS}test_arc.py"),
+    "general/sets/arc.py": (f"{PROOF}test_general_arc_margins.py",),
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
     "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
     "general/sets/lagged_step.py": (f"{GENERAL_SETS}test_lagged_step.py", f"{GENERAL_SETS}test_friction_search.py"),
@@ -95,7 +97,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_friction_interval_margins.py",
     ),
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
-    "general/laws/sensed.py": (f"{GENERAL}test_sensed.py",),
+    "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
     ),

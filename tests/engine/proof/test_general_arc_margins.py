@@ -96,16 +96,16 @@ def moves(monkeypatch: pytest.MonkeyPatch) -> list[Answer]:
     return told
 
 
-LOW_PHASE, HIGH_PHASE = 0.25, 0.75
+LOW_PHASE, HIGH_PHASE = 0.125, 0.625
 
 
 @pytest.mark.parametrize(
     ("first", "last", "parts"),
     [
-        (0.375, 0.5, [(0.25, 0.375), (0.375, 0.5), (0.5, 0.75)]),
-        (0.5, 0.5, [(0.25, 0.5), (0.5, 0.75)]),
-        (0.25, 0.5, [(0.25, 0.5), (0.5, 0.75)]),
-        (0.5, 0.75, [(0.25, 0.5), (0.5, 0.75)]),
+        (0.25, 0.5, [(0.125, 0.25), (0.25, 0.5), (0.5, 0.625)]),
+        (0.5, 0.5, [(0.125, 0.5), (0.5, 0.625)]),
+        (0.125, 0.5, [(0.125, 0.5), (0.5, 0.625)]),
+        (0.5, 0.625, [(0.125, 0.5), (0.5, 0.625)]),
     ],
 )
 @pytest.mark.parametrize("delay", [0, 2])
@@ -116,9 +116,9 @@ def test_an_arc_is_cut_at_two_phases(
     work, z, ring = small_room(delay), [3.0, 4.0], [20.0, 10.0][:delay]
     given = LOW_PHASE, HIGH_PHASE, first, last, z, -1.0, ring, 1, 0.25, SLACK, 7
     assert arc.split_arc(work, 2, *given, DRIFT, BODY) == 2 + len(parts)
-    assert moves == [([3.0, 4.0], 0.5, 0.5 * (low + high), 7) for low, high in parts]
+    assert moves == [([3.0, 4.0], 0.375, 0.5 * (low + high), 7) for low, high in parts]
     for k, (low, high) in enumerate(parts):
-        told = [low, high, 0.25 + SLACK, -1.0, 0.0, 7.0, 0.5 * (low + high), 0.5, *[10.0, 20.0][:delay]]
+        told = [low, high, 0.25 + SLACK, -1.0, 0.0, 7.0, 0.5 * (low + high), 0.375, *[10.0, 20.0][:delay]]
         assert waiting(work, 2 + k, delay) == told
 
 
@@ -126,7 +126,7 @@ def test_an_arc_is_cut_at_two_phases(
 
 
 class Parted:
-    """A chord from ``left`` to ``right``, of phases from 1/4 to 3/4, parted at its edges."""
+    """A chord from ``left`` to ``right``, of phases from 1/8 to 5/8, parted at its edges."""
 
     def __init__(self, patch: pytest.MonkeyPatch, left: float, right: float, levels: Any, **more: Any) -> None:
         self.delay, self.steps = more.get("delay", 0), []
@@ -162,15 +162,15 @@ def test_parts_move_on_as_their_readings_act(
 ) -> None:
     """With what telling them from their middles rounds. At the first sample the last reading is the part's own."""
     one = Parted(monkeypatch, -2.0, 2.0, (-2.0, 0.0), delay=delay, wall=DAMPED, sample=sample)
-    spans, levels = [(0.25, 0.375), (0.375, 0.5), (0.5, 0.625)], (-2.0, -1.0, 0.0)
+    spans, levels = [(0.125, 0.25), (0.25, 0.375), (0.375, 0.5)], (-2.0, -1.0, 0.0)
     lines = [(20.0, level) for level in levels]
-    assert moves == [([0.0, 4.0], 0.5, 0.5 * (low + high), sample) for low, high in spans]
+    assert moves == [([0.0, 4.0], 0.375, 0.5 * (low + high), sample) for low, high in spans]
     assert one.steps == [
-        ([0.5 * (low + high), 0.5], last, 0.25 + SLACK, level, [10.0, 20.0][:delay], 0)
+        ([0.5 * (low + high), 0.375], last, 0.25 + SLACK, level, [10.0, 20.0][:delay], 0)
         for (low, high), last, level in zip(spans, was, levels, strict=True)
     ]
     assert one.parts() == [
-        [low, high, 1.25 + SLACK, level - 50.0, level, sample + 1.0, 0.5 * (low + high) + 100.0, 10.5, *line[:delay]]
+        [low, high, 1.25 + SLACK, level - 50.0, level, sample + 1.0, 0.5 * (low + high) + 100.0, 10.375, *line[:delay]]
         for (low, high), level, line in zip(spans, levels, lines, strict=True)
     ]
 
@@ -189,7 +189,7 @@ def test_parts_reach_beyond_their_edges_by_what_they_must(
         """From shares of the chord."""
         if turned:
             parts = tuple((level, 1.0 - high, 1.0 - low) for level, low, high in parts)
-        return [(level, 0.25 + 0.5 * low, 0.25 + 0.5 * high) for level, low, high in parts]
+        return [(level, 0.125 + 0.5 * low, 0.125 + 0.5 * high) for level, low, high in parts]
 
     eighth = 1.0 / 8.0
     assert parted(-1.5, 0.5, (-2.0, 0.0), 0.0) == spans((-2.0, 0.0, 0.25), (-1.0, 0.25, 0.75), (0.0, 0.75, 1.0))
@@ -413,7 +413,7 @@ def test_what_grows_or_spends_its_samples_is_undecided(followed: Callable[..., F
         assert one.blamed() == {fate: 0.5}
         assert one.totals == [1.0, 0.5, 0.5, 0.5]
         assert one.room.ended[:3] == [0.25, 0.75, -1.0]
-        assert one.shares() == [0.0] * 3
+        assert not any(one.known.table[6::FIELDS])
     one = followed([says(OUT_OF_SAMPLES, 10), says(GREW, 0)], seeks=[(1, 0)])
     one.run(patience=10)
     assert one.room.ended[2] == -1.0
@@ -501,6 +501,9 @@ def test_an_arc_inside_one_reading_goes_on_one_sample(followed: Callable[..., Fo
     one = followed([met(-1.5), says(GREW, 0)], arcs=[(0.25, 0.75, 990)])
     one.run()
     assert one.seen[1]["samples"] == 9
+    one = followed([says(MEETS_EDGE, 3, x=-1.5), says(CAPTURED, 0, row=0)])
+    assert one.run(patience=10) == (0, 1 + 3 + 1)
+    assert [seen["samples"] for seen in one.seen] == [10, 6]
 
 
 def test_at_the_first_sample_nothing_has_acted_yet(followed: Callable[..., Followed]) -> None:
@@ -589,9 +592,9 @@ def test_an_arc_that_bulges_much_is_halved(followed: Callable[..., Followed]) ->
     bow = 0.0625
     for part, halved in ((1.0 + 1e-12, False), (1.0, True), (1.0 - 1e-12, True)):
         wide = 8.0 * bow * part
-        one = followed([met(0.0, error=0.0)], bulges=[2.0 * bow], ways=(-wide, wide))
+        one = followed([met(0.0, error=0.0)], bulges=[2.0 * bow], ways=(-wide, wide), arcs=[(0.125, 0.625, 7)])
         one.run(slack=0.0)
-        assert (one.cuts[0][3:5] == (0.5, 0.5)) == halved
+        assert (one.cuts[0][3:5] == (0.375, 0.375)) == halved
 
 
 @pytest.mark.parametrize("turned", [False, True])

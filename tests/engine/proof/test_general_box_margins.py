@@ -290,7 +290,7 @@ def test_where_the_lattice_is_full_a_piece_goes_on_and_stops_no_more(followed: C
 
 # At an edge.
 
-NARROW = [-0.25, 0.0, 0.125, 1.0, 0.25, 0.0, -0.125, -1.0]
+NARROW = [0.125, 1.0, 0.25, 0.0, -0.125, -1.0, -0.25, 0.0, -0.125, 0.5]
 
 
 def at_edge(followed: Callable[..., Followed], x: float, error: float, **more: Any) -> Followed:

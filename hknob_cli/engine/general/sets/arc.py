@@ -213,8 +213,6 @@ def follow_arcs(waiting, delay, slack, budget, patience, limit, samples, totals,
                 waiting = part_arc(
                     room, waiting, low, high, z, before, ring, head, error, slack, reach, at, least, most, cell
                 )
-                if waiting < 0:
-                    return -1, taken
                 fate = PARTED
         if fate == UNPROVEN:
             totals[1] += high - low
