@@ -27,7 +27,7 @@ def turns_within(first, span, spacing, odd):
     """
     if spacing >= span:
         return odd
-    count = max(0, ceil((span - first) / spacing)) if first < span else 0
+    count = ceil((span - first) / spacing) if first < span else 0
     if count % 2 != odd:
         count += 1 if (first + count * spacing) - span < span - (first + (count - 1) * spacing) else -1
     return max(0, count)

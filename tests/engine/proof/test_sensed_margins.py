@@ -430,8 +430,10 @@ def test_the_orbit_is_the_fixed_point_and_so_are_the_torques_under_way(order: in
 
 def test_the_residual_is_that_of_the_orbit_that_is_left() -> None:
     """Of a map whose derivative is not the given one, so that each step takes off two thirds alone."""
-    found_ = prove(Stage(solves=2.0 / 3.0), law_of(), z=[-2.49, 0.25], unit=EPSILON)
+    law = law_of()
+    found_ = prove(Stage(solves=2.0 / 3.0), law, z=[-2.49, 0.25], unit=EPSILON)
     assert (found_.status, len(found_.seen)) == (PROVEN, NEWTON_STEPS)
+    assert [*found_.space.orbit, *law.periodic[UNDER_WAY : UNDER_WAY + 2]] == found_.seen[-1]
     assert found_.closure == pytest.approx(float(np.linalg.norm(found_.residual)), rel=1e-9)
     inverse = np.linalg.inv(np.eye(4) - QUICK)
     np.testing.assert_allclose(found_.away, np.abs(inverse) @ np.abs(found_.residual), rtol=1e-6)

@@ -196,7 +196,7 @@ def certify_sensed(z, past, period, body, wall, law, space):
         solved = invert(space.matrix, space.cols, m, width)
         if not solved or closure <= 4.0 * EPSILON * (reach + pace) or closure >= 0.5 * best or step == NEWTON_STEPS - 1:
             break
-        best = min(best, closure)
+        best = closure
         for i in range(m):
             change = 0.0
             for j in range(m):
