@@ -55,6 +55,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/arc.py": (f"{PROOF}test_arc_search_margins.py", f"{PROOF}test_arc_margins.py"),
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
+    "sets/cells.py": (f"{PROOF}test_cells_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     **{f"orbit/{name}.py": ORBIT for name in ("cycle", "extrema", "forms", "holds", "integrals", "leak")},
@@ -97,6 +98,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
         f"{PROOF}test_friction_phase_margins.py",
         f"{PROOF}test_friction_interval_margins.py",
     ),
+    **{f"general/sets/{name}.py": (f"{PROOF}test_set_room_margins.py",) for name in ("ends", "room", "scope")},
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "hardware/safety.py": tuple(

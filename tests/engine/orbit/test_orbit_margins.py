@@ -1,4 +1,4 @@
-"""What a period amounts to: integrals by an exponential at 60 digits, turning points by search, leaks piece by piece."""
+"""What a period amounts to: integrals at 60 digits, turning points by search, leaks piece by piece."""
 
 import random
 from collections.abc import Iterator
