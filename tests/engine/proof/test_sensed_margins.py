@@ -298,7 +298,7 @@ def prove(
     seen: list[list[float]] = []
     asked: list[float] = []
     residual: list[float] = []
-    aways: list[float] = []
+    errs: list[float] = []
     offs: list[float] = []
     begun: list[int] = []
 
@@ -339,12 +339,12 @@ def prove(
     def dissipates(cols: Any, stride: int, power: Any, spare: Any, size: int, scale: float, samples: int) -> bool:
         assert (cols, stride, size, samples) == (space.cols, space.width, m, period)
         asked.append(scale)
-        aways[:] = space.away[:m]
+        errs[:] = space.away[:m]
         return bool(true(cols, stride, power, spare, size, scale, samples))
 
     def grow(room: Any, size: int, scale: float, samples: int) -> bool:
         assert (size, scale, samples) == (m, asked[-1], period)
-        assert room.power[:m] == room.away[:m] == aways
+        assert room.power[:m] == room.away[:m] == errs
         offs[:] = room.residual[:m]
         room.power[:m], room.away[:m] = [11.0] * m, [13.0] * m
         return not stage.grows
@@ -360,7 +360,7 @@ def prove(
             patch.setattr(sensed, name, stand)
         result = sensed.certify_sensed(list(start), memory, period, one, wall, law, space)
     assert memory == (past or PAST)
-    return Result(*result, space, seen, np.array(residual), asked, aways, offs)
+    return Result(*result, space, seen, np.array(residual), asked, errs, offs)
 
 
 def of_order(n: int, ages: int = AGES) -> tuple[Stage, Any]:
