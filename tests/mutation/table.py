@@ -87,7 +87,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_room.py": (
         *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "friction_rounding", "lagged_rounding")),
     ),
-    "general/sets/friction_rest.py": FRICTION,
+    "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,
     "general/sets/friction_box.py": FRICTION,
     "general/sets/friction_phases.py": (
