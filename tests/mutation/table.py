@@ -89,7 +89,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,
-    "general/sets/friction_box.py": FRICTION,
+    "general/sets/friction_box.py": (f"{PROOF}test_friction_box_margins.py",),
     "general/sets/friction_phases.py": (
         f"{PROOF}test_friction_phase_margins.py",
         f"{PROOF}test_friction_interval_margins.py",
