@@ -82,7 +82,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
     "general/sets/arc.py": (f"{GENERAL_SETS}test_arc.py",),
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
-    "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
+    "general/sets/friction_step.py": (f"{PROOF}test_friction_step_margins.py",),
     "general/sets/lagged_step.py": (f"{GENERAL_SETS}test_lagged_step.py", f"{GENERAL_SETS}test_friction_search.py"),
     "general/sets/friction_room.py": (
         *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "friction_rounding", "lagged_rounding")),
