@@ -4,7 +4,7 @@ Over a time t a speed of 1 goes t far and falls to 1 - t, and a torque of 1 goes
 says so; what it leaves of a difference is put together from its parts, as the file's head has them.
 """
 
-from itertools import product
+from itertools import permutations, product
 from math import inf, nextafter, sqrt
 from types import SimpleNamespace
 from typing import Any
@@ -202,6 +202,8 @@ def test_an_enclosure_is_as_much_wider_as_the_intervals_are_wide(beta: float) ->
         assert found[2] == pytest.approx(sqrt(more_x**2 + more_v**2 / beta), rel=1e-15)
         assert found[3] == pytest.approx(grown, rel=1e-15)
         assert corners == [value for one in states for value in one]
+    small = [value / 1024.0 for one in states for value in one]
+    assert excess(JAC, 3.0 / 1024.0, 5.0 / 1024.0, small, 4, beta) == pytest.approx([one / 1024.0 for one in found])
 
 
 def test_a_cut_is_told_from_the_callers_centre() -> None:
@@ -219,7 +221,7 @@ def state(y: float, pv: float) -> State:
 
 
 def side(
-    *states: State, slack: float = 0.0, free: float = 3.0, centre: State = (1.0, 0.5), sign: float = 1.0
+    *states: State, slack: float = 0.0, free: float = 3.0, centre: State = (2.0, 0.5), sign: float = 1.0
 ) -> tuple[list[float], bool, float, list[float]]:
     """Intervals, whether smooth, spread and line of such a set: the same, mirrored, in the other direction."""
     found = []
@@ -227,9 +229,7 @@ def side(
         jac, line = list(NONE), [9.0, 9.0, 9.0]
         at = (way * centre[0], way * centre[1])
         corners = [value for x, v in states for value in (way * x - at[0], way * v - at[1])]
-        smooth, spread = take_in_side(
-            way, *at, way * free, T, S, G, F, slack, corners, len(states), BODY, jac, line
-        )
+        smooth, spread = take_in_side(way, *at, way * free, T, S, G, F, slack, corners, len(states), BODY, jac, line)
         a, b, c = line
         found.append((jac, smooth, spread, [way * a, way * b, c] if line != [9.0, 9.0, 9.0] else line))
     assert found[0][:3] == found[1][:3]
@@ -288,7 +288,7 @@ def test_what_stops_and_is_held() -> None:
         check_line(line, 0.5 * (first + last))
 
 
-def check_line(line: list[float], at: float, centre: State = (1.0, 0.5), free: float = 3.0) -> None:
+def check_line(line: list[float], at: float, centre: State = (2.0, 0.5), free: float = 3.0) -> None:
     """It is that of the states whose speed vanishes at a time: told from the centre, to both sides."""
     a, b, c = line
     assert (a, b) == (-BETA * at, 1.0 - at)
@@ -319,6 +319,21 @@ def test_what_stops_and_turns_round() -> None:
             assert line == [1.0, 0.0, 0.0]  # half its width
 
 
+@pytest.mark.parametrize("friction", [0.5, 2.0])
+def test_a_jump_is_by_friction(friction: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pull of -6 where they stop; and of a little more, where the fastest may come."""
+    monkeypatch.setattr(BODY, "friction", friction)
+    one = ((3.0 + 6.0) / BETA, 1.0)  # its rate is -6 less friction
+    stop = 1.0 / (1.0 + 6.0 + friction)
+    jumps = [2.0 * friction / (friction - pull) for pull in (-6.0 - BETA * stop, -6.0)]
+    assert side(one)[0] == pytest.approx(hull(*turned(stop, stop, *jumps)), rel=1e-14)
+
+
+def test_a_stop_that_rounding_puts_behind_the_end_is_at_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(friction_step, "first_zero", lambda *given: inf)
+    assert side(state(-1.5, 0.5))[0] == hull(*stuck(T, T))
+
+
 def test_what_may_be_held_or_turn_round() -> None:
     """Where friction just holds one, the jump of its rate is all of it."""
     held, turns = state(-1.5, 0.5), state(-3.0, 1.0)
@@ -329,8 +344,11 @@ def test_what_may_be_held_or_turn_round() -> None:
     assert spread == pytest.approx((1.0 - jump(least) + BETA) * T, rel=1e-15)
     # A pull of exactly friction on the way: both, where it comes no farther; and of less nothing turns round.
     edge = state(-2.0, 0.0)
-    assert side(edge)[0] == hull(*stuck(0.0, 0.0))
-    assert side(state(-2.0, 0.0), state(-3.0, 0.0))[0] == hull(*turned(0.0, 0.0, jump(-2.0), 1.0), *stuck(0.0, 0.0))
+    jac, _, spread, _ = side(edge)
+    assert (jac, spread) == (hull(*stuck(0.0, 0.0)), 0.0)
+    jac, _, spread, _ = side(edge, state(-3.0, 0.0))
+    assert jac == hull(*turned(0.0, 0.0, jump(-2.0), 1.0), *stuck(0.0, 0.0))
+    assert spread == (1.0 - jump(-2.0) + BETA) * T
     assert side(state(-2.0 - 2.0**-40, 0.0))[0] == pytest.approx(hull(*turned(0.0, 0.0, 1.0)), abs=1e-11)
     least = -1.0 - BETA * 0.25 * (2.0 / 3.0)  # at -friction it moves on
     found = side(state(-2.0, 2.0 / 3.0))[0]
@@ -352,7 +370,8 @@ def test_some_slide_while_others_stop() -> None:
     for first in (state(0.0, 0.0), state(2.0**-8, -(2.0**-8))):
         jac, smooth, _, _ = side(first, stops, slack=2.0**-6)
         assert (jac, smooth) == (hull(*stuck(0.25, 0.25)), True)
-    for one, smooth in ((state(-1.0, 1.0), True), (state(-1.0 + 2.0**-4, 1.0), False), (state(-1.0 + 2.0**-6, 1.0), True)):
+    for more, smooth in ((0.0, True), (2.0**-4, False), (2.0**-6, True)):
+        one = state(more - 1.0, 1.0)
         jac, found, _, _ = side(one, stops, slack=2.0**-6)
         assert (jac[1:4], found) == (hull(*stuck(0.25, T), *([] if smooth else slid()))[1:4], smooth)
         jac, found, _, _ = side(stops, one, slack=2.0**-6)
@@ -362,6 +381,10 @@ def test_some_slide_while_others_stop() -> None:
         assert jac[3] == (T if late else 0.25)
     late = side(state(1.0, 2.0**-7), stops, slack=2.0**-6)
     assert late[0][3] == T
+    # Whichever comes after it.
+    assert side(state(-1.0, 1.0), state(0.0, 0.0), stops)[0] == hull(*stuck(0.25, T))
+    for order in permutations((slides, ends, stops)):
+        assert side(*order)[:2] == (hull(*slid(), *stuck(0.25, T)), False)
     # Where a jump is what is left of the hold the cut is at the end of the hold, too.
     jac, smooth, spread, line = side(state(-99.0, 1.0), slides)
     assert not smooth
@@ -388,6 +411,13 @@ def test_a_set_through_a_speed_of_0_has_stops_at_once() -> None:
     assert (jac, smooth) == (hull(*stuck(0.0, 0.0)), True)
     jac, smooth, spread, line = side(state(-1.0, 1.0), back)  # one that stops as the hold ends
     assert (jac, smooth, spread) == (hull(*stuck(0.0, T)), True, T)
+    for order in permutations((state(1.0, -0.5), stops, back)):
+        assert side(*order)[:2] == (hull(*stuck(0.0, T), *slid()), False)
+    fast = state(-0.5, 4.0)  # slides all along, though its speed falls
+    assert side(fast, back)[:2] == (hull(*stuck(0.0, T), *slid()), False)
+    _, _, spread, line = side(state(-15.0, 1.0), state(-2.5, -1.0))  # jumps differ by more than times
+    assert spread > jump(-1.5) * T / 8.0
+    check_line(line, 0.0)
     # Only such as come from there.
     jac, smooth, spread, _ = side(back)
     assert (jac, smooth, spread) == (hull(*stuck(0.0, 0.0)), True, 0.0)
@@ -414,7 +444,7 @@ class Sides:
         patch.setattr(friction_step, "step_with_friction", self.step)
 
     def take(self, sign: float, *given: Any) -> Any:
-        *numbers, corners, count, body, jac, line = given
+        *numbers, corners, count, _, jac, line = given
         self.asked.append((sign, *numbers, list(corners[: 2 * count]), count))
         take_in(jac, 0, 0.5, 0.5)
         take_in(jac, 1, sign, sign)
@@ -437,13 +467,13 @@ def moved(
 ) -> tuple[tuple[int, float, float, int], list[float], list[float]]:
     """Move a set by ``(S, G, F)``: what is returned, its corners, and the line."""
     work, line = [*corners, *zeros(200)], [7.0, 7.0, 7.0]
-    fate, to_x, to_v, count = move_set(
-        x, v, u, T, S, G, F, work, len(corners) // 2, least, body, zeros(200), line
-    )
+    fate, to_x, to_v, count = move_set(x, v, u, T, S, G, F, work, len(corners) // 2, least, body, zeros(200), line)
     return (fate, to_x, to_v, count), work[: 2 * count], line
 
 
 SQUARE = [-1.0, -0.5, 1.0, -0.5, 1.0, 0.5, -1.0, 0.5]
+TURNED = SQUARE[4:] + SQUARE[:4]
+SHIFTED = [value + by for value, by in zip(SQUARE, [0.5, -0.125] * 4, strict=True)]
 FREE: Any = SimpleNamespace(**{**vars(BODY), "friction": 0.0})
 
 
@@ -553,7 +583,9 @@ def test_both_sides_are_asked_where_a_set_has_both(monkeypatch: pytest.MonkeyPat
 def test_what_stands_is_held_or_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
     """Nothing between is left out; it is cut where friction just holds it."""
     for u, edges in ((0.0, (-4.0, 4.0)), (0.5, (-2.0, 6.0))):
-        for low, high, edge in ((-20.0, 1.0, edges[0]), (1.0, 20.0, edges[1])):
+        for low, high, edge in (
+            (-20.0, 1.0, edges[0]), (1.0, 20.0, edges[1]), (edges[0] - 1.0, edges[1] - 1.0, edges[0]),
+        ):  # fmt: skip
             for v in (0.0, 0.25):
                 one = Sides(monkeypatch)
                 one.excess = (0.0, 0.0, NARROW * 1000.0, 0.0)
@@ -615,17 +647,20 @@ def test_a_set_is_cut_unless_its_enclosure_is_narrow(monkeypatch: pytest.MonkeyP
 
 def test_an_enclosure_is_about_the_motion_of_its_centre(monkeypatch: pytest.MonkeyPatch) -> None:
     """Corners go by the middle of the derivative, and are widened to both sides by what that leaves."""
-    shifted = [value + by for value, by in zip(SQUARE, [0.5, -0.125] * 4, strict=True)]
     for more_x, more_v in ((0.0, 0.0), (0.25, 0.0), (0.0, 0.125), (0.25, 0.125), (2.0, 0.0), (0.0, 2.0)):
         one = Sides(monkeypatch)
         one.excess = (more_x, more_v, 0.0, 0.0)
-        found, corners, _ = moved(1.0, 0.25, 0.5, shifted)
+        found, corners, _ = moved(1.0, 0.25, 0.5, SHIFTED)
         assert found[:3] == (ENCLOSED, 5.0, 0.25)
         assert one.moved == [(1.5, 0.125, 0.5, T, S, G, F, BODY)]
         # x / 2 and v / 4: the sides' answers of x to v cancel in the middle.
         places = {abs(one) for one in corners[::2]}, {abs(one) for one in corners[1::2]}
         assert places == ({0.5 + more_x}, {0.125 + more_v})
         assert found[3] == 4
+    # Where they leave nothing, each corner is where it was in order.
+    one = Sides(monkeypatch)
+    again = SHIFTED[4:] + SHIFTED[:4]
+    assert moved(1.0, 0.25, 0.5, again)[1] == [(0.5 if k % 2 == 0 else 0.25) * value for k, value in enumerate(TURNED)]
 
 
 def test_only_what_has_no_speed_at_all_is_held(monkeypatch: pytest.MonkeyPatch) -> None:
