@@ -12,7 +12,6 @@ ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_
 GENERAL_SETS = f"{GENERAL}sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
-FRICTION = (f"{GENERAL_SETS}test_friction_step.py", f"{GENERAL_SETS}test_friction_search.py")
 FRICTION_SETS = (f"{PROOF}test_friction_set_margins.py", f"{PROOF}test_friction_piece_margins.py")
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
@@ -86,14 +85,14 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
     "general/sets/arc.py": (f"{PROOF}test_general_arc_margins.py",),
     "general/sets/afar.py": (f"{GENERAL_SETS}test_afar.py", f"{GENERAL_SETS}test_afar_limits.py"),
-    "general/sets/friction_step.py": (f"{PROOF}test_friction_rounding.py", *FRICTION),
-    "general/sets/lagged_step.py": (f"{GENERAL_SETS}test_lagged_step.py", f"{GENERAL_SETS}test_friction_search.py"),
+    "general/sets/friction_step.py": (f"{PROOF}test_friction_step_margins.py",),
+    "general/sets/lagged_step.py": (f"{PROOF}test_lagged_step_margins.py",),
     "general/sets/friction_room.py": (
         *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "friction_rounding", "lagged_rounding")),
     ),
-    "general/sets/friction_rest.py": FRICTION,
+    "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,
-    "general/sets/friction_box.py": FRICTION,
+    "general/sets/friction_box.py": (f"{PROOF}test_friction_box_margins.py",),
     "general/sets/friction_phases.py": (
         f"{PROOF}test_friction_phase_margins.py",
         f"{PROOF}test_friction_interval_margins.py",

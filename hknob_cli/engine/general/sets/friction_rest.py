@@ -8,25 +8,15 @@ rest in it. A piece whose states all stand needs no distance: friction holds eac
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import REST_PROVEN
 from hknob_cli.engine.general.body import norm
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import lower_edge, read, upper_edge
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.sets.friction_piece import stands
-from hknob_cli.engine.general.sets.known import add_end
+from hknob_cli.engine.general.sets.known import FULL, add_end
 from hknob_cli.engine.general.sets.memory import copy_settled, keeps_torque, settle_memory, watched
 from hknob_cli.engine.general.sets.readings import highest, lowest
 from hknob_cli.engine.general.standstill import rest_rounding
 
 UNKNOWN = -1
-
-
-def count_low(shown, wall):
-    """Lower end of the positions that read ``shown``."""
-    return shown if wall.sense > 0.0 or (wall.truncate > 0.0 and shown > 0.0) else shown - 1.0
-
-
-def count_high(shown, wall):
-    """Upper end of the positions that read ``shown``."""
-    return shown + 1.0 if wall.sense > 0.0 or (wall.truncate > 0.0 and shown >= 0.0) else shown
 
 
 def enter_rest(x, shown, u, ring, known, body, wall):
@@ -41,9 +31,10 @@ def enter_rest(x, shown, u, ring, known, body, wall):
 def held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, known, drift, body, wall):
     """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
 
-    ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held, by a
-    little, never gets farther from the end of the zone than it is. ``shift``: by which a torque that has not come to
-    its end may still move the zone; where it does, all must stand inside what is left of the zone at any time.
+    ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held never
+    gets farther from the end of the zone than it is: it ends there, or as far into the zone. ``shift``: by which a
+    torque that has not come to its end may still move the zone; where it does, all must stand inside what is left of
+    the zone at any time.
     """
     watch = watched(known.law, wall)
     bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
@@ -56,17 +47,14 @@ def held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, know
     if over > 0.0 and not (zone_high - over > bottom and zone_high + over < top):
         return UNKNOWN
     inside = 2.0 * reach + 8.0 * EPSILON
-    first, last = max(low, bottom + inside), min(high, top - inside)
-    if first > last:
-        # All lie within the reach of the edge of what acts as this level.
-        first = last = top - inside if low > top - inside else bottom + inside
-    first, last = max(first - over, zone_low), min(last + under, zone_high)
+    first, last = min(max(low, bottom + inside), top - inside), max(min(high, top - inside), bottom + inside)
+    first, last = max(min(first, zone_high) - over, zone_low), min(max(last, zone_low) + under, zone_high)
     shown, end, row = read(first, wall), read(last, wall), UNKNOWN
-    while first <= last and shown <= end:
-        at = min(max(0.5 * (first + last), count_low(shown, wall) + inside), count_high(shown, wall) - inside)
+    while shown <= end:
+        at = min(max(0.5 * (first + last), lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
         if zone_low <= at and at <= zone_high:
             row = enter_rest(at, shown, u, ring, known, body, wall)
-            if row < 0:
+            if row == FULL:
                 return row
         shown += 1.0
     return row
@@ -79,9 +67,9 @@ def balance_rest(z, u, wrong, reach, level, ring, known, drift, body, wall):
     """
     watch, away = watched(known.law, wall), known.space.away
     rest = (u + body.drive) / body.beta
+    for j in range(body.order):
+        away[j] = 0.0  # what a torque that lags still adds is in ``reach``
     away[0], away[1] = z[0] - rest, z[1]
-    if body.lag > 0.0:
-        away[2] = 0.0  # what the torque still adds is in ``reach``
     gap = min(rest - lowest(level, drift.bottom, watch), highest(level, watch) - rest)
     bound = rest_rounding(z, rest, abs(u) + wrong / (ROUNDINGS * EPSILON), body)
     if not (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 1e-12 + bound < gap:
@@ -92,14 +80,13 @@ def balance_rest(z, u, wrong, reach, level, ring, known, drift, body, wall):
 def near_rest(z, u, reach, zone_low, zone_high, level, ring, known, body, wall):
     """Row of the rest that all states within ``reach``, counts, of ``z`` come to within one reading."""
     shown, away = read(z[0], wall), known.space.away
-    low, high = count_low(shown, wall), count_high(shown, wall)
-    first, last = max(low, zone_low), min(high, zone_high)
-    if first > last or not keeps_torque(known.law, z[0], level, u, wall):
+    low, high = lower_edge(shown, wall), upper_edge(shown, wall)
+    if not keeps_torque(known.law, z[0], level, u, wall):
         return UNKNOWN
-    if body.lag > 0.0:
-        away[2] = 0.0
+    for j in range(body.order):
+        away[j] = 0.0
     for k in range(2):
-        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), first), last)
+        rest = min(max(z[0] if k == 0 else 0.5 * (low + high), zone_low), zone_high)
         away[0], away[1] = z[0] - rest, z[1]
         gap = min(rest - low, high - rest)
         if (body.reach * norm(away, body) + reach) * (1.0 + 1e-9) + 64.0 * EPSILON * (1.0 + abs(rest)) < gap:

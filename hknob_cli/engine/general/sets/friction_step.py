@@ -136,7 +136,7 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
     """
     beta, friction = body.beta, body.friction
     pull_free = sign * free - friction
-    slides, ends, late, stops, crosses = False, False, False, False, False
+    slides, late, stops, crosses = False, False, False, False
     first, last = span, 0.0
     low_x, high_x, high_y, fastest = float("inf"), -float("inf"), -float("inf"), 0.0
     for k in range(count):
@@ -151,8 +151,7 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         end = f * pv + s * y
         if end >= -slack:
             # One at rest that is neither held nor leaves, to within rounding, is where lines of all times meet.
-            slides, ends = slides or end > slack, True
-            late = late or end > slack or pv > slack
+            slides, late = slides or end > slack, late or pv > slack
             continue
         stops = True
         t = 0.0
@@ -163,7 +162,7 @@ def take_in_side(sign, x, v, free, span, s, g, f, slack, corners, count, body, j
         # States at v = 0 belong to this side, too.
         first, stops = 0.0, True
         slides = slides or high_y >= 0.0
-    if slides or (ends and not stops):
+    if slides or not stops:
         take_in_slide(s, g, f, beta, jac)
     if not stops:
         return True, 0.0
@@ -241,15 +240,16 @@ def move_set(x, v, u, span, s, g, f, corners, count, least, body, space, line):
     for entry in range(4):
         space[2 * entry], space[2 * entry + 1] = float("inf"), -float("inf")
     smooth, spread = True, 0.0
-    if mid_v + high_v > 0.0:
+    rises, falls = mid_v + high_v > 0.0, mid_v + low_v < 0.0
+    if rises:
         smooth, spread = take_in_side(1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
-    if mid_v + low_v < 0.0:
+    if falls:
         a, b, c = line[0], line[1], line[2]
         also, other = take_in_side(-1.0, mid_x, mid_v, free, span, s, g, f, slack, corners, count, body, space, line)
-        if (smooth and also and other < spread) or (not smooth and also):
+        if also and (not smooth or other < spread):
             line[0], line[1], line[2] = a, b, c
         smooth = smooth and also
-    if mid_v + high_v <= 0.0 and mid_v + low_v >= 0.0:
+    if not rises and not falls:
         # All stand: some are held, others leave.
         take_in(space, 0, 1.0 - beta * g, 1.0)
         take_in(space, 1, s, s)

@@ -82,7 +82,7 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
     low_a, high_a = min(sign * a, sign * to_a), max(sign * a, sign * to_a)
     rises = sign * to_a > sign * a
     drive, late = sign * body.drive, part[LATE_V] * (sign * (a - u))
-    slides, ends, more, stops, crosses = False, False, False, False, False
+    slides, late_stop, stops, crosses = False, False, False, False
     passes, sure = False, True
     first, last, sooner, latest = span, 0.0, span, 0.0
     low_x, high_x, high_y, fastest = float("inf"), -float("inf"), -float("inf"), 0.0
@@ -97,8 +97,7 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
         fastest = max(fastest, pv)
         end = f * pv + s * (sign * u + drive - friction - beta * px) + late
         if (not rises and end >= -slack) or f * pv + s * low >= -slack:
-            slides, passes, ends = slides or end > slack, passes or end > slack, True
-            more = more or end > slack or pv > slack
+            slides, passes, late_stop = slides or end > slack, passes or end > slack, late_stop or pv > slack
             continue
         stops = True
         if rises and f * pv + s * high >= -slack:
@@ -113,11 +112,11 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
     if crosses:
         first, stops = 0.0, True
         slides = slides or high_y >= 0.0
-    if slides or (ends and not stops):
+    if slides or not stops:
         take_in_slide(s, g, f, beta, jac)
     if not stops:
         return True, 0.0, False
-    if slides or more:
+    if slides or late_stop:
         last = span
     sa, ga, fa = coefficients(first, body)
     sb, gb, _ = coefficients(last, body)
@@ -222,19 +221,20 @@ def move_lagged(x, v, a, apart, u, part, halve, corners, count, least, body, who
     for entry in range(4):
         space[2 * entry], space[2 * entry + 1] = float("inf"), -float("inf")
     smooth, spread, later = True, 0.0, False
-    if mid_v + high_v > 0.0:
+    rises, falls = mid_v + high_v > 0.0, mid_v + low_v < 0.0
+    if rises:
         smooth, spread, later = take_in_stops(
             1.0, mid_x, mid_v, a, to_a, u, part, slack, corners, count, body, space, line
         )
-    if mid_v + low_v < 0.0:
+    if falls:
         p, q, r = line[0], line[1], line[2]
         also, other, more = take_in_stops(
             -1.0, mid_x, mid_v, a, to_a, u, part, slack, corners, count, body, space, line
         )
-        if (smooth and also and other < spread) or (not smooth and also):
+        if also and (not smooth or other < spread):
             line[0], line[1], line[2] = p, q, r
         smooth, later = smooth and also, later or more
-    if mid_v + high_v <= 0.0 and mid_v + low_v >= 0.0:
+    if not rises and not falls:
         # All stand: some are held for a time, others leave.
         take_in_any(beta, part[SPAN], 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, space)
         line[0], line[1], line[2] = 1.0, 0.0, 0.0
