@@ -15,6 +15,7 @@ from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.port import Array, Block, PulseOrder, Settings, Simulated, Squeeze
 from hknob_cli.hardware.pulse_person import grip_of, hand_at
+from hknob_cli.hardware.trial_wall import Sent
 from hknob_cli.hardware.virtual import VirtualLoop, as_single
 
 _SPENT = 50.0  # time constants of the amplifier after which nothing is left of its torque
@@ -122,7 +123,7 @@ class PulseLoop(VirtualLoop):
     def _shown(self, grips: Array) -> None:
         self._cell = as_single(grips)
 
-    def _commanded(self, index: int, _coarse: int, _before: int, running: bool) -> float:
+    def _commanded(self, index: int, _coarse: int, _before: int, running: bool) -> Sent:
         """Torque that the state machine gives; the hand is that of the grip at which it fires."""
         i = index - self._index
         torque = self._trigger.step(float(self._cell[i]), running=running)
@@ -130,4 +131,5 @@ class PulseLoop(VirtualLoop):
             self._fired_s = float(self._times[i])
             self._knob.take(self._squeeze, float(self._forces[i]))
         self._sensed.append(self._knob.sensed(torque))
-        return torque
+        limit = self._settings.torque_limit_nm
+        return Sent(max(-limit, min(limit, torque)))

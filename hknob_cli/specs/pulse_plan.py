@@ -10,7 +10,8 @@ from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
 from hknob_cli.specs.source import Source
 
 _OF_BUZZ = (
-    *("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person"),
+    *("wall", "controller", "encoder", "actuator", "model", "remedies", "reference", "against", "hand"),
+    *("grid", "grip", "trial", "person"),
     *OVER_ANGLE,
 )
 _NO_REPLAY = "what was recorded has its pulse already, and sysid reads it"

@@ -33,6 +33,7 @@ _AFTER = {
     Kind.SQUEEZE: (State.IDLE,),
     Kind.OVER_ANGLE: (State.IDLE,),
     Kind.TORQUES: (State.IDLE,),
+    Kind.CONVERTERS: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
@@ -45,7 +46,7 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
 
     CONFIGURE comes first, by which it forgets what acted before; SQUEEZE after SIMULATE, by which it forgets who did.
     """
-    acts: list[Act] = [] if settings.control is None else [settings.control]
+    acts: list[Act] = [one for one in (settings.converters, settings.control) if one is not None]
     if settings.pulse is not None:
         acts.append(pulse_of(settings.pulse, settings.interval_s))
     if settings.over_angle is not None:
