@@ -18,6 +18,7 @@ from hknob_cli.hardware.wire.commands import Command, Configure, SetAct, Simulat
 
 Sent = Settings | Simulated | Act
 
+NO_SENSORS = (None, None, True)  # as a person is who has none
 AGAIN_AFTER_S = 0.03
 # An emulator on a busy computer may need a multiple of that for a long message, and would have to read each copy too.
 OWN_TIME_AGAIN_AFTER_S = 0.5
@@ -58,7 +59,7 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
         knob = simulated._replace(squeeze=())
         yield knob, partial(Simulate, simulated=knob)
         if simulated.squeeze:
-            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
+            squeeze = simulated.squeeze._replace(sensors=NO_SENSORS)  # a target has no such sensors
             yield squeeze, partial(SetAct, act=squeeze)
 
 
