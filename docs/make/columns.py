@@ -97,6 +97,7 @@ _FILES: dict[str, tuple[tuple[str, str, str], ...]] = {
         ("always", _HW, "CELL TRIAL_KEYS TRIALS"),
         ("`controller`, `remedies`", _HW, "CONTROLLED"),
         ("`profile`, `detents`, `end_stops` or `dead_zone`", _HW, "SHAPED"),
+        ("`encoder` or `actuator`", _HW, "CONVERTED"),
         ("`remedies`", _HW, "TRIED"),
     ),
     "`hw-run`: trials.parquet, with `what: pulses`": (

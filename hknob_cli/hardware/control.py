@@ -1,6 +1,6 @@
 """Controllers of the wall on a target: from a spec's to what the wire carries, and what they give, sample by sample.
 
-A target runs the laws of `controllers` that take one reading and give one torque an interval. The functions
+A target runs the laws of `controllers` that take one reading an interval and no sensor of the speed. The functions
 here are those of the engine itself; `firmware/law.c` has the same operations in the same order.
 """
 
@@ -8,24 +8,35 @@ import sys
 from math import nan, tau
 from typing import Any
 
-import numpy as np
-
-from hknob_cli.hardware.port import Array, Control, Counts, Flags, Settings
+from hknob_cli.hardware.port import Control, Settings
 from hknob_cli.hardware.wire.codes import Law
+from hknob_cli.specs.campaign import Model
 from hknob_cli.specs.controller import Controller
 
+UNKNOWN = Model(nan, nan, nan)
 
-def control_of(plan: Controller, settings: Settings) -> Control:
+
+def control_of(plan: Controller, settings: Settings, model: Model = UNKNOWN) -> Control:
     """The controller of a spec at the sample rate, counts and wall of a trial, as the wire carries it.
 
-    Raises `ValueError` for one that is not in `wire.codes.Law`.
+    ``model``: of knob and hand, for the kinds that have one. Raises `ValueError` for what no target runs.
     """
     from hknob_cli.controllers.controller import Plant, make_control_law
 
-    # Knob and hand are unknown: no law of a target asks for them.
-    quantum = tau / settings.counts_per_rev
-    plant = Plant(nan, nan, nan, 0.0, settings.interval_s, quantum, settings.wall_stiffness)
+    quantum, period = tau / settings.counts_per_rev, settings.interval_s
+    square = period * period / model.inertia
+    plant = Plant(
+        alpha=model.damping * period / model.inertia,
+        beta=model.stiffness * square,
+        kappa=settings.wall_stiffness * square,
+        offset=settings.converters.offset_counts if settings.converters else 0.0,
+        period_s=period,
+        quantum_rad=quantum,
+        stiffness=settings.wall_stiffness,
+    )
     law = make_control_law(plan)
+    if law.looks or law.senses_speed:
+        raise ValueError(f"no target reads what {law.act.__name__} does")
     try:
         code = Law[law.act.__name__.upper()]
     except KeyError:
@@ -33,6 +44,16 @@ def control_of(plan: Controller, settings: Settings) -> Control:
     # Floats of the wire are finite; a pace that nothing is above is the largest of them.
     numbers = (min(one, sys.float_info.max) for one in law.numbers(plant))
     return Control(int(code), law.places, tuple(numbers), tuple(law.first()))
+
+
+def begins_of(control: Control | None) -> tuple[float, ...]:
+    """Where in a sample interval its torque changes, in parts of it; of the plain wall at its begin alone."""
+    if control is not None and control.law == Law.FIRST_ORDER_HOLD:
+        steps = int(control.numbers[3])
+        return tuple(k / steps for k in range(steps))
+    if control is not None and control.law == Law.IMPULSE_DAMPING and control.numbers[1] < 1.0:
+        return 0.0, control.numbers[1]
+    return (0.0,)
 
 
 def _function_of(control: Control) -> Any:
@@ -50,7 +71,8 @@ class ControlledWall:
         self._act = _function_of(control)
         self._numbers = list(control.numbers)
         self._past: list[float] = []
-        self._out = [0.0, 0.0]
+        self._parts = len(begins_of(control))
+        self._out = [0.0] * (2 * self._parts)
 
     @property
     def memory(self) -> list[float]:
@@ -58,22 +80,22 @@ class ControlledWall:
         return list(self._past)
 
     def torque(self, count: int, before: int) -> float:
-        """Torque in N·m, before the limit, at a count of the wall's encoder; ``before``: that of the last sample."""
-        spring, brake = self._parts(count, before)
-        return spring - brake
+        """Torque in N·m from a sample on, at a count of the wall's encoder; ``before``: that of the last sample."""
+        return self.torques(count, before)[0]
 
-    def follow(self, counts: Counts, before: Counts, running: Flags) -> tuple[Array, Array]:
-        """Torques at samples (n,), N·m, before the limit, 0 where the wall is off; and the sizes of their parts."""
-        torques, terms = np.zeros(counts.size), np.zeros(counts.size)
+    def torques(self, count: int, before: int) -> list[float]:
+        """Torques in N·m, one a part of the interval, before converters and limit."""
+        springs, brake = self._act_at(count, before)
+        return [spring - brake for spring in springs]
+
+    def sized(self, count: int, before: int) -> tuple[list[float], float]:
+        """Torques as above, and the size of what they are made of, which roundings are shares of."""
+        springs, brake = self._act_at(count, before)
         quantum = self._settings.wall_stiffness * tau / self._settings.counts_per_rev
-        for i in np.flatnonzero(running).tolist():
-            count = int(counts[i])
-            spring, brake = self._parts(count, int(before[i]))
-            torques[i] = spring - brake
-            terms[i] = abs(spring) + abs(brake) + quantum * max(-count, 0)
-        return torques, terms
+        size = max(map(abs, springs)) + abs(brake) + quantum * max(-count, 0)
+        return [spring - brake for spring in springs], size
 
-    def _parts(self, count: int, before: int) -> tuple[float, float]:
+    def _act_at(self, count: int, before: int) -> tuple[list[float], float]:
         settings, control = self._settings, self._control
         if not self._past:
             place = float(before) + self._numbers[0]
@@ -82,4 +104,4 @@ class ControlledWall:
         self._past[len(control.rows)] = float(count)
         quantum = tau / settings.counts_per_rev
         brake = settings.wall_damping * ((count - before) * quantum) / settings.interval_s if count < 0 else 0.0
-        return settings.wall_stiffness * (self._out[0] * quantum), brake
+        return [settings.wall_stiffness * (part * quantum) for part in self._out[: self._parts]], brake

@@ -8,12 +8,11 @@ from tempfile import TemporaryDirectory
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.hardware.nuisances import Nuisances
-from hknob_cli.hardware.order import Trial, period_ns, trials_of
+from hknob_cli.hardware.order import USUAL_GRIP_N, Trial, period_ns, trials_of
 from hknob_cli.hardware.port import Device, Simulated
 from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
 from hknob_cli.specs.pulses import PulsePlan
 
-USUAL_GRIP_N = 0.71  # Chapter 8's target
 Who = Callable[[Trial], Simulated]
 
 

@@ -6,12 +6,14 @@ from typing import Any, NamedTuple
 
 from hknob_cli.hardware.port import Settings
 from hknob_cli.recordings.trial import Key
-from hknob_cli.specs.campaign import HwRunPlan
+from hknob_cli.specs.campaign import HwRunPlan, Model
+from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.plan import COUNTS, RATE
 from hknob_cli.specs.pulses import PulsePlan
 
 BLOCK_S = 0.01  # of samples that travel together
 MOST_BLOCK = 48
+USUAL_GRIP_N = 0.71  # Chapter 8's target
 
 
 class Trial(NamedTuple):
@@ -117,6 +119,10 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         watchdog_us=round(plan.limits.watchdog * 1e6),
         block_samples=min(max(block, 1), MOST_BLOCK),
     )
+    if acts.encoder or acts.actuator:
+        from hknob_cli.hardware.converters import converters_of
+
+        settings = settings._replace(converters=converters_of(acts.encoder, acts.actuator))
     if plan.effects:
         from hknob_cli.hardware.over_angle import over_angle_of
 
@@ -125,4 +131,18 @@ def settings_of(plan: HwRunPlan | PulsePlan, trial: Trial) -> Settings:
         return settings
     from hknob_cli.hardware.control import control_of
 
-    return settings._replace(control=control_of(acts.controller, settings))
+    return settings._replace(control=control_of(acts.controller, settings, _model_of(plan, acts.controller)))
+
+
+def _model_of(plan: HwRunPlan, controller: Controller) -> Model:
+    """Knob and hand as a controller with a model believes them to be; unless a spec says so, as simulated ones are."""
+    from hknob_cli.hardware.control import UNKNOWN
+
+    if controller.kind not in MODELLED:
+        return UNKNOWN
+    if plan.model is not None:
+        return plan.model
+    from hknob_cli.hardware.person import hand_at
+
+    hand = hand_at(plan.course.grip_target_n or USUAL_GRIP_N)
+    return Model(plan.knob.inertia + hand.inertia, plan.knob.damping + hand.damping, hand.stiffness)

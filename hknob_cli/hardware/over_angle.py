@@ -6,10 +6,8 @@ same order. Its torques are in N·m, so that nothing on a target depends on the 
 
 from math import tau
 
-import numpy as np
-
 from hknob_cli.engine.general.torque_table import HEAD, command_at
-from hknob_cli.hardware.port import Array, Counts, OverAngle, Settings
+from hknob_cli.hardware.port import OverAngle, Settings
 from hknob_cli.specs.campaign import Effects
 
 
@@ -18,7 +16,8 @@ def over_angle_of(effects: Effects, settings: Settings) -> OverAngle:
     from hknob_cli.scene.torque_over_angle import Clock, table_of
 
     quantum = tau / settings.counts_per_rev
-    clock = Clock(settings.counts_per_rev, quantum, 0.0)
+    offset = settings.converters.offset_counts if settings.converters else 0.0
+    clock = Clock(settings.counts_per_rev, quantum, offset)
     table = table_of(effects, clock, kappa=settings.wall_stiffness * quantum, unit_nm=1.0)
     first, turn, below, above = table[:HEAD].tolist()
     count = (len(table) - HEAD) // 3
@@ -34,15 +33,18 @@ class ShapedWall:
         self._table = [float(over.first), float(over.turn), over.below, over.above, *over.torques, *unused]
 
     def torque(self, count: int, before: int) -> float:
-        """Torque in N·m, before the limit, at a count of the wall's encoder; ``before``: that of the last sample."""
-        spring, brake = self._parts(count, before)
-        return spring - brake
+        """Torque in N·m, before converters and limit, at a count; ``before``: that of the last sample."""
+        return self.torques(count, before)[0]
 
-    def follow(self, counts: Counts, before: Counts) -> tuple[Array, Array]:
-        """Torques at samples (n,), N·m, before the limit; and the sizes of their parts."""
-        pairs = zip(counts.tolist(), before.tolist(), strict=True)
-        springs, brakes = np.array([self._parts(*one) for one in pairs]).reshape(-1, 2).T
-        return springs - brakes, np.abs(springs) + np.abs(brakes)
+    def torques(self, count: int, before: int) -> list[float]:
+        """The same, as the only one of the interval."""
+        spring, brake = self._parts(count, before)
+        return [spring - brake]
+
+    def sized(self, count: int, before: int) -> tuple[list[float], float]:
+        """Torque as above, and the size of what it is made of, which roundings are shares of."""
+        spring, brake = self._parts(count, before)
+        return [spring - brake], abs(spring) + abs(brake)
 
     def _parts(self, count: int, before: int) -> tuple[float, float]:
         settings = self._settings

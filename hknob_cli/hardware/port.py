@@ -3,14 +3,6 @@
 A driver runs the control loop somewhere else (on a target, or in a simulation) and hands back samples in blocks. Times
 are the device's. The order of calls is: `configure`, `arm`, `read` while nobody holds the knob, `start`, `read` until
 enough, `stop`, `read` until None; `release` ends anything, at any time, and is called whatever is raised.
-
-A knob that is not there, and who holds it: what a simulated device needs to know.
-
-Before the start the knob rests at ``angle_rad`` and nobody holds it. From the sample of the start on, at times
-t = 0, T, 2T, ... after it, the person pushes by ``push_nm`` and the sines of ``push_sines`` into the wall (never
-outwards: at least 0), constant from sample to sample, and grips with ``grip_n`` (1 - exp(-t / ``grip_rise_s``)) and
-the sines of ``grip_sines``; the grip cell shows ``grip_offset_n`` more. Knob and hand move by
-J θ'' + B θ' + K θ = torque - push - coulomb_nm sign θ', exactly from sample to sample.
 """
 
 from enum import Enum
@@ -19,62 +11,18 @@ from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 
-MOST_SINES = 4
-MOST_HANDS = 10
+from hknob_cli.hardware.simulated import MOST_HANDS as MOST_HANDS
+from hknob_cli.hardware.simulated import MOST_SINES as MOST_SINES
+from hknob_cli.hardware.simulated import Simulated as Simulated
+from hknob_cli.hardware.simulated import Sine as Sine
+from hknob_cli.hardware.simulated import Squeeze as Squeeze
+
+ROUNDINGS = ("floor", "nearest", "ceil", "truncate")  # by their numbers on the wire
+FIRST_LAWS = 0b1111_1111_1110  # what a target with controllers has that does not say which: the first eleven
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 Counts = np.ndarray[Any, np.dtype[np.int64]]
 Flags = np.ndarray[Any, np.dtype[np.bool_]]
-
-
-class Sine(NamedTuple):
-    """``amplitude`` sin(2 pi ``frequency_hz`` t + ``phase``)."""
-
-    amplitude: float
-    frequency_hz: float
-    phase: float
-
-
-class Squeeze(NamedTuple):
-    """How a simulated person squeezes a knob that pulses, from the start on (`pulse_person.grip_of`).
-
-    ``aim_n``: force aimed at; ``rise_s`` to the highest force, or to the aim with ``climbs``: then the force goes on
-    rising; ``overshoot``: share; ``reaction_s`` before the squeeze, and from the first sample of the pulse to letting
-    go, with the time constant ``relax_s``; ``strength_n``: the firmest grip; ``sines`` of shares. ``hands``: rows of
-    grip (N), inertia, damping and stiffness of knob and hand, rising, between which the hand at the pulse lies.
-    ``sensors``: rms noise of a torque sensor (N·m) and of an accelerometer (rad/s²), None where there is none.
-    """
-
-    aim_n: float
-    rise_s: float
-    overshoot: float
-    climbs: bool
-    reaction_s: float
-    relax_s: float
-    strength_n: float
-    hands: tuple[tuple[float, float, float, float], ...]
-    sines: tuple[Sine, ...] = ()
-    sensors: tuple[float | None, float | None] = (None, None)
-
-
-class Simulated(NamedTuple):
-    """Numbers of the simulated knob, hand and person, in SI units; inertia of knob and hand together.
-
-    ``squeeze``: of a person whose knob pulses; then grip and push of the others, and what the hand is, do not count.
-    """
-
-    inertia: float
-    damping: float
-    stiffness: float
-    coulomb_nm: float
-    angle_rad: float
-    push_nm: float
-    grip_n: float
-    grip_rise_s: float
-    grip_offset_n: float
-    push_sines: tuple[Sine, ...] = ()
-    grip_sines: tuple[Sine, ...] = ()
-    squeeze: Squeeze | tuple[()] = ()
 
 
 class Control(NamedTuple):
@@ -88,6 +36,22 @@ class Control(NamedTuple):
     places: int
     numbers: tuple[float, ...]
     rows: tuple[float, ...]
+
+
+class Converters(NamedTuple):
+    """What lies between the knob's angle and the wall, and between the wall's torque and the motor.
+
+    ``offset_counts``: an edge of the encoder lies so much above its count's angle; ``dead_band_nm``: a smaller torque
+    is not sent; ``step_nm`` to whole multiples of which it is rounded, ``limit_nm`` at which it is cut off; of each
+    0: none. ``delay_samples``: how long a torque takes; ``rounding``: a place of `ROUNDINGS`.
+    """
+
+    offset_counts: float = 0.0
+    dead_band_nm: float = 0.0
+    step_nm: float = 0.0
+    limit_nm: float = 0.0
+    delay_samples: float = 0.0
+    rounding: int = 0
 
 
 class PulseOrder(NamedTuple):
@@ -140,7 +104,8 @@ class Identity(NamedTuple):
     ``no_grip_cell``: its grip force is 0 and means nothing. ``own_time``: its clock is simulated too, and may run
     faster or slower than any other. ``knows_zero``: it can make the present angle zero.
     ``knows_control``: it can run controllers; ``knows_pulses``: it can fire a pulse at a grip; ``knows_over_angle``: it
-    can run a torque over the angle.
+    can run a torque over the angle; ``knows_converters``: it can round, delay and cut off as the spec says;
+    ``knows_parts``: its torque can change within a sample interval. ``laws``: controllers that it has, a bit each.
     """
 
     name: str
@@ -154,6 +119,9 @@ class Identity(NamedTuple):
     knows_control: bool = False
     knows_pulses: bool = False
     knows_over_angle: bool = False
+    knows_converters: bool = False
+    knows_parts: bool = False
+    laws: int = FIRST_LAWS
 
 
 class Torque(str, Enum):
@@ -183,7 +151,8 @@ class Settings(NamedTuple):
     N·m/rad, ``wall_damping`` in N·m·s/rad, on the differenced coarse angle; torque is cut off at ±``torque_limit_nm``;
     a speed above ``speed_limit_rad_s``, or ``watchdog_us`` without a word from the host, ends the trial at the target.
     ``control``: what acts in place of the wall's spring, or beside it; None: the plain wall. ``pulse``: a pulse that a
-    grip fires, in place of a wall. ``over_angle``: in place of the wall's spring, which is in it.
+    grip fires, in place of a wall. ``over_angle``: in place of the wall's spring, which is in it. ``converters``: None
+    where there are none but the target's own.
     """
 
     period_ns: int
@@ -197,6 +166,7 @@ class Settings(NamedTuple):
     control: Control | None = None
     pulse: PulseOrder | None = None
     over_angle: OverAngle | None = None
+    converters: Converters | None = None
 
     @property
     def interval_s(self) -> float:
@@ -206,13 +176,13 @@ class Settings(NamedTuple):
     @property
     def numbers(self) -> tuple[float, ...]:
         """All but what acts beside the plain wall, in the order of CONFIGURE."""
-        numbers: tuple[float, ...] = self.plain[:-3]
+        numbers: tuple[float, ...] = self.plain[:-4]
         return numbers
 
     @property
     def plain(self) -> "Settings":
         """These with the plain wall, which is all that CONFIGURE carries."""
-        return self._replace(control=None, pulse=None, over_angle=None)
+        return self._replace(control=None, pulse=None, over_angle=None, converters=None)
 
 
 class Block(NamedTuple):

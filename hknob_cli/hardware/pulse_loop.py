@@ -15,6 +15,7 @@ from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.port import Array, Block, PulseOrder, Settings, Simulated, Squeeze
 from hknob_cli.hardware.pulse_person import grip_of, hand_at
+from hknob_cli.hardware.trial_wall import Sent
 from hknob_cli.hardware.virtual import VirtualLoop, as_single
 
 _SPENT = 50.0  # time constants of the amplifier after which nothing is left of its torque
@@ -62,18 +63,38 @@ class PulsedKnob:
         still = self._motion is not None and self._motion.speed_rad_s == 0.0
         return spent and still and self._simulated.coulomb_nm > 0.0
 
-    def sensed(self, torque_nm: float) -> tuple[float, float]:
-        """Torque (N·m) from now on, of which ``torque_nm`` is commanded, and acceleration (rad/s²) until now."""
+    def sensed(self, torque_nm: float, *, sees_friction: bool) -> tuple[float, float]:
+        """Torque (N·m) from now on, of which ``torque_nm`` is commanded, and acceleration (rad/s²) until now.
+
+        ``sees_friction``: less what friction takes of it from now on. A sensor that carries the motor reads that, and
+        so what turns knob and hand: friction within the motor acts on its housing as on its shaft, and cancels there
+        (Hasser, Section 4.2.3 and Appendix A). That all of the friction is within the motor is an assumption.
+        """
         if self._motion is None:
             return torque_nm, 0.0
         lagged = self._motion.lagged_torque_nm
+        told = torque_nm if lagged is None else lagged
+        return told - (self._taken_by_friction(told) if sees_friction else 0.0), self._acceleration(lagged)
+
+    def _taken_by_friction(self, acting_nm: float) -> float:
+        """Friction (N·m) under the motor's torque from now on: its level, or what it holds a knob still against."""
+        assert self._motion is not None
+        one, speed = self._simulated, self._motion.speed_rad_s
+        pull = acting_nm - one.stiffness * self._motion.angle_rad
+        if speed == 0.0 and abs(pull) <= one.coulomb_nm:
+            return pull
+        return math.copysign(one.coulomb_nm, speed or pull)
+
+    def _acceleration(self, lagged: float | None) -> float:
+        """Acceleration (rad/s²) until now."""
+        assert self._motion is not None
         one, speed = self._simulated, self._motion.speed_rad_s
         if speed == 0.0 and one.coulomb_nm > 0.0:
-            return torque_nm if lagged is None else lagged, 0.0
+            return 0.0
         acting = self._torque_nm if lagged is None else lagged
         rubbing = math.copysign(one.coulomb_nm, speed) if speed else 0.0
         pull = acting - one.damping * speed - one.stiffness * self._motion.angle_rad - rubbing
-        return torque_nm if lagged is None else lagged, pull / one.inertia
+        return pull / one.inertia
 
 
 class PulseLoop(VirtualLoop):
@@ -102,7 +123,7 @@ class PulseLoop(VirtualLoop):
         block = super().block(running=running)
         count = len(block.time_us)
         told = np.array([*self._sensed, *[(0.0, 0.0)] * (count - len(self._sensed))]).reshape(count, 2)
-        torque, acceleration = self._squeeze.sensors
+        torque, acceleration, _ = self._squeeze.sensors
         if torque is not None:
             noise = self._disturbances.torque_nm(torque, self._settings.block_samples)[:count]
             block = block._replace(measured_torque_nm=as_single(told[:, 0] + noise))
@@ -122,12 +143,13 @@ class PulseLoop(VirtualLoop):
     def _shown(self, grips: Array) -> None:
         self._cell = as_single(grips)
 
-    def _commanded(self, index: int, _coarse: int, _before: int, running: bool) -> float:
+    def _commanded(self, index: int, _coarse: int, _before: int, running: bool) -> Sent:
         """Torque that the state machine gives; the hand is that of the grip at which it fires."""
         i = index - self._index
         torque = self._trigger.step(float(self._cell[i]), running=running)
         if self._fired_s is None and self._trigger.phase is Phase.PULSE:
             self._fired_s = float(self._times[i])
             self._knob.take(self._squeeze, float(self._forces[i]))
-        self._sensed.append(self._knob.sensed(torque))
-        return torque
+        self._sensed.append(self._knob.sensed(torque, sees_friction=self._squeeze.sensors[2]))
+        limit = self._settings.torque_limit_nm
+        return Sent(max(-limit, min(limit, torque)))

@@ -57,7 +57,7 @@ def squeezer(plan: PulsePlan, trial: Trial) -> Simulated:
 
     rows = _rows(plan, trial)
     hand, knob = _between(rows, target), plan.knob or Knob()
-    share = AIM_CV if who.person else 0.0
+    share, sensors = AIM_CV if who.person else 0.0, plan.pulses.sensors
     squeeze = Squeeze(
         aim_n=target * (1.0 + share * float(own(_AIM).standard_normal())),
         rise_s=who.rise,
@@ -68,7 +68,7 @@ def squeezer(plan: PulsePlan, trial: Trial) -> Simulated:
         strength_n=who.strength,
         hands=rows,
         sines=wander_sines(own(_SINES), 1.0, who.wander, 0.0),
-        sensors=(plan.pulses.sensors.torque_noise, plan.pulses.sensors.acceleration_noise),
+        sensors=(sensors.torque_noise, sensors.acceleration_noise, sensors.torque_sees_friction),
     )
     return Simulated(
         inertia=hand.inertia,

@@ -5,8 +5,11 @@ What the wire asks of a trial's settings beside the target's ranges: that a bloc
 
 from math import inf, isfinite
 
+from hknob_cli.hardware.control import begins_of
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
+from hknob_cli.hardware.torque_line import MOST, room_of
+from hknob_cli.hardware.wire.codes import Law
 
 # A block must come well before silence counts as a dead link.
 LONGEST_BLOCK_S = 0.05
@@ -35,6 +38,26 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
             faults.append(f"{name} must be {allowed}, got {value:.10g}")
     if settings.control is not None and not identity.knows_control:
         faults.append("it runs the plain wall alone, no controller: it does not know CONTROL (docs/reference/wire.md)")
+    elif settings.control is not None:
+        law = Law(settings.control.law)
+        if not identity.laws & law.bit:
+            name = law.name.lower()
+            faults.append(f"it does not have the controller {name}: its firmware is older (docs/reference/wire.md)")
+        if len(begins_of(settings.control)) > 1 and not identity.knows_parts:
+            faults.append(
+                "its torque does not change within a sample interval: its firmware is older (docs/reference/wire.md)"
+            )
+    if (converters := settings.converters) is not None:
+        if not identity.knows_converters:
+            faults.append(
+                "it rounds down, and sends every torque at once: it does not know CONVERTERS (docs/reference/wire.md)"
+            )
+        parts = 1 if settings.over_angle is not None else len(begins_of(settings.control))
+        if room_of(parts, converters.delay_samples) > MOST:
+            faults.append(
+                f"the delay takes {room_of(parts, converters.delay_samples)} torques that are under way, and a target "
+                f"has room for {MOST}"
+            )
     if settings.over_angle is not None:
         if not identity.knows_over_angle:
             faults.append(

@@ -29,7 +29,7 @@ STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshado
 ARITHMETIC = ("-O2", "-ffp-contract=off")
 PORTABLE = (
     *("frame.c", "messages.c", "acts.c", "ranges.c", "wall.c", "law.c", "law_speeds.c", "pulse.c"),
-    *("over_angle.c", "record.c", "loop.c", "target.c"),
+    *("over_angle.c", "convert.c", "line.c", "record.c", "loop.c", "target.c"),
 )
 SIMULATED = ("plant.c", "squeeze.c", "simulated_knob.c")
 CORTEX_M3 = ("-mcpu=cortex-m3", "-mthumb", "-ffunction-sections", "-fdata-sections", "-nostartfiles")

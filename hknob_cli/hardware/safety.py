@@ -22,10 +22,9 @@ from typing import NamedTuple
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.grip_trigger import GripTrigger
-from hknob_cli.hardware.over_angle import ShapedWall
 from hknob_cli.hardware.port import Array, Block, Counts, Flags, Settings
+from hknob_cli.hardware.trial_wall import TrialWall
 from hknob_cli.hardware.wire.codes import Law
 
 _INTERRUPTING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
@@ -39,12 +38,14 @@ LAW_LIMIT_SHARE = 1e-6
 class WallTorque(NamedTuple):
     """Torque of the wall at samples (n,), N·m; ``terms``: sizes of its parts added, which roundings are shares of.
 
-    ``coarse``: the angle in counts of the encoder that the wall sees.
+    ``coarse``: the angle in counts of the encoder that the wall sees; ``slack``: by how much a torque may differ that
+    is rounded to steps, where what is rounded differs by `LAW_SHARE`.
     """
 
     torque_nm: Array
     terms: Array
     coarse: Counts
+    slack: Array | float = 0.0
 
 
 class AgreedWall:
@@ -53,26 +54,26 @@ class AgreedWall:
     def __init__(self, settings: Settings, native_counts: int) -> None:
         self._settings, self._native = settings, native_counts
         self._before: int | None = None
-        self._controlled = ControlledWall(settings, settings.control) if settings.control else None
-        self._shaped = ShapedWall(settings, settings.over_angle) if settings.over_angle else None
+        others = (settings.control, settings.over_angle, settings.converters)
+        self._followed = None if others == (None, None, None) else TrialWall(settings, native_counts)
 
     def follow(self, angle_counts: Counts, running: Flags) -> WallTorque:
-        """Torque at the next angles (n,), in counts of the device's own encoder.
+        """Torque from the next samples on, at their angles (n,) in counts of the device's own encoder.
 
-        Under a controller, whose memory begins with the wall, it is 0 where the wall is off.
+        Of more than the plain wall, which may have a memory that begins with the wall, it is 0 where the wall is off.
         """
-        wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
-        before = wall.coarse[:1] if self._before is None else [self._before]
-        self._before = int(wall.coarse[-1])
-        earlier = np.concatenate([before, wall.coarse[:-1]])
-        if self._shaped is not None:
-            torque, terms = self._shaped.follow(wall.coarse, earlier)
-        elif self._controlled is not None:
-            torque, terms = self._controlled.follow(wall.coarse, earlier, running)
-        else:
+        if self._followed is None:
+            wall = wall_torque(angle_counts, self._settings, self._native, before=self._before)
+            self._before = int(wall.coarse[-1])
             return wall
-        limit = self._settings.torque_limit_nm
-        return WallTorque(np.clip(torque, -limit, limit), terms, wall.coarse)
+        coarse = self._followed.counts(angle_counts)
+        earlier = np.concatenate([coarse[:1] if self._before is None else [self._before], coarse[:-1]])
+        self._before = int(coarse[-1])
+        torque, terms, slack = (np.zeros(coarse.size) for _ in range(3))
+        for i in np.flatnonzero(running).tolist():
+            sent = self._followed.follow(int(coarse[i]), int(earlier[i]), share=LAW_SHARE)
+            torque[i], terms[i], slack[i] = sent.torque_nm, sent.size, sent.slack
+        return WallTorque(torque, terms, coarse, slack)
 
 
 def wall_torque(angle_counts: Counts, settings: Settings, native_counts: int, *, before: int | None) -> WallTorque:
@@ -179,7 +180,7 @@ class LimitMonitor:
             return
         wall = self._wall.follow(block.angle_counts, block.running)
         expected: Array = np.where(block.running, wall.torque_nm, 0.0)
-        allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm
+        allowed = LAW_SHARE * wall.terms + LAW_LIMIT_SHARE * settings.torque_limit_nm + wall.slack
         bad = np.abs(block.torque_nm - expected) > allowed
         if not bad.any():
             return
@@ -191,6 +192,7 @@ class LimitMonitor:
         times = f", {torque / expected[i]:.3g} times as much" if expected[i] else ""
         under = f" under {Law(settings.control.law).name.lower()}" if settings.control else ""
         under = " and the torque over the angle" if settings.over_angle else under
+        under += " behind its converters" if settings.converters else ""
         raise DeviceError(
             f"the torque is not that of the wall{under}: {torque * 1e3:.4g} mN m, where "
             f"{settings.wall_stiffness:g} N m/rad with {settings.wall_damping:g} N m s/rad at "

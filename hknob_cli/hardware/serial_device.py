@@ -12,7 +12,7 @@ from hknob_cli.errors import DeviceError
 from hknob_cli.hardware.port import Block, Drift, Identity, Settings, Simulated, Torque
 from hknob_cli.hardware.ranges import faults
 from hknob_cli.hardware.safety import undisturbed
-from hknob_cli.hardware.wire.answers import About, Ack
+from hknob_cli.hardware.wire.answers import Abilities, About, Ack
 from hknob_cli.hardware.wire.codes import STATUS_TEXT, TRIP_TEXT, Kind, State, Status
 from hknob_cli.hardware.wire.commands import Command, Plain, Zero
 from hknob_cli.hardware.wire.frame import nobody_text
@@ -21,6 +21,7 @@ from hknob_cli.hardware.wire.sending import Sent, differences, told_of
 from hknob_cli.hardware.wire.session import Session
 
 BAUD = 921_600
+KNOWS_CONVERTERS, KNOWS_PARTS = 1, 2  # of `Abilities`
 # After RELEASE was answered the line is listened to for two of the longest blocks: what goes on sampling shows itself.
 LISTEN_S = 0.1
 # Where the torque stays RELEASE is sent again, and said again, until the port closes.
@@ -52,7 +53,7 @@ class SerialDevice:
         self._baud = baud
         self._patience_s = patience_s
         self._identity: Identity | None = None
-        self._agreed = False
+        self._agreed = self._says_abilities = False
         self._port: Any = None
         self._pump: Pump | None = None
         self._session = Session(first_nonce=secrets.randbits(32))
@@ -157,13 +158,16 @@ class SerialDevice:
         self._pump = Pump(self._port, self._session)
         try:
             self._pump.start()
-            self._identity = self._greet(self._pump)
+            about, boot = self._greet(self._pump)
+            self._identity = _identity_of(about, boot)
+            self._says_abilities = about.knows_abilities
             self.release()  # whatever an earlier program left behind
             if self._torque is Torque.UNSEEN:
                 raise DeviceError(f"{self.url}: the target did not answer when told to release")
             if self._torque is Torque.ON:
                 self._insist(self._pump)
                 raise DeviceError(f"{self.url}: {TORQUE_ON}. {self._seen()}")
+            self._ask_abilities()
             if self._zero_angle:
                 self._make_zero()
         except BaseException:
@@ -196,6 +200,19 @@ class SerialDevice:
                 self._alarm(f"{self.url}: {TORQUE_ON}. {why}; RELEASE is sent again")
             time.sleep(INSIST_EVERY_S)
 
+    def _ask_abilities(self) -> None:
+        """What a target knows that has no flag in its answer to HELLO; one of before has none of it."""
+        if not self._says_abilities:
+            return
+        said = self._command(lambda nonce: Plain(Kind.ABILITIES, nonce), "say what it knows").said
+        if not isinstance(said, Abilities):
+            raise DeviceError(f"{self.url}: the target did not say what it knows (docs/reference/wire.md, ABILITIES)")
+        self._identity = self.identity._replace(
+            laws=said.laws,
+            knows_converters=bool(said.knows & KNOWS_CONVERTERS),
+            knows_parts=bool(said.knows & KNOWS_PARTS),
+        )
+
     def _make_zero(self) -> None:
         if not self.identity.knows_zero:
             raise DeviceError(
@@ -214,24 +231,12 @@ class SerialDevice:
             with contextlib.suppress(OSError):
                 port.close()
 
-    def _greet(self, pump: Pump) -> Identity:
+    def _greet(self, pump: Pump) -> tuple[About, int]:
         until = time.monotonic() + self._patience_s
         while True:
             ack = self._ask(pump, lambda nonce: Plain(Kind.HELLO, nonce), give_up_at=until)
             if ack is not None and isinstance(ack.said, About):
-                return Identity(
-                    name=ack.said.name,
-                    native_counts=ack.said.native_counts,
-                    shortest_period_ns=ack.said.shortest_period_ns,
-                    simulated=ack.said.simulated,
-                    boot=ack.boot,
-                    no_grip_cell=ack.said.no_grip_cell,
-                    own_time=ack.said.own_time,
-                    knows_zero=ack.said.knows_zero,
-                    knows_control=ack.said.knows_control,
-                    knows_pulses=ack.said.knows_pulses,
-                    knows_over_angle=ack.said.knows_over_angle,
-                )
+                return ack.said, ack.boot
             if time.monotonic() >= until:
                 raise DeviceError(f"{self.url}: {self._nobody()}")
 
@@ -299,3 +304,9 @@ class SerialDevice:
             raise DeviceError(f"{self.url}: {self._session.failure}")
         if pump.broken is not None:
             raise DeviceError(f"{self.url}: the port is gone, is the cable in? {pump.broken}")
+
+
+def _identity_of(about: About, boot: int) -> Identity:
+    """Who a target says it is."""
+    said = about._asdict()
+    return Identity(boot=boot, **{name: said[name] for name in Identity._fields if name in said})

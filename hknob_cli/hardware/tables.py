@@ -8,6 +8,7 @@ import numpy as np
 import pyarrow as pa
 
 from hknob_cli.errors import MISSHAPEN
+from hknob_cli.hardware.converters import words_of
 from hknob_cli.hardware.order import Trial, period_ns, settings_of
 from hknob_cli.hardware.sample_clock import audit
 from hknob_cli.hardware.trial_file import Recorded
@@ -17,7 +18,7 @@ from hknob_cli.recordings.files import first_line
 from hknob_cli.recordings.measured_cycle import TrialMeasures, measure_trial
 from hknob_cli.recordings.spectrum import pitch_hz, torque_rises_hz
 from hknob_cli.results.arrays import build_table
-from hknob_cli.results.campaign_files import CONTROLLED, SHAPED, TIMING, TRIALS, TRIED
+from hknob_cli.results.campaign_files import CONTROLLED, CONVERTED, SHAPED, TIMING, TRIALS, TRIED
 from hknob_cli.specs.campaign import Course, HwRunPlan
 
 _DIGITS = 16  # of a digest
@@ -35,7 +36,10 @@ def campaign_tables(done: list[Recorded], plan: HwRunPlan) -> tuple[pa.Table, pa
     shaped = SHAPED if plan.effects else ()
     if shaped:
         rows = [{**row, **_shaping(plan, one.trial)} for row, one in zip(rows, done, strict=True)]
-    trials = build_table((*TRIALS, *controlled, *shaped, *tried), rows)
+    converted = CONVERTED if plan.converts else ()
+    if converted:
+        rows = [{**row, **_converting(plan, one.trial)} for row, one in zip(rows, done, strict=True)]
+    trials = build_table((*TRIALS, *controlled, *shaped, *converted, *tried), rows)
     return samples, trials, build_table(TIMING, [timing_row(one, place_of(one)) for one in done])
 
 
@@ -47,7 +51,7 @@ def _acting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
         "remedy": acts.name,
         "wall_stiffness": acts.wall.stiffness,
         "wall_damping": acts.wall.damping,
-        "control_digest": hashlib.sha256(pack_act(control)).hexdigest()[:_DIGITS] if control else "",
+        "control_digest": _digest(pack_act(control)) if control else "",
     }
 
 
@@ -56,8 +60,19 @@ def _shaping(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
     over = settings_of(plan, trial).over_angle
     assert over is not None
     table, pieces = pieces_of(over)
-    digest = hashlib.sha256(b"".join([pack_act(table), *map(pack_act, pieces)]))
-    return {"over_angle_digest": digest.hexdigest()[:_DIGITS]}
+    return {"over_angle_digest": _digest(b"".join([pack_act(table), *map(pack_act, pieces)]))}
+
+
+def _converting(plan: HwRunPlan, trial: Trial) -> dict[str, Any]:
+    """Which converters acted in a trial: values of `CONVERTED`."""
+    told = settings_of(plan, trial).converters
+    if told is None:
+        return {"converters": "", "converters_digest": ""}
+    return {"converters": words_of(told), "converters_digest": _digest(pack_act(told))}
+
+
+def _digest(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()[:_DIGITS]
 
 
 def _row(one: Recorded, course: Course) -> dict[str, Any]:

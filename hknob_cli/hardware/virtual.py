@@ -17,19 +17,20 @@ from typing import NoReturn, Protocol
 import numpy as np
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.control import ControlledWall
 from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Disturbances, Nuisances
-from hknob_cli.hardware.over_angle import ShapedWall
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
+from hknob_cli.hardware.trial_wall import Sent, TrialWall
+from hknob_cli.hardware.wire.codes import ALL_LAWS
 
 _MOST_COUNTS = 2**31
+NOTHING = Sent(0.0)
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
-_KNOWS = {"knows_control": True, "knows_pulses": True, "knows_over_angle": True}
-IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, **_KNOWS)
+_KNOWS = {f"knows_{what}": True for what in ("control", "pulses", "over_angle", "converters", "parts")}
+IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, **_KNOWS, laws=ALL_LAWS)
 
 
 class MovingKnob(Protocol):
@@ -60,13 +61,9 @@ class VirtualLoop:
         self._counts: int | None = None  # at the sample before, and of the wall's encoder
         self._coarse: int | None = None
         self._began: float | None = None  # when the wall was switched on, in periods
-        self._held: tuple[float, float] | None = None  # torque and push since the sample before, which began at
-        self._acts: ControlledWall | ShapedWall | None = None  # in place of the wall's spring
-        if settings.over_angle is not None:
-            self._acts = ShapedWall(settings, settings.over_angle)
-        elif settings.control is not None:
-            self._acts = ControlledWall(settings, settings.control)
+        self._held: tuple[Sent, float] | None = None  # torques and push since the sample before, which began at
         self._last = 0.0
+        self._wall = TrialWall(settings, native_counts)
         self._told_us = -1
 
     def block(self, *, running: bool) -> Block:
@@ -82,15 +79,15 @@ class VirtualLoop:
         taken = count
         for i, (begin, push, extra) in enumerate(zip(begins.tolist(), pushes.tolist(), noise.tolist(), strict=True)):
             if self._held is not None:
-                self._motion.move(*self._held, begin - self._last)
+                self._move(*self._held, begin - self._last)
             # A speed is over the time that passed, which is longer than a period after a late sample.
             passed_s = max(1.0, begin - self._last) * self._settings.interval_s
-            angles[i], torque = self._sample(self._index + i, self._motion.angle_counts + extra, passed_s, running)
+            angles[i], sent = self._sample(self._index + i, self._motion.angle_counts + extra, passed_s, running)
             if self.fault:
                 on[i], taken = False, i + 1
                 break
-            torques[i] = torque
-            self._held, self._last = ((torque, push) if running else None), begin
+            torques[i] = sent.torque_nm
+            self._held, self._last = ((sent, push) if running else None), begin
         first, self._index = self._index, self._index + taken
         self._overruns += int((late[:taken] > 0.5).sum())
         return Block(
@@ -103,38 +100,41 @@ class VirtualLoop:
             overruns=self._overruns,
         )
 
-    def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, float]:
-        """Angle in counts and torque at a sample, in the order of the wire; notes a fault, which means no torque."""
+    def _move(self, sent: Sent, push: float, periods: float) -> None:
+        """From sample to sample, or as far as the next is away, under the torques of the interval."""
+        torque, passed = sent.torque_nm, 0.0
+        for begins, later in zip(self._wall.begins[1:], sent.later, strict=False):
+            if begins >= periods:
+                break
+            self._motion.move(torque, push, begins - passed)
+            torque, passed = later, begins
+        self._motion.move(torque, push, periods - passed)
+
+    def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, Sent]:
+        """Angle in counts and torques from a sample on, in the order of the wire; a fault means none, and is noted."""
         settings = self._settings
         if not -_MOST_COUNTS <= position < _MOST_COUNTS:  # nor is it where it is not a number
             self.fault = f"the angle is no number that it can tell, at sample {index}"
-            return self._counts or 0, 0.0
+            return self._counts or 0, NOTHING
         counts = floor(position)
         before, self._counts = self._counts, counts
-        coarse = counts * settings.counts_per_rev // self._native
+        coarse = self._wall.count(counts)
         coarse_before, self._coarse = self._coarse, coarse
         if before is not None:
             speed = abs(counts - before) * (tau / self._native) / passed_s
             if speed > settings.speed_limit_rad_s:
                 limit = f"limit {settings.speed_limit_rad_s:g} rad/s"
                 self.fault = f"the knob moved at {speed:.4g} rad/s, {limit}, at sample {index}"
-                return counts, 0.0
-        torque = self._commanded(index, coarse, coarse if coarse_before is None else coarse_before, running)
-        if not isfinite(torque):
+                return counts, NOTHING
+        sent = self._commanded(index, coarse, coarse if coarse_before is None else coarse_before, running)
+        if not isfinite(sent.torque_nm):
             self.fault = f"the torque is not a number, at sample {index}"
-            return counts, 0.0
-        return counts, max(-settings.torque_limit_nm, min(settings.torque_limit_nm, torque))
+            return counts, NOTHING
+        return counts, sent
 
-    def _commanded(self, _index: int, coarse: int, before: int, running: bool) -> float:
-        """Torque of the wall, before the limit."""
-        if not running or (coarse >= 0 and not self._acts):
-            return 0.0
-        if self._acts:
-            return self._acts.torque(coarse, before)
-        settings = self._settings
-        quantum = tau / settings.counts_per_rev
-        torque = -settings.wall_stiffness * (coarse * quantum)
-        return torque - settings.wall_damping * ((coarse - before) * quantum) / settings.interval_s
+    def _commanded(self, _index: int, coarse: int, before: int, running: bool) -> Sent:
+        """Torques of the wall, limited."""
+        return self._wall.torques(coarse, before) if running else NOTHING
 
     def _person(self, begins: Array, running: bool) -> tuple[Array, Array]:
         """Push (N·m) and what the grip cell shows (N) at the samples of a block."""

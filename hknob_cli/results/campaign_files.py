@@ -87,6 +87,16 @@ SHAPED = (
         "counts and wall",
     ),
 )
+# Where there is an encoder or an actuator of the spec's own.
+CONVERTED = (
+    Column("converters", _TEXT, "", "how the wall reads the encoder, and what becomes of its torque, in SI units"),
+    Column(
+        "converters_digest",
+        _TEXT,
+        "",
+        "SHA-256, its first 16 digits, of the same as the wire carries it; empty without converters",
+    ),
+)
 REMEDY = Column("remedy", _TEXT, "", "name of the remedy that it tries")
 # Where remedies are tried.
 TRIED = (

@@ -7,6 +7,7 @@ from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
+from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.quantity import (
     AngleNoise,
     Bounds,
@@ -18,6 +19,7 @@ from hknob_cli.specs.quantity import (
     Share,
     SomeSeconds,
     SpeedLimit,
+    Stiffness,
     TimeNoise,
     Torque,
     TorqueLimit,
@@ -121,6 +123,15 @@ class Knob(NamedTuple):
 
 
 @declared()
+class Model(NamedTuple):
+    """Knob and hand as one body, as a controller with a model believes them to be."""
+
+    inertia: Annotated[Inertia, "moment of inertia of knob and hand"]
+    damping: Annotated[Damping, "viscous damping of both"] = 0.0
+    stiffness: Annotated[Stiffness, "stiffness of the hand"] = 0.0
+
+
+@declared()
 class Person(NamedTuple):
     """Who holds the knob of a simulated device: Table 1's simple pinch, at the grip force that is held."""
 
@@ -150,7 +161,7 @@ class Effects(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """What acts on the knob in a trial: the wall, and what acts in place of its spring, or beside it.
+    """What acts on the knob in a trial: the wall, what acts in place of its spring, or beside it, and converters.
 
     Of a remedy its ``name``, what it ``needs``, and the ``source`` that it is from; empty without remedies.
     """
@@ -160,6 +171,8 @@ class Tried(NamedTuple):
     name: str = ""
     needs: str = ""
     source: str = ""
+    encoder: Encoder | None = None
+    actuator: Actuator | None = None
 
 
 class HwRunPlan(NamedTuple):
@@ -168,7 +181,8 @@ class HwRunPlan(NamedTuple):
     ``recordings``: paths of those to replay. ``grip_place``: a fault without a message, where the spec has the grip
     force. ``tries``: what each cell is tried with, one a remedy; ``reference``: the remedy that others are compared
     with, ``against`` a folder of what was computed of them, ``hand`` the hand in it; all empty without remedies.
-    ``effects`` act in every trial.
+    ``effects`` act in every trial. ``model``: what a controller believes of knob and hand; None: what the simulated
+    ones are.
     """
 
     name: str
@@ -192,6 +206,12 @@ class HwRunPlan(NamedTuple):
     against: str = ""
     hand: str = ""
     effects: Effects | None = None
+    model: Model | None = None
+
+    @property
+    def converts(self) -> bool:
+        """Whether any trial has an encoder or an actuator of the spec's own."""
+        return any(one.encoder or one.actuator for one in self.tries)
 
     @property
     def has_remedies(self) -> bool:

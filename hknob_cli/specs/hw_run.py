@@ -11,6 +11,7 @@ from hknob_cli.specs.campaign import (
     PLAIN,
     REPLAY,
     SERIAL,
+    VIRTUAL,
     Course,
     Device,
     Effects,
@@ -18,6 +19,7 @@ from hknob_cli.specs.campaign import (
     HwRunPlan,
     Knob,
     Limit,
+    Model,
     Nuisance,
     Person,
     Tried,
@@ -25,12 +27,13 @@ from hknob_cli.specs.campaign import (
     device_faults,
 )
 from hknob_cli.specs.capabilities import PARTS, reason
-from hknob_cli.specs.controller import Controller
+from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
 from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Part, Place
+from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import COUNTS, RATE, Axes
 from hknob_cli.specs.pulse_plan import plan_pulses
 from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
@@ -71,6 +74,12 @@ class HwRunSpec(Part):
     device: Annotated[Device, Field(default_factory=Device)]
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
+    encoder: Annotated[Encoder | None, Field(description="how the wall reads the device's own encoder")] = None
+    actuator: Annotated[Actuator | None, Field(description="what becomes of a torque before it is sent")] = None
+    model: Annotated[
+        Model | None,
+        Field(description="what half_sample and matched_wall believe; null: what the simulated knob and its hand are"),
+    ] = None
     profile: Profile | None = None
     detents: Detents | None = None
     end_stops: EndStops | None = None
@@ -130,10 +139,11 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
     found = (*device_faults(spec), *acting, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
-    tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller),)
+    tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller, encoder=spec.encoder, actuator=spec.actuator),)
     if spec.remedies and not acting:
         tries, wrong = tries_of(source, spec.remedies, spec.reference, axes)
         faults += wrong
+    faults += [source.fault(place, text) for place, text in _model_faults(spec, tries)]
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
@@ -159,6 +169,7 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         against=spec.against or "",
         hand=spec.hand or "",
         effects=Effects(*effects) if any(effects := [getattr(spec, name) for name in OVER_ANGLE]) else None,
+        model=spec.model,
     )
 
 
@@ -179,6 +190,16 @@ def _axes(source: Source, spec: HwRunSpec) -> tuple[Axes, list[Fault]]:
         except AxisError as error:
             faults.append(source.fault(("grid", name, *error.steps), str(error)))
     return axes, faults
+
+
+def _model_faults(spec: HwRunSpec, tries: tuple[Tried, ...]) -> list[tuple[Place, str]]:
+    """What is wrong with a model of knob and hand, for controllers that have one."""
+    kinds = [one.controller.kind for one in tries if one.controller is not None and one.controller.kind in MODELLED]
+    if spec.model is not None and not kinds:
+        return [(("model",), f"must be absent without a controller that has one ({', '.join(MODELLED)})")]
+    if spec.model is None and kinds and spec.device.driver != VIRTUAL and spec.device.target is None:
+        return [(("model",), f"required: {kinds[0]} acts by a model of knob and hand, which nobody knows here")]
+    return []
 
 
 def _effect_faults(spec: HwRunSpec, axes: Axes) -> list[tuple[Place, str]]:

@@ -6,11 +6,12 @@ from hknob_cli.errors import Fault, SpecError
 from hknob_cli.specs.campaign import REPLAY, SERIAL, VIRTUAL, Nuisance, device_faults
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
-from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses
+from hknob_cli.specs.pulses import PULSES, PulsePlan, Pulses, Sensors
 from hknob_cli.specs.source import Source
 
 _OF_BUZZ = (
-    *("wall", "controller", "remedies", "reference", "against", "hand", "grid", "grip", "trial", "person"),
+    *("wall", "controller", "encoder", "actuator", "model", "remedies", "reference", "against", "hand"),
+    *("grid", "grip", "trial", "person"),
     *OVER_ANGLE,
 )
 _NO_REPLAY = "what was recorded has its pulse already, and sysid reads it"
@@ -59,7 +60,7 @@ def _device_faults(spec: Any) -> list[tuple[Place, str]]:
     if spec.device.driver == REPLAY:
         return [(("device", "driver"), f"must be virtual or serial with what: pulses: {_NO_REPLAY}")]
     found: list[tuple[Place, str]] = [*device_faults(spec)]
-    if spec.device.driver != VIRTUAL and any(one is not None for one in (spec.pulses or Pulses()).sensors):
+    if spec.device.driver != VIRTUAL and (spec.pulses or Pulses()).sensors != Sensors():
         found.append(((PULSES, "sensors"), "must be absent: they are for the driver virtual"))
     return found
 

@@ -54,6 +54,11 @@ class Sensors(NamedTuple):
 
     torque_noise: Annotated[Torque | None, "rms of a torque sensor; null: there is none"] = None
     acceleration_noise: Annotated[AccelerationNoise | None, "rms of an accelerometer; null: there is none"] = None
+    torque_sees_friction: Annotated[
+        bool,
+        Bounds(strict=True),
+        "the torque sensor carries the motor, as the dissertation's did, and reads its torque less friction",
+    ] = True
 
 
 @declared()

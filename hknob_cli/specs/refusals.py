@@ -1,6 +1,7 @@
 """What in a scene excludes something else: faults by the one table of `specs.capabilities`, and of two spellings."""
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 from hknob_cli.specs.capabilities import (
     APART,
@@ -22,7 +23,7 @@ from hknob_cli.specs.motor_faults import motor_contradictions
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Place, default_of
-from hknob_cli.specs.plan import Axes, Knob, Scene, Wall
+from hknob_cli.specs.plan import Axes, Encoder, Knob, Scene, Wall
 from hknob_cli.specs.scene import SceneSpec
 from hknob_cli.specs.squeeze_faults import squeeze_contradictions
 from hknob_cli.specs.velocity_faults import velocity_contradictions
@@ -30,12 +31,13 @@ from hknob_cli.specs.velocity_faults import velocity_contradictions
 Faults = list[tuple[Place, str]]
 # Further keys that give a scene a part.
 _ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
-# Parts that a controller may be, and the keys that make it so: the first that is listed is at fault.
+# Parts that no target runs, and the key that makes them: where it is not listed, the controller is at fault.
 _ON_A_DEVICE = {
-    "speed_sensor": ("velocity",),
-    "several_readings": ("detections",),
-    "pulses": ("pulse", "steps", "kind"),
-    "knob_model": ("kind",),
+    "speed_sensor": ("controller", "velocity"),
+    "several_readings": ("controller", "detections"),
+    "hysteresis": ("encoder", "hysteresis_counts"),
+    "backlash": ("encoder", "backlash"),
+    "lag": ("actuator", "time_constant"),
 }
 
 
@@ -151,16 +153,21 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     return found
 
 
-def device_refusals(controller: Controller, given: frozenset[str]) -> Faults:
-    """What of a controller no target runs; ``given``: the keys that are listed."""
+def device_refusals(acting: Any, given: frozenset[str]) -> Faults:
+    """What no target runs of a controller, encoder and actuator, which ``acting`` has.
+
+    ``given``: the keys of the controller that are listed.
+    """
     found: Faults = []
-    there = parts_of(Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0), controller=controller))
-    for part, keys in _ON_A_DEVICE.items():
+    scene = Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0))
+    scene = scene._replace(controller=acting.controller, encoder=acting.encoder or Encoder(), actuator=acting.actuator)
+    there = parts_of(scene)
+    for part, (owner, key) in _ON_A_DEVICE.items():
         if part in there and VERDICTS[part, "device"] == REFUSED:
-            key = next((key for key in keys if key in given), None)
             title = PARTS[part].title
             text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
-            found.append((("scene", "controller", key) if key else ("scene", "controller"), text))
+            place = ("scene", owner, key) if owner != "controller" or key in given else ("scene", owner)
+            found.append((place, text))
     return found
 
 

@@ -1,7 +1,7 @@
-"""The remedies that a campaign on a knob tries: what each changes of the wall and its controller, checked.
+"""The remedies that a campaign on a knob tries: what each changes of wall, controller and converters, checked.
 
 A change is a JSON merge patch (RFC 7396) of the campaign's spec: mappings are merged, null removes a key, anything else
-replaces. It may name what a device is told, which is the wall and its controller, and nothing else.
+replaces. It may name what a device is told, which is the wall, its controller, its encoder and its actuator.
 """
 
 from typing import Annotated, Any
@@ -14,20 +14,22 @@ from hknob_cli.specs.campaign import Tried, Wall
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.part import Part, Place
+from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.plan import Axes
 from hknob_cli.specs.refusals import controller_faults, device_refusals
 from hknob_cli.specs.remedies import RemedySpec
 from hknob_cli.specs.source import Path_, Source
 
-ACTING = ("wall", "controller")  # keys of the spec that a remedy may change
+ACTING = ("wall", "controller", "encoder", "actuator")  # keys of the spec that a remedy may change
 BESIDE = ("reference", "against", "hand")  # keys that go with remedies alone
 
 
 class TriedSpec(RemedySpec):
-    """One remedy of a campaign: what it changes of wall and controller, and what it asks for."""
+    """One remedy of a campaign: what it changes of what a device is told, and what it asks for."""
 
     change: Annotated[
-        dict[str, Any], Field(description="merge patch of wall and controller of this spec; null removes a key")
+        dict[str, Any],
+        Field(description="merge patch of wall, controller, encoder and actuator; null removes a key"),
     ] = {}  # noqa: RUF012
 
 
@@ -36,18 +38,21 @@ class ActingSpec(Part):
 
     wall: Annotated[Wall, Field(default_factory=Wall)]
     controller: Controller | None = None
+    encoder: Encoder | None = None
+    actuator: Actuator | None = None
 
 
 def acting_faults(acting: Any, given: frozenset[str], axes: Axes) -> list[tuple[Place, str]]:
-    """What is wrong with a controller, and what of it no target runs; ``acting`` has it and the wall.
+    """What is wrong with what a device is told, and what of it no target runs; ``acting`` has the keys of `ActingSpec`.
 
     ``given``: the keys of the controller that are listed.
     """
-    if acting.controller is None:
-        return []
-    found = controller_faults(acting.controller, given, axes) or device_refusals(acting.controller, given)
+    found = controller_faults(acting.controller, given, axes) if acting.controller else []
+    found = found or device_refusals(acting, given)
     found = [(place[1:], text) for place, text in found]  # a campaign has no scene around it
-    if acting.wall.stiffness == 0.0:
+    if acting.actuator is not None and acting.actuator.torque_limit == 0.0:
+        found.append((("actuator", "torque_limit"), "must be > 0 on a device"))
+    if acting.controller is not None and acting.wall.stiffness == 0.0:
         found.append((("wall", "stiffness"), "must be > 0 where a controller is given"))
     return found
 
@@ -62,7 +67,8 @@ def tries_of(
         if isinstance(found, list):
             faults += found
         else:
-            tries.append(Tried(found.wall, found.controller, name, remedy.needs, remedy.source))
+            about = (name, remedy.needs, remedy.source)
+            tries.append(Tried(found.wall, found.controller, *about, found.encoder, found.actuator))
     if reference not in remedies:
         names = ", ".join(remedies)
         faults.append(source.fault(("reference",), f"must be one of remedies ({names}), got {reference!r}"))
@@ -70,11 +76,11 @@ def tries_of(
 
 
 def _tried(source: Source, name: str, remedy: TriedSpec, axes: Axes) -> ActingSpec | list[Fault]:
-    """Wall and controller under a remedy; or its faults, where its change was written."""
+    """What a device is told under a remedy; or its faults, where its change was written."""
     stem: Path_ = ("remedies", name, "change")
     odd = [key for key in remedy.change if key not in ACTING]
     if odd:
-        text = "must not be changed by a remedy on a knob: wall and controller are what a device is told"
+        text = "must not be changed by a remedy on a knob: a device is told wall, controller, encoder and actuator"
         return [source.fault((*stem, key), text, at_key=True) for key in odd]
     values = merged({key: source.value[key] for key in ACTING if source.value.get(key) is not None}, remedy.change)
 

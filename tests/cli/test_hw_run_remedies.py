@@ -234,8 +234,8 @@ FAULTS = {
         "remedies.softer wall.change.knob: must not be changed by a remedy on a knob",
     ),
     "a law that no device runs": (
-        DAMPED, "{kind: matched_wall}",
-        "remedies.damped.change.controller.kind: must be one that a device can run",
+        DAMPED, "{kind: matched_wall, velocity: sensor}",
+        "remedies.damped.change.controller.velocity: must be one that a device can run",
     ),
     "another law's number": (
         DAMPED, "{kind: stiffening, keep: 0.2}",

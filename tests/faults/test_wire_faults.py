@@ -18,11 +18,11 @@ import numpy as np
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Block, Control, OverAngle, Pulse, PulseOrder, Settings, Sine
+from hknob_cli.hardware.port import Block, Control, Converters, OverAngle, Pulse, PulseOrder, Settings, Sine
 from hknob_cli.hardware.serial_device import SerialDevice
 from hknob_cli.hardware.wire import pump
 from hknob_cli.hardware.wire.acts import Piece, Table
-from hknob_cli.hardware.wire.codes import Kind, State, Trip
+from hknob_cli.hardware.wire.codes import ALL_LAWS, Kind, Law, State, Trip
 from hknob_cli.hardware.wire.commands import Plain
 from hknob_cli.hardware.wire.frame import MOST_STUFFED_BYTES, Decoder, body_of, frame
 from hknob_cli.hardware.wire.messages import encode
@@ -30,7 +30,7 @@ from hknob_cli.hardware.wire.session import Session
 from tests.conftest import ROOT
 from tests.hardware.controllers import told
 from tests.hardware.fake_target import Manners, PtyTarget, spoiler, spoilt
-from tests.hardware.golden import BOOT, GOLDEN, SETTINGS, WITH_SINES
+from tests.hardware.golden import BOOT, CONVERTERS, GOLDEN, SETTINGS, WITH_SINES
 from tests.hardware.test_serial_device import assert_whole, trial
 
 # A host in a process of its own: it says what it does, line by line, and what ended it.
@@ -232,7 +232,7 @@ def another(name: str) -> Callable[[Any], Any]:
     return alter
 
 
-UNSENT = ("control", "over_angle", "pulse", "squeeze")  # sent by themselves, or not sent
+UNSENT = ("control", "converters", "over_angle", "pulse", "squeeze")  # sent by themselves, or not sent
 SENT = [name for name in (*Settings._fields, *Control._fields, *type(WITH_SINES)._fields) if name not in UNSENT]
 
 
@@ -255,6 +255,7 @@ PULSE = PulseOrder(2.0, 0.1, 0.01, 0.5, 1e-3, 0.02)
     [
         *(({"over_angle": TABLE}, name) for name in (*Table._fields, *Piece._fields)),
         *(({"pulse": PULSE}, name) for name in Pulse._fields),
+        *(({"converters": CONVERTERS}, name) for name in Converters._fields),
     ],
 )
 def test_a_target_that_took_another_act_is_not_armed(acts: dict[str, Any], name: str) -> None:
@@ -270,6 +271,36 @@ def test_a_target_that_took_another_act_is_not_armed(acts: dict[str, Any], name:
         with pytest.raises(DeviceError, match="not armed"):
             device.arm()
         assert Kind.ARM not in served.target.heard
+
+
+NEWER = [
+    ("converters", CONVERTERS, "does not know CONVERTERS"),
+    ("control", told("half sample").control, "controller half_sample"),
+    ("control", told("impulse").control, "does not change within a sample interval"),
+]
+
+
+@pytest.mark.parametrize(("key", "value", "said"), NEWER)
+def test_older_firmware_is_asked_for_nothing_that_it_does_not_know(key: str, value: Any, said: str) -> None:
+    with PtyTarget() as served, SerialDevice(served.url) as device:
+        with pytest.raises(DeviceError, match=said):
+            device.configure(SETTINGS._replace(**{key: value}))
+        assert {Kind.ABILITIES, Kind.CONVERTERS, Kind.CONFIGURE} & set(served.target.heard) == set()
+
+
+def test_a_target_without_a_law_is_told_from_one_that_has_it() -> None:
+    laws = ALL_LAWS - Law.HALF_SAMPLE.bit
+    with PtyTarget(Manners(knows_acts=True, abilities=laws)) as served, SerialDevice(served.url) as device:
+        device.configure(SETTINGS._replace(control=told("matched wall").control))
+        with pytest.raises(DeviceError, match="it does not have the controller half_sample: its firmware is older"):
+            device.configure(SETTINGS._replace(control=told("half sample").control))
+
+
+def test_a_target_that_promises_abilities_must_tell_them() -> None:
+    with PtyTarget(Manners(knows_acts=True, abilities=None)) as served:
+        with pytest.raises(DeviceError, match="the target refused to say what it knows: it does not know this command"):
+            SerialDevice(served.url).__enter__()
+        assert served.target.state is State.IDLE
 
 
 def test_negative_zero_is_another_value_than_zero() -> None:

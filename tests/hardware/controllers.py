@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 from hknob_cli.hardware.control import control_of
 from hknob_cli.hardware.port import Settings
+from hknob_cli.specs.campaign import Model
 from hknob_cli.specs.controller import Controller
 from tests.hardware.trials import settings
 
@@ -34,13 +35,20 @@ CONTROLLERS = {
     "tracking, filtered": Controller(**DAMPED, velocity="tracking", bandwidth=200.0, angle="filtered", cut_off=50.0),
     "Kalman's speed": Controller(**DAMPED, velocity="kalman", acceleration=300.0),
     "impulse as long as an interval": Controller("impulse_damping", pulse=1.0),
+    "impulse": Controller("impulse_damping", gain=0.8),
+    "long impulse": Controller("impulse_damping", pulse=0.5),
+    "hold in steps": Controller("first_order_hold", steps=3),
+    "hold in many steps without correction": Controller("first_order_hold", steps=64, correct=False),
+    "half sample": Controller("half_sample"),
+    "matched wall": Controller("matched_wall"),
 }
+MODEL = Model(2.2e-6, 3.45e-4, 0.04)  # knob and hand of `trials.HAND`
 
 
 def told(name: str, rate: float = 1000, counts: int = 1024, **changes: float) -> Settings:
     """Settings of a trial under one of `CONTROLLERS`."""
     plain = settings(rate, counts, **changes)
-    return plain._replace(control=control_of(CONTROLLERS[name], plain))
+    return plain._replace(control=control_of(CONTROLLERS[name], plain, MODEL))
 
 
 def readings(seed: int, count: int) -> Iterator[int]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from hknob_cli.hardware.port import Block, Settings, Simulated
 from hknob_cli.hardware.wire.acts import UNPACK_ACT
-from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
+from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
 from hknob_cli.hardware.wire.frame import Decoder, frame
@@ -45,7 +45,8 @@ class Manners:
     mute: bool = False
     simulated: bool = True
     outside: bool = False  # the wall, where the made-up angles are: it has no torque there, as was agreed
-    knows_acts: bool = False  # pulses, and torques over the angle
+    knows_acts: bool = False  # pulses, torques over the angle, converters
+    abilities: int | None = 0b11_1111_1111_1110  # laws that it says it has; None: it does not know the question
     own_time: bool = False  # it says that its clock is made up, too: nobody holds it against this computer's
     late_s: float = 0.0
     version: int = 1
@@ -154,8 +155,11 @@ class FakeTarget:
                 manners = self.manners
                 about = About(10_000, 20_000, simulated=manners.simulated, name="made up", knows_control=True)
                 knows = manners.knows_acts
-                about = about._replace(own_time=manners.own_time, knows_pulses=knows, knows_over_angle=knows)
-                return out, about
+                flags = dict.fromkeys(("knows_pulses", "knows_over_angle", "knows_abilities"), knows)
+                return out, about._replace(own_time=manners.own_time, **flags)
+            case Kind.ABILITIES, _:
+                laws = self.manners.abilities
+                return out, Status.NOT_KNOWN if laws is None else Abilities(laws, 3)
             case Kind.RELEASE, _:
                 self._rest(now)
                 self.blocks, self._event = [], None

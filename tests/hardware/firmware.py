@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.port import Control, Pulse, Settings, Simulated, Squeeze
+from hknob_cli.hardware.port import Control, Converters, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.reference_target import ARITHMETIC, PORTABLE, SOURCES, STRICT, compiler
 from hknob_cli.hardware.wire.acts import Piece
 from hknob_cli.hardware.wire.answers import Ack, Event, Samples
@@ -111,6 +111,25 @@ class CPiece(c.Structure):
         return cls(piece.at, len(piece.torques), (c.c_double * 32)(*piece.torques))
 
 
+class CConverters(c.Structure):
+    _fields_ = (
+        *((name, c.c_double) for name in Converters._fields[:-1]),
+        ("rounding", c.c_uint8),
+    )
+
+
+class CSlot(c.Structure):
+    _fields_ = (("begins", c.c_double), ("age", c.c_uint32), ("part", c.c_uint32))
+
+
+class CLine(c.Structure):
+    _fields_ = (
+        *((name, c.c_uint32) for name in ("parts", "rows", "newest", "slot_count")),
+        ("slots", CSlot * 65),
+        ("torques", c.c_double * 1024),
+    )
+
+
 class COverAngle(c.Structure):
     _fields_ = (("head", CTable), ("filled", c.c_uint32), ("torques", c.c_double * 16_640))
 
@@ -129,6 +148,7 @@ class CCommand(c.Structure):
         ("squeeze", CSqueeze),
         ("over_angle", CTable),
         ("torques", CPiece),
+        ("converters", CConverters),
     )
 
 
@@ -160,11 +180,21 @@ def library() -> c.CDLL:
     built.wall_decimate.restype = c.c_int64
     built.wall_decimate.argtypes = (c.c_int32, c.c_uint32, c.c_uint32)
     built.wall_torque.restype = built.wall_limit.restype = c.c_double
-    built.wall_torque.argtypes = (c.c_int64, c.c_int64, *4 * (c.c_double,))
+    built.wall_torque.argtypes = (c.c_int64, c.c_int64, *5 * (c.c_double,))
     built.wall_limit.argtypes = (c.c_double, c.c_double)
     built.law_act.restype = built.wall_controlled.restype = c.c_double
-    built.law_act.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double), c.c_double)
-    built.law_begin.argtypes = built.law_act.argtypes
+    built.law_begin.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double), c.c_double)
+    built.law_act.argtypes = (*built.law_begin.argtypes, c.POINTER(c.c_double))
+    built.law_parts.restype = built.law_known.restype = c.c_uint32
+    built.law_parts.argtypes = (c.POINTER(CControl), c.POINTER(c.c_double))
+    built.convert_count.restype, built.convert_send.restype = c.c_int64, c.c_double
+    built.convert_count.argtypes = (c.POINTER(CConverters), c.c_int32, c.c_uint32, c.c_uint32)
+    built.convert_send.argtypes = (c.POINTER(CConverters), c.c_double)
+    built.converters_in_range.restype = built.line_begin.restype = c.c_bool
+    built.converters_in_range.argtypes = (c.POINTER(CConverters),)
+    built.line_begin.argtypes = (c.POINTER(CLine), c.c_uint32, c.POINTER(c.c_double), c.c_double)
+    built.line_put.argtypes = (c.POINTER(CLine), c.POINTER(c.c_double))
+    built.line_torque.restype, built.line_torque.argtypes = c.c_double, (c.POINTER(CLine), c.c_uint32)
     built.wall_controlled.argtypes = (c.c_double, c.c_int64, c.c_int64, *4 * (c.c_double,))
     built.control_in_range.restype = c.c_bool
     built.control_in_range.argtypes = (c.POINTER(CControl),)
@@ -214,6 +244,8 @@ class ScriptedTarget:
     angle = Variable(c.c_int32)
     torque = Variable(c.c_double)
     grip = Variable(c.c_double)
+    passed = Variable(c.c_double)
+    samples = Variable(c.c_uint32)
     boot = Variable(c.c_uint32)
     trials = Variable(c.c_uint32)
     starts = Variable(c.c_uint32)
@@ -228,6 +260,7 @@ class ScriptedTarget:
     def __init__(self) -> None:
         self.c = library()
         self.now, self.angle, self.torque, self.grip, self.emergency = 10**12, 0, 0.0, 0.0, 0
+        self.passed, self.samples = 0.0, 0
         self.unable = self.trials = self.starts = self.locks = self.in_count = self.in_at = self.out_count = 0
         self.out_room, self.boot, self.call_at = 1 << 18, 7, 2**64 - 1
         self.nonce = 100

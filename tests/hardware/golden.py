@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Sine, Squeeze
+from hknob_cli.hardware.port import Block, Control, Converters, Pulse, Settings, Simulated, Sine, Squeeze
 from hknob_cli.hardware.wire.acts import Piece, Table
-from hknob_cli.hardware.wire.answers import About, Ack, Event, Samples
+from hknob_cli.hardware.wire.answers import Abilities, About, Ack, Event, Samples
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate, Zero
 from hknob_cli.hardware.wire.frame import frame
@@ -65,6 +65,9 @@ SQUEEZE = Squeeze(
 # A spring of 0.25 N·m a count below 0 and none above, two counts a turn, and its six torques.
 TABLE = Table(first=-4, turn=2, size=6, below=-0.5, above=0.0)
 PIECE = Piece(0, (1.0, 0.75, 0.5, 0.25, 0.0, 0.0))
+# An encoder that rounds to the nearest count, a dead band, steps, a limit, and a delay of a sample and a half.
+CONVERTERS = Converters(0.25, 0.0001, 0.0005, 0.04, 1.5, 1)
+ABILITIES = Abilities(laws=0x3FFE, knows=3)
 PASSIVITY = Control(Law.PASSIVITY, 1, (0.0, 0.4444444444444444, 1.0), (0.0, 0.0, 0.0, 0.0))
 
 
@@ -112,6 +115,8 @@ GOLDEN: dict[str, Message] = {
     "squeeze": SetAct(15, SQUEEZE),
     "over_angle": SetAct(16, TABLE),
     "torques": SetAct(17, PIECE),
+    "abilities": Plain(Kind.ABILITIES, 18),
+    "converters": SetAct(19, CONVERTERS),
     "ack_of_hello": ack(1, Kind.HELLO, said=About(10000, 20000, simulated=True, name="reference")),
     "ack_of_hello_of_a_knob": ack(
         1, Kind.HELLO, said=About(16384, 250000, simulated=False, name="knob", no_grip_cell=True, knows_zero=True)
@@ -129,6 +134,11 @@ GOLDEN: dict[str, Message] = {
         Kind.HELLO,
         said=About(10000, 20000, simulated=True, name="reference", knows_control=True, knows_over_angle=True),
     ),
+    "ack_of_hello_of_a_target_with_abilities": ack(
+        1,
+        Kind.HELLO,
+        said=About(10000, 20000, simulated=True, name="reference", knows_control=True, knows_abilities=True),
+    ),
     "ack_of_zero": ack(11, Kind.ZERO, said=-1024),
     "ack_of_configure": ack(2, Kind.CONFIGURE, said=SETTINGS),
     "ack_of_configure_refused": ack(2, Kind.CONFIGURE, status=Status.OUT_OF_RANGE),
@@ -142,6 +152,9 @@ GOLDEN: dict[str, Message] = {
     "ack_of_over_angle": ack(16, Kind.OVER_ANGLE, said=TABLE),
     "ack_of_over_angle_not_known": ack(16, Kind.OVER_ANGLE, status=Status.NOT_KNOWN),
     "ack_of_torques": ack(17, Kind.TORQUES, said=PIECE),
+    "ack_of_abilities": ack(18, Kind.ABILITIES, said=ABILITIES),
+    "ack_of_converters": ack(19, Kind.CONVERTERS, said=CONVERTERS),
+    "ack_of_converters_not_known": ack(19, Kind.CONVERTERS, status=Status.NOT_KNOWN),
     "ack_of_arm": ack(5, Kind.ARM, state=State.ARMED),
     "ack_of_start": ack(6, Kind.START, state=State.RUNNING, blocks=12),
     "ack_of_stop": ack(7, Kind.STOP, blocks=301),
@@ -166,7 +179,9 @@ def fields(message: Any) -> list[str]:
     for name, value in message._asdict().items():
         if (name, value) == ("squeeze", ()) or name == "sensors":  # SQUEEZE has a person who squeezes; no target has
             continue  # these sensors
-        if isinstance(value, Settings | Simulated | About | Control | Pulse | Squeeze | Table | Piece):
+        if isinstance(
+            value, Converters | Abilities | Settings | Simulated | About | Control | Pulse | Squeeze | Table | Piece
+        ):
             found += fields(value)
         elif isinstance(value, Block):
             found += [f"first={value.first}", f"overruns={value.overruns}", *samples(value)]

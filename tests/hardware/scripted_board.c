@@ -12,8 +12,8 @@ const struct identity board_identity = {640000u, 40000u, SIMULATED, "scripted"};
 
 uint64_t scripted_now, scripted_call_at = BOARD_NEVER;
 int32_t scripted_angle;
-double scripted_torque, scripted_grip;
-uint32_t scripted_boot = 7u, scripted_trials, scripted_starts, scripted_locks;
+double scripted_torque, scripted_grip, scripted_passed;
+uint32_t scripted_samples, scripted_boot = 7u, scripted_trials, scripted_starts, scripted_locks;
 uint8_t scripted_emergency, scripted_unable, scripted_in[65536], scripted_out[262144];
 size_t scripted_in_count, scripted_in_at, scripted_out_count, scripted_out_room = sizeof scripted_out;
 
@@ -93,6 +93,12 @@ void board_started(void)
     scripted_starts++;
 }
 
+void board_passed(double part, bool ends)
+{
+    scripted_passed += part;
+    scripted_samples += ends ? 1u : 0u;
+}
+
 uint8_t board_simulate(const struct simulated *simulated)
 {
     (void)simulated;
@@ -116,7 +122,7 @@ int scripted_follow(const struct simulated *person, double interval_s, size_t co
     for (size_t i = 0; i < count; i++) {
         angle_rad[i] = plant.angle;
         speed_rad_s[i] = plant.speed / interval_s;
-        plant_advance(&plant, torque_nm[i]);
+        plant_advance(&plant, torque_nm[i], 1.0, true);
     }
     angle_rad[count] = plant.angle;
     speed_rad_s[count] = plant.speed / interval_s;
@@ -131,7 +137,7 @@ void scripted_person(const struct simulated *person, double interval_s, size_t c
     for (size_t i = 0; i < count; i++) {
         push_nm[i] = plant_push(&plant);
         grip_n[i] = plant_grip(&plant);
-        plant_advance(&plant, 0.0);
+        plant_advance(&plant, 0.0, 1.0, true);
     }
 }
 
@@ -150,7 +156,7 @@ int scripted_squeezed(const struct simulated *person, const struct squeeze *sque
         grip_n[i] = plant_grip(&plant);
         angle_rad[i] = plant_angle(&plant);
         torque_nm[i] = pulse_step(pulse, &state, (double)(float)grip_n[i], i >= before);
-        plant_advance(&plant, torque_nm[i]);
+        plant_advance(&plant, torque_nm[i], 1.0, true);
     }
     return 1;
 }

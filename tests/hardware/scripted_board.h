@@ -9,8 +9,8 @@
 
 extern uint64_t scripted_now, scripted_call_at;
 extern int32_t scripted_angle;
-extern double scripted_torque, scripted_grip;
-extern uint32_t scripted_boot, scripted_trials, scripted_starts, scripted_locks;
+extern double scripted_torque, scripted_grip, scripted_passed;
+extern uint32_t scripted_samples, scripted_boot, scripted_trials, scripted_starts, scripted_locks;
 extern uint8_t scripted_emergency, scripted_unable, scripted_in[65536], scripted_out[262144];
 extern size_t scripted_in_count, scripted_in_at, scripted_out_count, scripted_out_room;
 

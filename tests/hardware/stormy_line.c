@@ -11,7 +11,7 @@
 #include "target.h"
 
 static uint64_t seed = 20260u;
-static unsigned controllers, pulses, tables; /* that could be taken */
+static unsigned controllers, pulses, tables, conversions; /* that could be taken */
 
 /* xorshift64*: the same numbers everywhere. */
 static uint32_t chance(uint32_t below)
@@ -25,10 +25,10 @@ static uint32_t chance(uint32_t below)
 static size_t good_frame(uint8_t *frame)
 {
     static const uint8_t types[] = {HELLO, CONFIGURE, ARM, START, STOP, RELEASE, ALIVE, AGAIN, SIMULATE, CONTROL, PULSE, SQUEEZE, OVER_ANGLE,
-                                    TORQUES};
-    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u, 42u, 46u, 121u, 34u, 27u};
+                                    TORQUES, ABILITIES, CONVERTERS};
+    static const size_t lengths[] = {6u, 52u, 6u, 6u, 6u, 6u, 10u, 12u, 80u, 42u, 46u, 121u, 34u, 27u, 6u, 47u};
     uint8_t body[121];
-    uint32_t which = chance(14u);
+    uint32_t which = chance(16u);
     for (size_t i = 0; i < sizeof body; i++) {
         body[i] = (uint8_t)(chance(3u) == 0u ? 0u : chance(256u));
     }
@@ -91,17 +91,23 @@ static void serve(size_t count)
 /* A controller that can be taken, of any law, with any window. */
 static struct control sensible_control(void)
 {
-    static const uint8_t numbers[] = {0u, 3u, 2u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u};
-    static const uint8_t rows[] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u};
-    struct control c = {(uint8_t)(1u + chance(11u)), 0u, 0u, 0u, {0.0}, {0.0}};
+    static const uint8_t numbers[] = {0u, 3u, 2u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u, 5u, 4u};
+    static const uint8_t rows[] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u, 1u, 1u};
+    struct control c = {(uint8_t)(1u + chance(13u)), 0u, 0u, 0u, {0.0}, {0.0}};
     unsigned window = 1u + chance(64u), filter = chance(2u);
     c.number_count = numbers[c.law];
     c.row_count = rows[c.law];
     for (unsigned i = 1u; i < c.number_count; i++) {
         c.numbers[i] = 0.01 * chance(200u);
     }
-    if (c.law == 3u) { /* passivity */
+    if (c.law == 2u) { /* first-order hold */
+        c.numbers[2] = 0.0;
+        c.numbers[3] = chance(2u) == 0u ? 1.0 : window;
+    } else if (c.law == 3u) { /* passivity */
         c.places = 1u;
+    } else if (c.law >= 12u) { /* half sample, matched wall; without a sensor */
+        c.places = 1u;
+        c.numbers[c.number_count - 1u] = 0.0;
     } else if (c.law == 6u) { /* velocity damping */
         c.numbers[2] = 0.0;
         c.numbers[4] = window;
@@ -109,7 +115,7 @@ static struct control sensible_control(void)
         c.places = (uint8_t)window;
         c.row_count = (uint8_t)(window + filter);
     } else if (c.law == 11u) { /* impulse damping */
-        c.numbers[1] = 1.0;
+        c.numbers[1] = 0.01 * (1u + chance(100u));
         c.numbers[3] = 0.0;
     } else if (c.law >= 7u) { /* of an estimated speed */
         c.numbers[3] = 0.5 * filter;
@@ -149,7 +155,7 @@ static size_t sensible_table(uint8_t *body)
     return torques_write(body, 6u, &piece, piece.values);
 }
 
-/* Settings, a pulse, a table or a controller that can be taken, else any good frame. */
+/* Settings, a pulse, a table, converters or a controller that can be taken, else any good frame. */
 static size_t sensible_frame(uint8_t *frame)
 {
     uint8_t body[1024] = {WIRE_VERSION, CONFIGURE};
@@ -175,6 +181,16 @@ static size_t sensible_frame(uint8_t *frame)
             body[i] = (uint8_t)chance(256u);
         }
         return frame_encode(frame, body, sensible_table(body));
+    }
+    if (chance(6u) == 0u) {
+        struct converters one = {0.1 * chance(10u), 1e-4 * chance(5u), 1e-4 * chance(5u), 0.01 * chance(5u), 0.25 * chance(40u),
+                                 (uint8_t)chance(4u)};
+        body[1] = CONVERTERS;
+        for (size_t i = 2u; i < 6u; i++) {
+            body[i] = (uint8_t)chance(256u);
+        }
+        conversions += converters_in_range(&one) ? 1u : 0u;
+        return frame_encode(frame, body, converters_write(body, 6u, &one));
     }
     if (chance(4u) != 0u) {
         return good_frame(frame);
@@ -230,7 +246,7 @@ int main(void)
     unsigned running = 0u, astray = wander(&running);
     printf("torque without a clock %u, locks %s, torque seen %s\n", astray,
            scripted_locks < 100000000u && scripted_locks % 2u == 0u ? "in order" : "astray", running > 1000u ? "often" : "never");
-    printf("controllers %s, pulses %s, tables %s\n", controllers > 8000u ? "many" : "few", pulses > 4000u ? "many" : "few",
-           tables > 2000u ? "many" : "few");
+    printf("controllers %s, pulses %s, tables %s, converters %s\n", controllers > 8000u ? "many" : "few", pulses > 4000u ? "many" : "few",
+           tables > 2000u ? "many" : "few", conversions > 2000u ? "many" : "few");
     return 0;
 }

@@ -7,20 +7,21 @@ import numpy as np
 import pytest
 
 from hknob_cli.controllers.scalar_law import make_law
+from hknob_cli.engine.general.laws.law import PIECE
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.control import control_of
-from hknob_cli.hardware.port import Block
+from hknob_cli.hardware.control import begins_of, control_of
+from hknob_cli.hardware.port import FIRST_LAWS, Block
 from hknob_cli.hardware.replay import RecordedTrial, is_of_wall
 from hknob_cli.hardware.safety import LimitMonitor
 from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
-from hknob_cli.hardware.wire.codes import Law
+from hknob_cli.hardware.wire.codes import ALL_LAWS, Law
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
 from tests.hardware.controllers import CONTROLLERS, told
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
-KNOWING = ALIGNED._replace(knows_control=True)
-NAMES = ["lag", "passivity", "damping everywhere", "timed", "phase by halves"]
+KNOWING = ALIGNED._replace(knows_control=True, knows_parts=True, laws=ALL_LAWS)
+NAMES = ["lag", "passivity", "damping everywhere", "timed", "phase by halves", "half sample", "impulse", "matched wall"]
 SCENE = Scene(knob=Knob(inertia=1.9e-6), wall=Wall(stiffness=0.27), hand=Hand(3e-7, 3.45e-4, 0.04), encoder=Encoder())
 
 
@@ -32,12 +33,18 @@ def test_the_numbers_are_those_of_a_sweep(name: str) -> None:
     assert Law(control.law).name.lower() == law.act.__name__
     assert control.numbers == pytest.approx([min(one, sys.float_info.max) for one in law.fixed], rel=1e-14)
     assert control.rows == tuple(law.first)
-    assert (control.places, law.parts, law.looks) == (law.places, 1, 0)
+    assert (control.places, law.looks) == (law.places, 0)
+    ends = np.cumsum(list(law.sched[::PIECE]))
+    assert (0.0, *ends[:-1]) == pytest.approx(begins_of(control), rel=1e-14)
 
 
-@pytest.mark.parametrize("controller", [Controller("half_sample"), Controller("matched_wall")])
-def test_what_needs_a_model_of_the_knob_is_none_of_a_target(controller: Controller) -> None:
-    with pytest.raises(ValueError, match="no target runs"):
+SENSED = [Controller(kind, velocity="sensor") for kind in ("half_sample", "matched_wall")]
+READ = [Controller("first_order_hold", detections=4), Controller("impulse_damping", detections=4)]
+
+
+@pytest.mark.parametrize("controller", [*SENSED, *READ])
+def test_what_reads_more_than_counts_at_samples_is_none_of_a_target(controller: Controller) -> None:
+    with pytest.raises(ValueError, match="no target reads"):
         control_of(controller, settings())
 
 
@@ -99,6 +106,19 @@ def test_a_device_that_does_not_know_controllers_says_so() -> None:
         pytest.raises(DeviceError, match="it runs the plain wall alone, no controller"),
     ):
         device.configure(told("lag"), HAND)
+
+
+def test_older_firmware_is_refused_by_what_it_lacks() -> None:
+    older = IDENTITY._replace(laws=FIRST_LAWS, knows_parts=False, knows_converters=False)
+    for name, said in (
+        ("half sample", "does not have the controller half_sample"),
+        ("impulse", "does not change within"),
+    ):
+        with VirtualDevice(identity=older) as device, pytest.raises(DeviceError, match=said):
+            device.configure(told(name), HAND)
+    for name in ("lag", "impulse as long as an interval", "hold"):
+        with VirtualDevice(identity=older) as device:
+            device.configure(told(name), HAND)
 
 
 @pytest.mark.parametrize("name", NAMES)

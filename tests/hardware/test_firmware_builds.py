@@ -16,7 +16,7 @@ from hknob_cli.errors import DeviceError, UsageError
 from hknob_cli.hardware import reference_target
 from hknob_cli.hardware.order import settings_of, trials_of
 from hknob_cli.hardware.over_angle import over_angle_of
-from hknob_cli.hardware.port import Block, Device, Settings, Simulated, Sine
+from hknob_cli.hardware.port import Block, Converters, Device, Settings, Simulated, Sine
 from hknob_cli.hardware.pulse_person import squeezer
 from hknob_cli.hardware.reference_target import QEMU, SOURCES, Target, build_target, compiler, run_target
 from hknob_cli.hardware.serial_device import SerialDevice
@@ -121,6 +121,34 @@ def test_under_a_controller_the_same_samples_as_the_virtual_device(name: str, bu
     with VirtualDevice() as device:
         plain = trial(device, settings._replace(control=None), 500)
     assert not np.array_equal(column(plain, "torque_nm", count=500), column(expected, "torque_nm", count=500))
+
+
+CONVERTED = {
+    "all converters": ("", Converters(0.25, 1e-4, 2e-4, 0.04, 1.25, 1)),
+    "half a sample late, up": ("", Converters(delay_samples=0.5, rounding=2)),
+    "half sample": ("half sample", None),
+    "matched wall": ("matched wall", None),
+    "impulse": ("impulse", Converters(rounding=3)),
+    "hold in steps, delayed": ("hold in steps", Converters(delay_samples=0.5)),
+}
+
+
+@pytest.mark.parametrize(("target", "count"), [("host", 500), ("qemu", 150)])
+@pytest.mark.parametrize("name", CONVERTED)
+def test_what_the_program_recommends_is_run_as_by_the_virtual_device(
+    name: str, target: Target, count: int, built: Path
+) -> None:
+    """Controllers with a model, torques that change within an interval, delays and converters."""
+    need(target)
+    law, converters = CONVERTED[name]
+    settings = told(law, 455, block_samples=5, torque_limit_nm=0.2) if law else SETTINGS._replace(period_ns=2_000_000)
+    settings = settings._replace(converters=converters)
+    with VirtualDevice() as device:
+        expected = trial(device, settings, count)
+    found = undisturbed_trial(target, built, settings, count)
+    for what in ("angle_counts", "torque_nm"):
+        assert np.array_equal(column(found, what, count=count), column(expected, what, count=count)), what
+    assert len(set(column(found, "torque_nm", count=count).tolist())) > 3
 
 
 def test_the_emulated_target_runs_a_controller(built: Path) -> None:

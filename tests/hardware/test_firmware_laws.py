@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.hardware.control import ControlledWall
+from hknob_cli.hardware.control import ControlledWall, begins_of
 from hknob_cli.hardware.port import Control
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
 from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
@@ -33,17 +33,23 @@ def test_every_law_of_the_wire_is_tested() -> None:
 def test_torques_are_those_of_the_engine_to_the_last_bit(name: str) -> None:
     settings = told(name, wall_damping=1e-6)
     wall = ControlledWall(settings, made(name))
-    control, past = CControl.of(made(name)), (c.c_double * 66)()
+    control, past, parts = CControl.of(made(name)), (c.c_double * 66)(), (c.c_double * 64)()
     assert library().control_in_range(control)
     quantum = math.tau / settings.counts_per_rev
     before, seen = -2, set()
+    begins = begins_of(made(name))
+    assert library().law_parts(control, parts) == len(begins)
+    assert tuple(parts[: len(begins)]) == begins
     library().law_begin(control, past, float(before))
     for count in readings(NAMES.index(name), 20_000):
-        depth = library().law_act(control, past, float(count))
-        torque = library().wall_controlled(depth, count, before, quantum, settings.interval_s, 0.27, 1e-6)
-        assert torque == wall.torque(count, before)
+        assert library().law_act(control, past, float(count), parts) == parts[0]
+        torques = [
+            library().wall_controlled(depth, count, before, quantum, settings.interval_s, 0.27, 1e-6)
+            for depth in parts[: len(begins)]
+        ]
+        assert torques == wall.torques(count, before)
         before = count
-        seen.add(torque)
+        seen.add(torques[0])
     assert len(seen) > 100
     rows = len(made(name).rows)
     assert [*past][: rows + 1] == wall.memory
@@ -64,12 +70,22 @@ def test_a_trial_is_that_of_the_law(name: str) -> None:
     assert target.torque == 0.0
     target.plain(Kind.START)
     before, expected, sent = -900 * 1024 // NATIVE, [], []
-    for count in readings(7, 1000):
+    begins, target.passed = begins_of(settings.control), 0.0
+    for i, count in enumerate(readings(7, 1000)):
         target.angle = count * NATIVE // 1024
         coarse = target.angle * 1024 // NATIVE
+        torques = [max(-0.2, min(0.2, one)) for one in wall.torques(coarse, before)]
+        due = target.call_at
         target.sample()
-        expected.append(max(-0.2, min(0.2, wall.torque(coarse, before))))
+        expected.append(torques[0])
         assert target.torque == expected[-1]
+        assert target.passed == pytest.approx(i + 1, rel=1e-12)
+        for begin, torque in zip(begins[1:], torques[1:], strict=True):
+            assert target.call_at == due + int(begin * settings.period_ns)
+            target.sample()
+            assert target.torque == torque
+            assert target.passed == pytest.approx(i + 1 + begin, rel=1e-12)
+        assert target.call_at == due + settings.period_ns
         before = coarse
         target.nonce += 1
         sent += samples_of(target.tell(Alive(target.nonce, 0)))
@@ -130,7 +146,16 @@ def test_settings_make_it_forget_and_nothing_else_does() -> None:
 
 WRONG: list[tuple[str, dict[str, Any]]] = [
     ("lag", {"law": 0}),
-    ("lag", {"law": 12}),
+    ("lag", {"law": 14}),
+    ("half sample", {"numbers": (0.0, 0.5, 1.0, 0.9, 1.0)}),  # a sensor of the speed
+    ("half sample", {"places": 0}),
+    ("matched wall", {"numbers": (0.0, 1.0, 1.0, 1.0)}),  # a sensor of the speed
+    ("hold in steps", {"numbers": (0.0, 1.0, 0.0, 65.0)}),
+    ("hold in steps", {"numbers": (0.0, 1.0, 0.0, 0.0)}),
+    ("hold in steps", {"numbers": (0.0, 1.0, 0.0, 2.5)}),
+    ("impulse", {"numbers": (0.0, 0.0, 1.0, 0.0)}),
+    ("impulse", {"numbers": (0.0, 1.5, 1.0, 0.0)}),
+    ("impulse", {"numbers": (0.0, -0.5, 1.0, 0.0)}),
     ("lag", {"law": 255}),
     ("lag", {"numbers": (0.0, 0.1)}),
     ("lag", {"numbers": (0.0, 0.1, 0.2, 0.3)}),
@@ -138,7 +163,6 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
     ("lag", {"rows": (0.0, 0.0)}),
     ("lag", {"places": 1}),
     ("hold", {"numbers": (0.0, 1.0, 3.0, 1.0)}),  # four readings a sample
-    ("hold", {"numbers": (0.0, 1.0, 0.0, 2.0)}),  # two torques a sample
     ("passivity", {"places": 0}),
     ("damping", {"numbers": (0.0, -1.0, 1.0, 0.0, 1.0, 0.0, 9.0)}),  # a sensor of the speed
     ("damping", {"numbers": (0.0, -1.0, 0.0, 0.0, 2.0, 0.0, 9.0)}),  # a window that the rows do not have
@@ -146,7 +170,6 @@ WRONG: list[tuple[str, dict[str, Any]]] = [
     ("adaptive", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 6.0, 8.0)}),  # another place of the last reading
     ("adaptive", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 1e9, 8.0)}),
     ("timed", {"numbers": (0.0, -1.0, 0.0, 0.0, 9.0, 0.0, 2.0, 4.0, 80.0)}),  # four readings a sample
-    ("impulse as long as an interval", {"numbers": (0.0, 0.5, 1.0, 0.0)}),  # two torques a sample
     ("impulse as long as an interval", {"numbers": (0.0, 1.0, 1.0, 3.0)}),
 ]
 

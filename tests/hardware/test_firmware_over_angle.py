@@ -268,7 +268,9 @@ def test_the_host_holds_a_device_to_its_table() -> None:
     angles = 400 * np.cumsum(np.random.default_rng(1).integers(-3, 4, 200))
     coarse = angles * 1024 // NATIVE
     running = np.arange(200) >= 10
-    torques = np.clip(wall.follow(coarse, np.concatenate([coarse[:1], coarse[:-1]]))[0], -0.05, 0.05) * running
+    before = np.concatenate([coarse[:1], coarse[:-1]])
+    acting = [wall.torque(*pair) for pair in zip(coarse.tolist(), before.tolist(), strict=True)]
+    torques = np.clip(acting, -0.05, 0.05) * running
     block = Block(0, 250 * np.arange(200), angles, torques.astype(np.float32).astype(float), np.zeros(200), running, 0)
 
     def check(torque_nm: np.ndarray) -> None:

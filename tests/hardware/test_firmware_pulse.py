@@ -283,7 +283,7 @@ def test_a_target_without_a_grip_cell_knows_none() -> None:
 
     body = (c.c_uint8 * 64)()
     library().identity_write(body, c.c_size_t(0), c.byref(Identity(4096, 250_000, 2, b"knob")))
-    assert body[8] == 2 + 8 + 16 + 64  # without 32
+    assert body[8] == 2 + 8 + 16 + 64 + 128  # without 32
 
 
 def test_pulses_that_are_too_long_are_refused_by_the_host_too() -> None:

@@ -54,7 +54,7 @@ def take(target: ScriptedTarget, count: int) -> list[Samples]:
 
 def test_who_it_is(target: ScriptedTarget) -> None:
     answer = target.plain(Kind.HELLO)
-    knows = {"knows_zero": True, "knows_control": True, "knows_pulses": True, "knows_over_angle": True}
+    knows = {f"knows_{what}": True for what in ("zero", "control", "pulses", "over_angle", "abilities")}
     assert answer.said == About(NATIVE, 40_000, simulated=True, name="scripted", **knows)
     assert answer[2:7] == (Status.DONE, State.IDLE, Trip.NONE, 7, 0)
 

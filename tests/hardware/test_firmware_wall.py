@@ -38,14 +38,14 @@ def test_torque_is_the_formula_to_the_last_bit() -> None:
         count, before = rng.randrange(-5000, 50), rng.randrange(-5000, 50)
         quantum, interval = math.tau / rng.randrange(1, 100_000), rng.choice([1e-3, 2.5e-4, 1 / 455])
         stiffness, damping = rng.uniform(0, 10), rng.choice([0.0, rng.uniform(0, 1e-3)])
-        torque = library().wall_torque(count, before, quantum, interval, stiffness, damping)
+        torque = library().wall_torque(count, before, 0.0, quantum, interval, stiffness, damping)
         expected = -stiffness * (count * quantum) - damping * ((count - before) * quantum) / interval
         assert torque == (expected if count < 0 else 0.0)
 
 
 def test_outside_the_wall_there_is_no_torque_however_fast() -> None:
-    assert library().wall_torque(0, -1000, 0.01, 1e-3, 1.0, 1.0) == 0.0
-    assert library().wall_torque(-1, 0, 0.01, 1e-3, 1.0, 0.0) == 0.01
+    assert library().wall_torque(0, -1000, 0.0, 0.01, 1e-3, 1.0, 1.0) == 0.0
+    assert library().wall_torque(-1, 0, 0.0, 0.01, 1e-3, 1.0, 0.0) == 0.01
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from hknob_cli.hardware.port import Control, Pulse, Squeeze
+from hknob_cli.hardware.port import Control, Converters, Pulse, Squeeze
 from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.codes import Kind
 from hknob_cli.hardware.wire.commands import Again, Alive, Configure, Plain, SetAct, Simulate
@@ -21,6 +21,8 @@ from tests.hardware.firmware import (
     SOURCES,
     CCommand,
     CControl,
+    CConverters,
+    CLine,
     COverAngle,
     CPiece,
     CPulse,
@@ -86,6 +88,8 @@ def test_the_target_reads_the_fields_of_golden_commands(name: str) -> None:
             assert bytes(command.over_angle) == bytes(CTable(*said.act))
         case SetAct(act=Piece()):
             assert bytes(command.torques) == bytes(CPiece.of(said.act))
+        case SetAct(act=Converters()):
+            assert values(command.converters) == tuple(said.act)
         case SetAct(act=Squeeze()):
             assert bytes(command.squeeze) == bytes(CSqueeze.of(said.act))
         case Alive():
@@ -190,7 +194,7 @@ def test_100000_frames_that_are_none_and_50000_that_are(tmp_path: Path) -> None:
     storm, wander, controllers = done.stdout.splitlines()
     assert storm == "taken 0, trials 0, bytes answered 0, to a good frame then 49"
     assert wander == "torque without a clock 0, locks in order, torque seen often"
-    assert controllers == "controllers many, pulses many, tables many"
+    assert controllers == "controllers many, pulses many, tables many, converters many"
 
 
 def test_the_template_compiles(tmp_path: Path) -> None:
@@ -208,4 +212,6 @@ def test_structures_are_laid_out_as_in_c() -> None:
     assert c.sizeof(CTable) == 32
     assert c.sizeof(CPiece) == 8 + 32 * 8
     assert c.sizeof(COverAngle) == 32 + 8 + 16_640 * 8
+    assert c.sizeof(CConverters) == 6 * 8
+    assert c.sizeof(CLine) == 16 + 65 * 16 + 1024 * 8
     assert c.sizeof(CSqueeze) == 6 * 8 + 8 + 40 * 8 + 4 * 24

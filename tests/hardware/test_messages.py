@@ -119,6 +119,7 @@ finite = st.floats(allow_nan=False, allow_infinity=False)
         control=st.none(),
         pulse=st.none(),
         over_angle=st.none(),
+        converters=st.none(),
     ),
 )
 def test_settings_come_back_bit_by_bit(nonce: int, settings: Settings) -> None:

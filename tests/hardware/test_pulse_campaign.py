@@ -220,4 +220,5 @@ def test_measured_torque_is_in_the_recording(tmp_path: Path) -> None:
     told = done[0].table["acceleration_rad_s2"].to_numpy()
     assert float(told[: before.size].std()) == pytest.approx(5.0, rel=0.2)
     assert float(np.abs(told).max()) > 500.0
-    assert float(one.measured_torque_nm.max()) == pytest.approx(float(one.torque_nm.max()), abs=1e-4)
+    motor = float(one.torque_nm.max())  # of which the printed friction, 0.56 mN·m, does not reach the sensor
+    assert float(one.measured_torque_nm.max()) == pytest.approx(motor - 5.6e-4, abs=1e-4)

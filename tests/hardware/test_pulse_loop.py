@@ -122,6 +122,41 @@ def test_the_sensors_obey_the_equation_of_motion(lag: float) -> None:
     assert float(np.abs(told).max()) > 500.0
 
 
+QUIET = SPEC.replace("pulses: {", "pulses: {sensors: {torque_noise: 0, torque_sees_friction: SEES}, ")
+
+
+@pytest.mark.parametrize("lag", [0.0, 2e-4])
+def test_a_sensor_that_carries_the_motor_reads_what_turns_the_hand(lag: float) -> None:
+    """Under the printed friction, from the angle alone: J x'' + B x' + K x of the motion that was recorded."""
+    nuisances = Nuisances(amplifier_s=lag)
+    block, other = (pulsed(QUIET.replace("SEES", sees), nuisances=nuisances) for sees in ("true", "false"))
+    assert np.array_equal(block.angle_counts, other.angle_counts)
+    told, motor = block.measured_torque_nm, other.measured_torque_nm
+    assert told is not None
+    assert motor is not None
+    onset = int(np.flatnonzero(block.torque_nm)[0])
+    plan = planned(QUIET.replace("SEES", "true"))
+    hand = squeezer(plan, trials_of(plan)[0])
+    assert hand.coulomb_nm == 5.6e-4
+    angle = block.angle_counts * COUNT - hand.angle_rad
+    # While it slides one way friction takes its level, of that way.
+    apart = 20
+    speed = np.zeros(angle.size)
+    speed[apart:-apart] = (angle[2 * apart :] - angle[: -2 * apart]) / (2 * apart * DT)
+    after = np.arange(angle.size) - onset
+    slides = (after > 20) & (after < 600) & (np.abs(speed) > 0.5)
+    assert slides.sum() > 150
+    taken = motor - told
+    assert np.abs(taken[slides] - 5.6e-4 * np.sign(speed[slides])).max() < 1e-9
+    # Where it stands still, the hand's spring is all that there is to read.
+    last = slice(-200, None)
+    assert np.ptp(block.angle_counts[last]) == 0
+    middle = angle[last] + 0.5 * COUNT
+    squeezed_at = truth(QUIET.replace("SEES", "true"), 1, onset - int(np.argmax(block.running)))
+    assert np.abs(told[last] - squeezed_at.stiffness * middle).max() < 0.6 * squeezed_at.stiffness * COUNT + 1e-9
+    assert np.abs(taken).max() <= 5.6e-4 * (1.0 + 1e-6)
+
+
 def test_noise_of_the_sensors_is_as_asked_for() -> None:
     text = SPEC.replace("pulses: {", "pulses: {sensors: {torque_noise: 2.0e-5, acceleration_noise: 5.0}, ")
     block = pulsed(text)

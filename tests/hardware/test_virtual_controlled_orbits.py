@@ -11,19 +11,24 @@ from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.general.laws.step import run_with_law
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.hardware.control import control_of
+from hknob_cli.hardware.wire.codes import ALL_LAWS
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import scene_at
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
+from tests.hardware.controllers import MODEL
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
-KNOWING = ALIGNED._replace(knows_control=True)
+KNOWING = ALIGNED._replace(knows_control=True, knows_parts=True, laws=ALL_LAWS)
 QUANTUM = tau / ALIGNED.native_counts
 CONTROLLERS = {
     "{kind: bounded_lag, keep: 0.15, time_constant: 0.2}": Controller("bounded_lag", keep=0.15, time_constant=0.2),
     "{kind: first_order_hold}": Controller("first_order_hold"),
     "{kind: velocity_damping, damping: 2.0e-5}": Controller("velocity_damping", damping=2.0e-5),
+    "{kind: half_sample}": Controller("half_sample"),
+    "{kind: matched_wall}": Controller("matched_wall"),
+    "{kind: impulse_damping}": Controller("impulse_damping"),
 }
 
 
@@ -49,8 +54,8 @@ def samples_of(orbit: Attractor, text: str, rate: int, counts: int) -> np.ndarra
 def test_a_trial_settles_on_a_proven_orbit(text: str, rate: int, counts: int) -> None:
     """In native counts, except a few samples so close to one of its edges that rounding puts them on the other side."""
     result = stage(text).run_cell({"sample_rate_hz": float(rate), "counts_per_rev": counts})
-    told = settings(rate, counts)
-    told = told._replace(control=control_of(CONTROLLERS[text], told))
+    told = settings(rate, counts, torque_limit_nm=1.0)
+    told = told._replace(control=control_of(CONTROLLERS[text], told, MODEL))
     got = virtual_trial(told, HAND, duration_s=6.0, identity=KNOWING).angle_counts
     found = []
     for orbit in result.attractors:

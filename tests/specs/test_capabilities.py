@@ -253,13 +253,15 @@ def test_a_benchmark_refuses_what_the_table_says(part: str) -> None:
     assert refused == (VERDICTS[part, "bench"] == REFUSED)
 
 
-CONTROLLED = [part for part in CHANGES if "controller" in CHANGES[part].get("scene", {})]
+TOLD = ("controller", "encoder", "actuator")  # what a device is told beside its wall
+CONTROLLED = [part for part in CHANGES if part not in ("bare",) and {*TOLD} & {*CHANGES[part].get("scene", {})}]
 
 
 @pytest.mark.parametrize("part", CONTROLLED)
 def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
     source = Source("spec.yaml")
-    source.value = {"kind": "hw-run", "name": "small", "controller": CHANGES[part]["scene"]["controller"]}
+    told = {key: value for key, value in CHANGES[part]["scene"].items() if key in TOLD}
+    source.value = {"kind": "hw-run", "name": "small", **told}
     if VERDICTS[part, "device"] != REFUSED:
         validate(source)
         return

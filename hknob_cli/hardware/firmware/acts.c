@@ -117,6 +117,22 @@ bool torques_read(struct torques *t, struct reader *r, size_t count)
     return true;
 }
 
+enum { CONVERTERS_BYTES = 6 + 5 * 8 + 1 };
+
+bool converters_read(struct converters *c, struct reader *r, size_t count)
+{
+    if (count != CONVERTERS_BYTES) {
+        return false;
+    }
+    c->offset_counts = get_f64(r);
+    c->dead_band_nm = get_f64(r);
+    c->step_nm = get_f64(r);
+    c->limit_nm = get_f64(r);
+    c->delay_samples = get_f64(r);
+    c->rounding = (uint8_t)get(r, 1u);
+    return true;
+}
+
 size_t control_write(uint8_t *body, size_t at, const struct control *c)
 {
     at = put(body, at, c->law, 1u);
@@ -166,4 +182,14 @@ size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, cons
     at = put(body, at, piece->at, 4u);
     at = put(body, at, piece->count, 1u);
     return put_f64s(body, at, values, piece->count);
+}
+
+size_t converters_write(uint8_t *body, size_t at, const struct converters *c)
+{
+    at = put_f64(body, at, c->offset_counts);
+    at = put_f64(body, at, c->dead_band_nm);
+    at = put_f64(body, at, c->step_nm);
+    at = put_f64(body, at, c->limit_nm);
+    at = put_f64(body, at, c->delay_samples);
+    return put(body, at, c->rounding, 1u);
 }

@@ -19,7 +19,8 @@ uint32_t board_boot(void);
 /* Time since some moment, in ns: never goes back, never wraps. Called from the sample clock and from the main loop. */
 uint64_t board_now_ns(void);
 
-/* Have the sample clock call target_sample() once, as soon as this time has come; BOARD_NEVER: not at all. */
+/* Have the sample clock call target_sample() once, as soon as this time has come; BOARD_NEVER: not at all. It is asked
+   for more than once an interval where a torque changes within it. */
 void board_call_at(uint64_t time_ns);
 
 /* Counts of the knob's encoder, growing outwards, 0 at the wall's edge. Called once a sample. */
@@ -45,6 +46,10 @@ void board_unlock(void);
 /* A trial is armed, or its wall is switched on with the next sample: a simulated knob rests, or is taken hold of. */
 bool board_armed(const struct settings *settings);
 void board_started(void);
+
+/* So much of a sample interval has passed under the torque that was last set: a simulated knob moves. `ends`: a sample
+   comes next, else another torque within the interval. Nothing where the knob is real. */
+void board_passed(double part, bool ends);
 
 /* Take on another simulated knob; the status of the answer: NOT_KNOWN where the knob is real. */
 uint8_t board_simulate(const struct simulated *simulated);

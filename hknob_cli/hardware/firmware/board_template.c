@@ -98,6 +98,12 @@ void board_started(void)
 {
 }
 
+void board_passed(double part, bool ends)
+{
+    (void)part;
+    (void)ends;
+}
+
 uint8_t board_simulate(const struct simulated *simulated)
 {
     (void)simulated;

@@ -13,10 +13,10 @@
 #define MEAN_SAMPLES 64.0
 #define UNSURE (1.0 / 6.0)
 #define DRIFT 0.05
-#define WINDOW_MOST 64
+#define WINDOW_MOST 64 /* PARTS_MOST, too */
 
 enum { BOUNDED_LAG = 1, FIRST_ORDER_HOLD, PASSIVITY, PHASE_DAMPING, STIFFENING, VELOCITY_DAMPING, DIFFERENCED_VELOCITY,
-       TIMED_VELOCITY, ADAPTIVE_VELOCITY, TRACKED_VELOCITY, IMPULSE_DAMPING, LAWS };
+       TIMED_VELOCITY, ADAPTIVE_VELOCITY, TRACKED_VELOCITY, IMPULSE_DAMPING, HALF_SAMPLE, MATCHED_WALL, LAWS };
 
 static double bounded_lag(double shown, double *past, const double *fixed)
 {
@@ -25,23 +25,46 @@ static double bounded_lag(double shown, double *past, const double *fixed)
     return w - (1.0 - fixed[2]) * smaller(larger(w - past[0], -1.0), 1.0);
 }
 
-/* Without readings within the interval, and in one step. */
-static double first_order_hold(double shown, double *past, const double *fixed)
+/* Without readings within the interval. */
+static double first_order_hold(double shown, double *past, const double *fixed, double *parts)
 {
     double now = depth_of(shown, fixed[0]), before = past[0];
     double mean = 1.5 * now - 0.5 * before, acted = 0.5 * (now + before);
     double missed = fixed[1] > 0.0 ? acted - past[1] : 0.0;
     past[0] = now;
     past[1] = mean;
-    return mean + missed;
+    int steps = (int)fixed[3];
+    double rise = 2.0 * (mean - now);
+    for (int k = 0; k < steps; k++) {
+        parts[k] = now + (k + 0.5) / steps * rise + missed;
+    }
+    return steps > 1 ? parts[0] : mean + missed;
 }
 
-/* Without a pulse shorter than the interval, and without readings within it. */
-static double impulse_damping(double shown, double *past, const double *fixed)
+/* Without readings within the interval. */
+static double impulse_damping(double shown, double *past, const double *fixed, double *parts)
 {
     double now = depth_of(shown, fixed[0]), missed = 0.5 * (now - past[0]);
     past[0] = now;
+    parts[1] = now;
     return now + fixed[2] * missed / fixed[1];
+}
+
+/* The wall for the middle of the interval, by a model of knob and hand; without a sensor of the speed. */
+static double half_sample(double shown, double *past, const double *fixed)
+{
+    double at = shown + fixed[0], pace = at - past[0];
+    double middle = (fixed[2] * at + fixed[1] * pace) * fixed[3];
+    past[0] = at;
+    return larger(-middle, 0.0);
+}
+
+/* Without a sensor of the speed. */
+static double matched_wall(double shown, double *past, const double *fixed)
+{
+    double at = shown + fixed[0], pace = at - past[0];
+    past[0] = at;
+    return shown < 0.0 ? -(fixed[1] * at + fixed[2] * pace) : 0.0;
 }
 
 static double passivity(double shown, double *past, const double *fixed)
@@ -137,7 +160,7 @@ static double velocity_damping(double shown, double *past, const double *fixed)
     return fixed[3] > 0.0 || shown < 0.0 ? wall + fixed[1] * pace : wall;
 }
 
-double law_act(const struct control *c, double *past, double count)
+double law_act(const struct control *c, double *past, double count, double *parts)
 {
     const double *fixed = c->numbers;
     double found = 0.0;
@@ -146,7 +169,7 @@ double law_act(const struct control *c, double *past, double count)
         found = bounded_lag(count, past, fixed);
         break;
     case FIRST_ORDER_HOLD:
-        found = first_order_hold(count, past, fixed);
+        found = first_order_hold(count, past, fixed, parts);
         break;
     case PASSIVITY:
         found = passivity(count, past, fixed);
@@ -172,12 +195,36 @@ double law_act(const struct control *c, double *past, double count)
     case TRACKED_VELOCITY:
         found = tracked_velocity(count, past, fixed);
         break;
+    case HALF_SAMPLE:
+        found = half_sample(count, past, fixed);
+        break;
+    case MATCHED_WALL:
+        found = matched_wall(count, past, fixed);
+        break;
     default:
-        found = impulse_damping(count, past, fixed);
+        found = impulse_damping(count, past, fixed, parts);
         break;
     }
     past[c->row_count] = count;
+    parts[0] = found;
     return found;
+}
+
+uint32_t law_parts(const struct control *c, double *begins)
+{
+    uint32_t count = c->law == FIRST_ORDER_HOLD ? (uint32_t)c->numbers[3] : 1u;
+    for (uint32_t k = 0; k < count; k++) {
+        begins[k] = (double)k / (double)count;
+    }
+    if (c->law == IMPULSE_DAMPING && c->numbers[1] < 1.0) {
+        begins[count++] = c->numbers[1];
+    }
+    return count;
+}
+
+uint32_t law_known(void)
+{
+    return (1u << LAWS) - 2u;
 }
 
 void law_begin(const struct control *c, double *past, double count)
@@ -197,8 +244,8 @@ static unsigned window_of(double samples)
 /* Rows and places that a law takes with these numbers; false where they are none of its own. */
 static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
 {
-    static const uint8_t numbers[LAWS] = {0u, 3u, 4u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u};
-    static const uint8_t usual_rows[LAWS] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u};
+    static const uint8_t numbers[LAWS] = {0u, 3u, 4u, 3u, 5u, 3u, 7u, 8u, 9u, 8u, 9u, 4u, 5u, 4u};
+    static const uint8_t usual_rows[LAWS] = {0u, 1u, 2u, 4u, 8u, 0u, 0u, 0u, 2u, 0u, 2u, 1u, 1u, 1u};
     const double *fixed = c->numbers;
     if (c->law == 0u || c->law >= LAWS || c->number_count != numbers[c->law]) {
         return false;
@@ -207,7 +254,7 @@ static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
     bool filters = estimates && c->law != TRACKED_VELOCITY && fixed[GOES] != 0.0;
     unsigned window = 1u;
     *rows = usual_rows[c->law];
-    *places = c->law == PASSIVITY ? 1u : 0u;
+    *places = c->law == PASSIVITY || c->law == HALF_SAMPLE || c->law == MATCHED_WALL ? 1u : 0u;
     if (c->law == VELOCITY_DAMPING) {
         window = window_of(fixed[4]);
         *rows = window + (fixed[5] > 0.0 ? 1u : 0u);
@@ -220,10 +267,11 @@ static bool shape_of(const struct control *c, unsigned *rows, unsigned *places)
     if (window == 0u || (estimates && fixed[LAST] != (double)*rows)) {
         return false;
     }
-    /* More than one reading or torque a sample, or a sensor of the speed. */
+    /* More than one reading a sample, or a sensor of the speed. */
     bool once = (c->law != TIMED_VELOCITY || fixed[OWN] == 1.0) && (c->law != VELOCITY_DAMPING || fixed[2] == 0.0);
-    once = once && (c->law != FIRST_ORDER_HOLD || (fixed[2] == 0.0 && fixed[3] == 1.0));
-    return once && (c->law != IMPULSE_DAMPING || (fixed[1] == 1.0 && fixed[3] == 0.0));
+    once = once && (c->law != FIRST_ORDER_HOLD || (fixed[2] == 0.0 && window_of(fixed[3]) > 0u));
+    once = once && (c->law != HALF_SAMPLE || fixed[4] == 0.0) && (c->law != MATCHED_WALL || fixed[3] == 0.0);
+    return once && (c->law != IMPULSE_DAMPING || (fixed[1] > 0.0 && fixed[1] <= 1.0 && fixed[3] == 0.0));
 }
 
 bool control_in_range(const struct control *c)

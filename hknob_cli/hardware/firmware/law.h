@@ -1,4 +1,4 @@
-/* Controllers of the wall: one reading and one torque a sample (docs/reference/wire.md, "Controllers"). */
+/* Controllers of the wall: one reading a sample, and one torque or more (docs/reference/wire.md, "Controllers"). */
 #ifndef LAW_H
 #define LAW_H
 
@@ -12,7 +12,14 @@ bool control_in_range(const struct control *control);
 /* Memory before the first sample with the wall on; the knob has stood at `count`. Room for LAW_ROWS_MOST + 1. */
 void law_begin(const struct control *control, double *past, double count);
 
-/* What the law gives at `count`, in counts of the plain wall's spring; its memory is renewed. */
-double law_act(const struct control *control, double *past, double count);
+/* What the law gives at `count`, in counts of the plain wall's spring: one for each part of the interval. Its memory is
+   renewed; the first of them is returned, too. */
+double law_act(const struct control *control, double *past, double count, double *parts);
+
+/* How many parts the interval has, and where each begins; of the plain wall one, at 0. Room for PARTS_MOST. */
+uint32_t law_parts(const struct control *control, double *begins);
+
+/* The laws that this target has, a bit each. */
+uint32_t law_known(void);
 
 #endif

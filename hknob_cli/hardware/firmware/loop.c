@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "board.h"
+#include "convert.h"
 #include "law.h"
 #include "target.h"
 #include "wall.h"
@@ -17,9 +18,13 @@ bool loop_on(void)
 
 bool loop_arm(void)
 {
-    if (!board_armed(&loop.settings)) {
+    static const struct control none;
+    uint32_t parts = law_parts(loop.over_angle.head.size > 0u ? &none : &loop.control, loop.parts);
+    if (!line_begin(&loop.line, parts, loop.parts, loop.converters.delay_samples) || !board_armed(&loop.settings)) {
         return false;
     }
+    loop.slot = 0u;
+    loop.passed = 0.0;
     record_begin(&loop.record, loop.settings.block_samples);
     loop.overruns = 0u;
     loop.control_begun = false;
@@ -103,40 +108,84 @@ static uint32_t time_of(uint32_t index, uint64_t now)
     return time_us;
 }
 
-/* Torque of the wall at a count, before the limit. */
-static double torque_of_wall(int64_t count)
+/* Torques of the wall at a count, one a part of the interval, before converters and limit. */
+static void torques_of_wall(int64_t count)
 {
     const struct settings *s = &loop.settings;
+    double *parts = loop.parts;
     if (loop.over_angle.head.size > 0u) {
-        return over_angle_torque(&loop.over_angle, count) -
-               wall_brake(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_damping);
+        parts[0] = over_angle_torque(&loop.over_angle, count) -
+                   wall_brake(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_damping);
+        return;
     }
     if (loop.control.law == 0u) {
-        return wall_torque(count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness, s->wall_damping);
+        parts[0] = wall_torque(count, loop.count_before, loop.converters.offset_counts, loop.quantum_rad, loop.interval_s,
+                               s->wall_stiffness, s->wall_damping);
+        return;
     }
     if (!loop.control_begun) {
         law_begin(&loop.control, loop.past, (double)loop.count_before);
         loop.control_begun = true;
     }
-    double depth = law_act(&loop.control, loop.past, (double)count);
-    return wall_controlled(depth, count, loop.count_before, loop.quantum_rad, loop.interval_s, s->wall_stiffness,
-                           s->wall_damping);
+    (void)law_act(&loop.control, loop.past, (double)count, parts);
+    for (uint32_t i = 0; i < loop.line.parts; i++) {
+        parts[i] = wall_controlled(parts[i], count, loop.count_before, loop.quantum_rad, loop.interval_s,
+                                   s->wall_stiffness, s->wall_damping);
+    }
 }
 
-/* Torque at a sample, before the limit: of the pulse, which follows the grip from arming on, or of the wall. */
+/* Torque from a sample on, before the limit: of the pulse, which follows the grip from arming on, or of the wall, as it
+   comes out of converters and line. */
 static double torque_at(int64_t count, float grip_n)
 {
     bool running = loop.state == RUNNING;
     if (loop.pulse.width > 0u) {
         return pulse_step(&loop.pulse, &loop.pulsing, (double)grip_n, running);
     }
-    return running ? torque_of_wall(count) : 0.0;
+    if (!running) {
+        return 0.0;
+    }
+    torques_of_wall(count);
+    for (uint32_t i = 0; i < loop.line.parts; i++) {
+        if (loop.parts[i] - loop.parts[i] != 0.0) {
+            return loop.parts[i]; /* not a number: it trips, late or not */
+        }
+        loop.parts[i] = convert_send(&loop.converters, loop.parts[i]);
+    }
+    line_put(&loop.line, loop.parts);
+    return line_torque(&loop.line, 0u);
+}
+
+/* Have the clock call for the next torque within this interval; for the next sample, if there is none. */
+static void call_next(void)
+{
+    if (loop.state == RUNNING && loop.pulse.width == 0u && loop.slot < loop.line.slot_count) {
+        board_call_at(loop.taken_ns + (uint64_t)(loop.line.slots[loop.slot].begins * loop.settings.period_ns));
+    } else {
+        loop.slot = 0u;
+        board_call_at(loop.due_ns);
+    }
+}
+
+/* Another torque, within an interval. */
+static void change_torque(void)
+{
+    double begins = loop.line.slots[loop.slot].begins;
+    board_passed(begins - loop.passed, false);
+    loop.passed = begins;
+    board_torque(wall_limit(line_torque(&loop.line, loop.slot), loop.settings.torque_limit_nm));
+    loop.slot++;
+    call_next();
 }
 
 void target_sample(void)
 {
     const struct settings *s = &loop.settings;
     if (!loop_on()) {
+        return;
+    }
+    if (loop.slot > 0u) {
+        change_torque();
         return;
     }
     uint64_t now = board_now_ns();
@@ -148,8 +197,10 @@ void target_sample(void)
         trip(FAULT_NO_ROOM, index, now);
         return;
     }
+    board_passed(1.0 - loop.passed, true);
+    loop.passed = 0.0;
     int32_t angle = angle_now();
-    int64_t count = wall_decimate(angle, s->counts_per_rev, board_identity.native_counts);
+    int64_t count = convert_count(&loop.converters, angle, s->counts_per_rev, board_identity.native_counts);
     if (index == 0u) {
         loop.angle_before = angle;
         loop.count_before = count;
@@ -172,10 +223,12 @@ void target_sample(void)
     loop.angle_before = angle;
     loop.count_before = count;
     loop.before_ns = now;
+    loop.taken_ns = loop.due_ns;
     /* Samples whose time has gone by are left out. */
     loop.due_ns += s->period_ns;
     if (loop.due_ns <= now) {
         loop.due_ns += ((now - loop.due_ns) / s->period_ns + 1u) * s->period_ns;
     }
-    board_call_at(loop.due_ns);
+    loop.slot = 1u;
+    call_next();
 }

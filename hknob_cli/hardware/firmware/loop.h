@@ -5,6 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "line.h"
 #include "over_angle.h"
 #include "pulse.h"
 #include "record.h"
@@ -16,19 +17,24 @@ struct loop {
     struct control control; /* law 0: the plain wall */
     struct pulse pulse;     /* in place of any wall; of width 0: none */
     struct over_angle_table over_angle; /* the spring among it; of size 0: none */
+    struct converters converters;
     uint64_t heard_ns; /* when a valid frame last came */
     uint32_t overruns, tripped_index, tripped_us;
     int64_t zero_counts; /* added to the board's angle */
     struct record record;
     /* The sample's own. */
     double quantum_rad, native_rad, interval_s;
-    uint64_t armed_ns, due_ns, before_ns;
+    uint64_t armed_ns, due_ns, before_ns, taken_ns; /* taken_ns: when the last sample should have been taken */
     int64_t count_before;
     int32_t angle_before;
     uint32_t told_us; /* time of the sample before */
     bool control_begun;
     struct pulse_state pulsing;
     double past[LAW_ROWS_MOST + 1u]; /* the controller's memory, then the last reading */
+    double parts[PARTS_MOST];        /* torques of an interval */
+    struct line line;
+    uint32_t slot;   /* that is next within this interval; 0: a sample is */
+    double passed; /* of this interval, when the last torque was set */
 };
 
 extern struct loop loop;

@@ -59,6 +59,7 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
     case START:
     case STOP:
     case RELEASE:
+    case ABILITIES:
         return count == 6u;
     case ALIVE:
     case AGAIN:
@@ -92,6 +93,8 @@ bool command_read(struct command *command, const uint8_t *body, size_t count)
         return over_angle_read(&command->over_angle, &r, count);
     case TORQUES:
         return torques_read(&command->torques, &r, count);
+    case CONVERTERS:
+        return converters_read(&command->converters, &r, count);
     default:
         return false;
     }
@@ -146,12 +149,19 @@ size_t sample_write(uint8_t *body, size_t at, const struct sample *s)
 size_t identity_write(uint8_t *body, size_t at, const struct identity *i)
 {
     unsigned pulses = (i->flags & NO_GRIP_CELL) == 0u ? KNOWS_PULSES : 0u;
-    unsigned knows = (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL | (unsigned)KNOWS_OVER_ANGLE | pulses;
+    unsigned knows = (unsigned)KNOWS_ZERO | (unsigned)KNOWS_CONTROL | (unsigned)KNOWS_OVER_ANGLE |
+                     (unsigned)KNOWS_ABILITIES | pulses;
     at = put(body, at, i->native_counts, 4u);
     at = put(body, at, i->shortest_period_ns, 4u);
     at = put(body, at, i->flags | knows, 1u);
     memcpy(body + at, i->name, NAME_BYTES);
     return at + NAME_BYTES;
+}
+
+size_t abilities_write(uint8_t *body, size_t at, uint32_t laws)
+{
+    at = put(body, at, laws, 4u);
+    return put(body, at, (unsigned)KNOWS_CONVERTERS | (unsigned)KNOWS_PARTS, 4u);
 }
 
 size_t zero_write(uint8_t *body, size_t at, int32_t angle)

@@ -14,10 +14,11 @@
 #define NAME_BYTES 16u
 #define LAW_NUMBERS_MOST 9u
 #define LAW_ROWS_MOST 65u
+#define PARTS_MOST 64u /* torques in a sample interval */
 
 enum { HELLO = 0x01, CONFIGURE = 0x02, ARM = 0x03, START = 0x04, STOP = 0x05, RELEASE = 0x06, ALIVE = 0x07,
        AGAIN = 0x08, ZERO = 0x09, SIMULATE = 0x10, CONTROL = 0x11, PULSE = 0x12, SQUEEZE = 0x13,
-       OVER_ANGLE = 0x14, TORQUES = 0x15, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
+       OVER_ANGLE = 0x14, TORQUES = 0x15, ABILITIES = 0x16, CONVERTERS = 0x17, ACK = 0x81, BLOCK = 0x82, EVENT = 0x83 };
 enum { DONE = 0, NOT_NOW = 1, OUT_OF_RANGE = 2, NOT_KNOWN = 3 };
 enum { IDLE = 0, ARMED = 1, RUNNING = 2, TRIPPED = 3 };
 enum { NO_FAULT = 0, FAULT_WATCHDOG = 1, FAULT_SPEED = 2, FAULT_NOT_A_NUMBER = 3, FAULT_EMERGENCY = 4, FAULT_NO_ROOM = 5 };
@@ -76,6 +77,12 @@ struct torques {
     double values[TORQUES_MOST];
 };
 
+/* What lies between the angle and the wall, and between the wall and the motor (convert.h). All 0: nothing. */
+struct converters {
+    double offset_counts, dead_band_nm, step_nm, limit_nm, delay_samples;
+    uint8_t rounding;
+};
+
 struct command {
     uint8_t type;
     uint32_t nonce;
@@ -89,11 +96,14 @@ struct command {
     struct squeeze squeeze;
     struct over_angle over_angle;
     struct torques torques;
+    struct converters converters;
 };
 
-/* What a target is and can do, in its answer to HELLO. The target itself adds the last four. */
+/* What a target is and can do, in its answer to HELLO. The target itself adds the last five. */
 enum { SIMULATED = 1, NO_GRIP_CELL = 2, OWN_TIME = 4, KNOWS_ZERO = 8, KNOWS_CONTROL = 16, KNOWS_PULSES = 32,
-       KNOWS_OVER_ANGLE = 64 };
+       KNOWS_OVER_ANGLE = 64, KNOWS_ABILITIES = 128 };
+/* Of the answer to ABILITIES: beside the laws, a bit each, what else it knows. */
+enum { KNOWS_CONVERTERS = 1, KNOWS_PARTS = 2 };
 
 struct identity {
     uint32_t native_counts, shortest_period_ns;
@@ -141,6 +151,8 @@ size_t pulse_write(uint8_t *body, size_t at, const struct pulse *pulse);
 size_t over_angle_write(uint8_t *body, size_t at, const struct over_angle *over_angle);
 size_t torques_write(uint8_t *body, size_t at, const struct torques *piece, const double *values);
 size_t squeeze_write(uint8_t *body, size_t at, const struct squeeze *squeeze);
+size_t abilities_write(uint8_t *body, size_t at, uint32_t laws);
+size_t converters_write(uint8_t *body, size_t at, const struct converters *converters);
 size_t sample_write(uint8_t *body, size_t at, const struct sample *sample);
 
 bool settings_in_range(const struct settings *settings, const struct identity *identity);
@@ -154,5 +166,6 @@ double *squeeze_number(struct squeeze *squeeze, unsigned i);
 /* Whether a pulse is one that a target may fire under these settings. */
 bool pulse_in_range(const struct pulse *pulse, const struct settings *settings);
 bool squeeze_in_range(const struct squeeze *squeeze);
+bool converters_in_range(const struct converters *converters);
 
 #endif

@@ -178,14 +178,14 @@ static void slide(struct plant *p, double rate, double u)
     p->speed += by[1][0] * speed + by[1][1] * rate;
 }
 
-void plant_advance(struct plant *p, double torque_nm)
+void plant_advance(struct plant *p, double torque_nm, double part, bool ends)
 {
     if (!p->held) {
         return;
     }
     if (p->squeeze.hand_count > 0u && p->fired_s == HUGE_VAL) {
         if (torque_nm == 0.0) {
-            p->passed++;
+            p->passed += ends ? 1u : 0u;
             return;
         }
         double hand[3], t = p->passed * p->interval_s;
@@ -195,8 +195,8 @@ void plant_advance(struct plant *p, double torque_nm)
     }
     double torque = (torque_nm - plant_push(p)) * p->per_torque;
     double friction = p->person.coulomb_nm * p->per_torque;
-    double left = 1.0;
-    p->passed++;
+    double left = part;
+    p->passed += ends ? 1u : 0u;
     /* Of a motion that begins at rest the speed next vanishes half a turn later: an end of events there is. */
     while (left > 0.0) {
         double pull = torque - p->spring * p->angle;

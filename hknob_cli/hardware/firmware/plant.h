@@ -32,8 +32,8 @@ bool plant_squeezed(struct plant *plant, const struct squeeze *squeeze);
 /* The person takes hold; this is the sample at t = 0. */
 void plant_start(struct plant *plant);
 
-/* On to the next sample, under a torque in N·m. */
-void plant_advance(struct plant *plant, double torque_nm);
+/* On by a part of an interval, under a torque in N·m; `ends`: to the next sample. */
+void plant_advance(struct plant *plant, double torque_nm, double part, bool ends);
 
 /* The angle at this sample, in rad. */
 double plant_angle(const struct plant *plant);

@@ -46,15 +46,19 @@ void board_started(void)
     first = true;
 }
 
+void board_passed(double part, bool ends)
+{
+    if (armed && !first) {
+        plant_advance(&plant, torque, part, ends);
+    }
+    first = false;
+}
+
 int32_t board_angle(void)
 {
     if (!armed) {
         return 0;
     }
-    if (!first) {
-        plant_advance(&plant, torque);
-    }
-    first = false;
     double counts = floor(plant_angle(&plant) / TWO_PI * SIMULATED_NATIVE_COUNTS);
     /* Beyond what the encoder can count, and where the angle is not a number, it shows its end. */
     return counts > -2147483648.0 && counts < 2147483647.0 ? (int32_t)counts : counts < 0.0 ? INT32_MIN : INT32_MAX;

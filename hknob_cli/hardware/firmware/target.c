@@ -65,6 +65,7 @@ static uint8_t configure(const struct settings *settings)
     loop.control.law = 0u; /* its numbers are of other settings */
     loop.pulse.width = 0u;
     loop.over_angle.head.size = 0u;
+    memset(&loop.converters, 0, sizeof loop.converters);
     self.configured = true;
     return DONE;
 }
@@ -108,6 +109,18 @@ static uint8_t pulse(const struct pulse *pulse)
         return OUT_OF_RANGE;
     }
     loop.pulse = *pulse;
+    return DONE;
+}
+
+static uint8_t converters(const struct converters *converters)
+{
+    if (loop.state != IDLE || !self.configured) {
+        return NOT_NOW;
+    }
+    if (!converters_in_range(converters)) {
+        return OUT_OF_RANGE;
+    }
+    loop.converters = *converters;
     return DONE;
 }
 
@@ -182,6 +195,8 @@ static uint8_t carry_out(const struct command *c)
         return over_angle(&c->over_angle);
     case TORQUES:
         return torques(&c->torques);
+    case CONVERTERS:
+        return converters(&c->converters);
     case ZERO:
         return zero(c->angle);
     case ARM:
@@ -202,7 +217,7 @@ static uint8_t carry_out(const struct command *c)
     case RELEASE:
         return release();
     default:
-        return DONE; /* HELLO */
+        return DONE; /* HELLO, ABILITIES */
     }
 }
 
@@ -243,6 +258,8 @@ static size_t answer(void)
     switch (self.last_type) {
     case HELLO:
         return identity_write(self.body, count, &board_identity);
+    case ABILITIES:
+        return abilities_write(self.body, count, law_known());
     case CONFIGURE:
         return settings_write(self.body, count, &loop.settings);
     case ZERO:
@@ -259,6 +276,8 @@ static size_t answer(void)
         return over_angle_write(self.body, count, &loop.over_angle.head);
     case TORQUES:
         return torques_write(self.body, count, &self.piece, loop.over_angle.torques + self.piece.at);
+    case CONVERTERS:
+        return converters_write(self.body, count, &loop.converters);
     default:
         return count;
     }

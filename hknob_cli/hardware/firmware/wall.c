@@ -9,12 +9,14 @@ int64_t wall_decimate(int32_t angle, uint32_t counts_per_rev, uint32_t native_co
     return product % (int64_t)native_counts < 0 ? quotient - 1 : quotient;
 }
 
-double wall_torque(int64_t count, int64_t before, double quantum_rad, double interval_s, double stiffness, double damping)
+double wall_torque(int64_t count, int64_t before, double offset_counts, double quantum_rad, double interval_s,
+                   double stiffness, double damping)
 {
     if (count >= 0) {
         return 0.0;
     }
-    return -stiffness * ((double)count * quantum_rad) - damping * ((double)(count - before) * quantum_rad) / interval_s;
+    return -stiffness * (((double)count + offset_counts) * quantum_rad) -
+           damping * ((double)(count - before) * quantum_rad) / interval_s;
 }
 
 double wall_brake(int64_t count, int64_t before, double quantum_rad, double interval_s, double damping)

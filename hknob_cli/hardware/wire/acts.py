@@ -1,13 +1,13 @@
 """What acts in a trial beside the plain wall, as it lies in commands and in their answers.
 
-A controller; a pulse; who squeezes a simulated knob that pulses; and a torque over the angle, in pieces.
+A controller; a pulse; who squeezes a simulated knob that pulses; a torque over the angle, in pieces; and converters.
 """
 
 import struct
 from collections.abc import Callable
 from typing import NamedTuple
 
-from hknob_cli.hardware.port import MOST_HANDS, MOST_SINES, Control, OverAngle, Pulse, Sine, Squeeze
+from hknob_cli.hardware.port import MOST_HANDS, MOST_SINES, Control, Converters, OverAngle, Pulse, Sine, Squeeze
 from hknob_cli.hardware.wire.codes import Kind
 
 LAW = struct.Struct("<4B")
@@ -17,6 +17,7 @@ HAND = struct.Struct("<4d")
 SINE = struct.Struct("<3d")
 OVER_ANGLE = struct.Struct("<iIIdd")
 TORQUES = struct.Struct("<IB")
+CONVERTERS = struct.Struct("<5dB")
 MOST_TORQUES = 32
 
 
@@ -37,13 +38,14 @@ class Piece(NamedTuple):
     torques: tuple[float, ...]
 
 
-Act = Control | Pulse | Squeeze | Table | Piece
+Act = Control | Pulse | Squeeze | Table | Piece | Converters
 KINDS: dict[type[Act], Kind] = {
     Control: Kind.CONTROL,
     Pulse: Kind.PULSE,
     Squeeze: Kind.SQUEEZE,
     Table: Kind.OVER_ANGLE,
     Piece: Kind.TORQUES,
+    Converters: Kind.CONVERTERS,
 }
 
 
@@ -128,6 +130,16 @@ def unpack_piece(data: bytes) -> Piece:
     return Piece(at, struct.unpack(f"<{count}d", data[TORQUES.size :]))
 
 
+def pack_converters(converters: Converters) -> bytes:
+    """Converters as they lie in CONVERTERS, and in its ACK."""
+    return CONVERTERS.pack(*converters)
+
+
+def unpack_converters(data: bytes) -> Converters:
+    """Converters; raises struct.error for another length."""
+    return Converters(*CONVERTERS.unpack(data))
+
+
 def pack_act(act: Act) -> bytes:
     """Any of these, by its type; raises ValueError for too much."""
     match act:
@@ -141,6 +153,8 @@ def pack_act(act: Act) -> bytes:
             return pack_table(act)
         case Piece():
             return pack_piece(act)
+        case Converters():
+            return pack_converters(act)
 
 
 UNPACK_ACT: dict[int, Callable[[bytes], Act]] = {
@@ -149,4 +163,5 @@ UNPACK_ACT: dict[int, Callable[[bytes], Act]] = {
     Kind.SQUEEZE: unpack_squeeze,
     Kind.OVER_ANGLE: unpack_table,
     Kind.TORQUES: unpack_piece,
+    Kind.CONVERTERS: unpack_converters,
 }

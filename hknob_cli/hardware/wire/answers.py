@@ -13,6 +13,7 @@ from hknob_cli.hardware.wire.commands import ZERO, pack_settings, pack_simulated
 
 ACK = struct.Struct("<IBBBBII")
 HELLO = struct.Struct("<IIB16s")
+ABILITIES = struct.Struct("<II")
 BLOCK = struct.Struct("<IIIIIB")
 SAMPLE = np.dtype([("time_us", "<u4"), ("angle", "<i4"), ("torque_nm", "<f4"), ("grip_n", "<f4"), ("flags", "u1")])
 EVENT = struct.Struct("<IIBIII")
@@ -20,7 +21,7 @@ EVENT = struct.Struct("<IIBIII")
 MOST_SAMPLES = 48
 SIMULATED_FLAG = RUNNING_FLAG = 1
 NO_GRIP_CELL_FLAG, OWN_TIME_FLAG, KNOWS_ZERO_FLAG, KNOWS_CONTROL_FLAG, KNOWS_PULSES_FLAG = 2, 4, 8, 16, 32
-KNOWS_OVER_ANGLE_FLAG = 64
+KNOWS_OVER_ANGLE_FLAG, KNOWS_ABILITIES_FLAG = 64, 128
 
 
 class About(NamedTuple):
@@ -36,9 +37,17 @@ class About(NamedTuple):
     knows_control: bool = False
     knows_pulses: bool = False
     knows_over_angle: bool = False
+    knows_abilities: bool = False
 
 
-Said = About | Settings | Simulated | Act | int
+class Abilities(NamedTuple):
+    """What the answer to ABILITIES says: ``laws``, and what it ``knows`` beside, a bit each."""
+
+    laws: int
+    knows: int
+
+
+Said = About | Abilities | Settings | Simulated | Act | int
 
 
 class Ack(NamedTuple):
@@ -126,8 +135,10 @@ def _pack_said(said: Said | None) -> bytes:
             flags = said.simulated * SIMULATED_FLAG + said.no_grip_cell * NO_GRIP_CELL_FLAG
             flags += said.own_time * OWN_TIME_FLAG + said.knows_zero * KNOWS_ZERO_FLAG
             flags += said.knows_control * KNOWS_CONTROL_FLAG + said.knows_pulses * KNOWS_PULSES_FLAG
-            flags += said.knows_over_angle * KNOWS_OVER_ANGLE_FLAG
+            flags += said.knows_over_angle * KNOWS_OVER_ANGLE_FLAG + said.knows_abilities * KNOWS_ABILITIES_FLAG
             return HELLO.pack(said.native_counts, said.shortest_period_ns, flags, said.name.encode("ascii"))
+        case Abilities():
+            return ABILITIES.pack(*said)
         case int():
             return ZERO.pack(said)
         case Settings():
@@ -157,12 +168,17 @@ def _unpack_said(of: int, status: Status, data: bytes) -> Said | None:
             knows_control=bool(flags & KNOWS_CONTROL_FLAG),
             knows_pulses=bool(flags & KNOWS_PULSES_FLAG),
             knows_over_angle=bool(flags & KNOWS_OVER_ANGLE_FLAG),
+            knows_abilities=bool(flags & KNOWS_ABILITIES_FLAG),
         )
     if status is Status.DONE and of in _UNPACK:
         return _UNPACK[of](data)
     if data:
         raise ValueError("length")
     return None
+
+
+def _unpack_abilities(data: bytes) -> Abilities:
+    return Abilities(*ABILITIES.unpack(data))
 
 
 def _unpack_zero(data: bytes) -> int:
@@ -174,6 +190,7 @@ _UNPACK: dict[int, Callable[[bytes], Said]] = {
     Kind.CONFIGURE: unpack_settings,
     Kind.SIMULATE: unpack_simulated,
     Kind.ZERO: _unpack_zero,
+    Kind.ABILITIES: _unpack_abilities,
     **UNPACK_ACT,
 }
 

@@ -23,6 +23,8 @@ class Kind(IntEnum):
     SQUEEZE = 0x13
     OVER_ANGLE = 0x14
     TORQUES = 0x15
+    ABILITIES = 0x16
+    CONVERTERS = 0x17
     ACK = 0x81
     BLOCK = 0x82
     EVENT = 0x83
@@ -42,6 +44,16 @@ class Law(IntEnum):
     ADAPTIVE_VELOCITY = 9
     TRACKED_VELOCITY = 10
     IMPULSE_DAMPING = 11
+    HALF_SAMPLE = 12
+    MATCHED_WALL = 13
+
+    @property
+    def bit(self) -> int:
+        """Its place among the laws that a target has."""
+        return 1 << self
+
+
+ALL_LAWS = sum(law.bit for law in Law)
 
 
 class Status(IntEnum):

@@ -14,11 +14,11 @@ ALIVE = struct.Struct("<I")
 AGAIN = struct.Struct("<IH")
 ZERO = struct.Struct("<i")
 
-PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE)
+PLAIN = (Kind.HELLO, Kind.ARM, Kind.START, Kind.STOP, Kind.RELEASE, Kind.ABILITIES)
 
 
 class Plain(NamedTuple):
-    """HELLO, ARM, START, STOP or RELEASE: nothing but a nonce."""
+    """HELLO, ARM, START, STOP, RELEASE or ABILITIES: nothing but a nonce."""
 
     kind: Kind
     nonce: int

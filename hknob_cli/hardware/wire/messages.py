@@ -5,7 +5,7 @@ import struct
 
 import numpy as np
 
-from hknob_cli.hardware.port import Block, Control, Pulse, Settings, Simulated, Squeeze
+from hknob_cli.hardware.port import Block, Control, Converters, Pulse, Settings, Simulated, Squeeze
 from hknob_cli.hardware.wire.acts import Piece, Table
 from hknob_cli.hardware.wire.answers import Ack, Answer, Event, Samples, pack_answer, unpack_answer
 from hknob_cli.hardware.wire.codes import VERSION, Kind
@@ -47,6 +47,8 @@ def is_finite(message: Message) -> bool:
             return all(map(math.isfinite, (*control.numbers, *control.rows)))
         case SetAct(act=Pulse() as pulse) | Ack(said=Pulse() as pulse):
             return all(map(math.isfinite, pulse))
+        case SetAct(act=Converters() as converters) | Ack(said=Converters() as converters):
+            return all(map(math.isfinite, converters))
         case SetAct(act=Table() as table) | Ack(said=Table() as table):
             return all(map(math.isfinite, table))
         case SetAct(act=Piece() as piece) | Ack(said=Piece() as piece):

@@ -18,6 +18,7 @@ from hknob_cli.hardware.wire.commands import Command, Configure, SetAct, Simulat
 
 Sent = Settings | Simulated | Act
 
+NO_SENSORS = (None, None, True)  # as a person is who has none
 AGAIN_AFTER_S = 0.03
 # An emulator on a busy computer may need a multiple of that for a long message, and would have to read each copy too.
 OWN_TIME_AGAIN_AFTER_S = 0.5
@@ -33,6 +34,7 @@ _AFTER = {
     Kind.SQUEEZE: (State.IDLE,),
     Kind.OVER_ANGLE: (State.IDLE,),
     Kind.TORQUES: (State.IDLE,),
+    Kind.CONVERTERS: (State.IDLE,),
     Kind.ARM: (State.ARMED, State.TRIPPED),
     Kind.START: (State.RUNNING, State.TRIPPED),
     Kind.STOP: (State.IDLE,),
@@ -45,7 +47,7 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
 
     CONFIGURE comes first, by which it forgets what acted before; SQUEEZE after SIMULATE, by which it forgets who did.
     """
-    acts: list[Act] = [] if settings.control is None else [settings.control]
+    acts: list[Act] = [one for one in (settings.converters, settings.control) if one is not None]
     if settings.pulse is not None:
         acts.append(pulse_of(settings.pulse, settings.interval_s))
     if settings.over_angle is not None:
@@ -57,7 +59,7 @@ def told_of(settings: Settings, simulated: Simulated | None) -> Iterator[tuple[S
         knob = simulated._replace(squeeze=())
         yield knob, partial(Simulate, simulated=knob)
         if simulated.squeeze:
-            squeeze = simulated.squeeze._replace(sensors=(None, None))  # a target has no such sensors
+            squeeze = simulated.squeeze._replace(sensors=NO_SENSORS)  # a target has no such sensors
             yield squeeze, partial(SetAct, act=squeeze)
 
 

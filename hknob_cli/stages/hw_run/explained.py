@@ -23,7 +23,9 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     wall = Wall(*plan.first.wall)
     knob = Knob(*plan.knob)
     bias = Bias(torque=plan.person.push) if simulated else None
-    scene = Scene(knob=knob, wall=wall, bias=bias, controller=plan.first.controller)
+    first = plan.first
+    scene = Scene(knob=knob, wall=wall, bias=bias, controller=first.controller, actuator=first.actuator)
+    scene = scene._replace(encoder=first.encoder or scene.encoder)
     if plan.effects:
         scene = scene._replace(**plan.effects._asdict())
     if simulated:
@@ -31,7 +33,8 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
         wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
         parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
     else:
-        said = ("Wall:", "Encoder:", "Clock:", "Controller:", "Profile:", "Detents:", "End stops:", "Dead zone:")
+        told = ("Wall", "Encoder", "Clock", "Actuator", "Controller", "Profile", "Detents", "End stops", "Dead zone")
+        said = tuple(f"{name}:" for name in told)
         parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
     course, limits = plan.course, plan.limits
     about = {
@@ -92,7 +95,11 @@ def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:
 
 
 def _tried(one: Any, reference: str) -> str:
+    from hknob_cli.hardware.converters import converters_of, words_of
+
     acts = one.controller.words if one.controller else "no controller"
+    told = converters_of(one.encoder, one.actuator)
+    acts += f", {words_of(told)}" if told else ""
     damping = f", damping {short(one.wall.damping)} N*m*s/rad" if one.wall.damping else ""
     needs = f"; needs {one.needs}" if one.needs else ""
     name = f"{one.name}{' (the reference)' if one.name == reference else ''}"
