@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.specs.standard_input import is_stdin
+
 if TYPE_CHECKING:
     from hknob_cli.stages.job import Job
     from hknob_cli.stages.work import Work
@@ -18,7 +20,7 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
     The page of the results, else a page to play with the one knob of a sweep, else the picture, else the next spec.
     Nothing is named that is there already. A knob that does not buzz needs no remedies.
     """
-    if job.spec in ("", "-"):
+    if not job.spec or is_stdin(Path(job.spec)):
         return ""
     if pages := [name for name in work.texts(job) if name.endswith(".html")]:
         return _show(job.out / pages[0])
@@ -43,7 +45,7 @@ def after_pipeline(
 
     What is left of the pipeline, else its page, else a spec of a page.
     """
-    if until and str(spec) != "-":
+    if until and not is_stdin(spec):
         return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
     pages = [file for file in files if file.endswith(".html")]
     return _show(Path(pages[-1])) if pages else _new("report", name)

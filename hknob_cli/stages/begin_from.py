@@ -14,6 +14,7 @@ from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import source as yaml
 from hknob_cli.specs.load import apply_overrides, load, validate
 from hknob_cli.specs.plan import COUNTS, RATE, Hand, Scene, SweepPlan
+from hknob_cli.specs.standard_input import is_stdin
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
@@ -26,6 +27,7 @@ _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
 class _Given(NamedTuple):
     """What a spec says of its knob: as its author wrote it, and ``plan``, its numbers."""
 
+    name: str
     scene: dict[str, Any]  # with its hand, if there is one
     grid: dict[str, Any]
     starts: dict[str, Any]
@@ -38,7 +40,8 @@ class _Given(NamedTuple):
 def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[str, ...] = ()) -> str:
     """The text of a spec of a ``kind`` with the knob of the spec at ``path``; it would lie in the folder ``beside``.
 
-    ``overrides`` of that spec are ``key.path=value`` strings.
+    ``name``: of the new spec; empty: that of the file, and the kind. ``overrides`` of the spec are ``key.path=value``
+    strings.
 
     Raises `UsageError` for kinds that cannot begin from another spec, one that cannot be begun from, and one whose
     parts the kind refuses; `SpecError` and `UsageError` as reading ``path`` does.
@@ -46,8 +49,9 @@ def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[
     if kind not in KINDS:
         raise UsageError(f"--from: a spec of kind {kind} cannot begin from another spec; {', '.join(KINDS)} can")
     given = _given(path, overrides)
-    head = f"# The knob of {path.name}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
-    made = {"kind": kind, "name": name, **_MADE[kind](given)}
+    whose, stem = (given.name, given.name) if is_stdin(path) else (path.name, path.stem)
+    head = f"# The knob of {whose}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
+    made = {"kind": kind, "name": name or f"{stem}-{kind}", **_MADE[kind](given)}
     if "base" in made and made["base"]["starts"] != given.starts:
         head += (
             f"# {_FEW} phases of the sample clock answer soon; every phase, proven, takes minutes: leave phases out.\n"
@@ -79,6 +83,7 @@ def _given(path: Path, overrides: tuple[str, ...]) -> _Given:
     assert isinstance(plan, SweepPlan)
     single: dict[str, Any] = {name: values[0] for name, values in plan.axes.items() if len(values) == 1}
     return _Given(
+        name=str(value["name"]),
         scene=sweep["scene"],
         grid=sweep.get("grid") or {},
         starts=sweep.get("starts") or {},
