@@ -43,6 +43,15 @@ def new(
             autocompletion=_presets,
         ),
     ] = "",
+    remedy: Annotated[
+        str | None,
+        typer.Option(
+            "--remedy",
+            metavar="NAME",
+            help="Of the spec of remedies that is named by --from: the remedy that the knob has.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -73,7 +82,9 @@ def new(
         if (spec := _spec(preset)) is not None:
             from hknob_cli.stages.begin_from import begin_from
 
-            text = begin_from(kind, spec, out.stem if out else "", beside, tuple(sets or ()))
+            text = begin_from(kind, spec, out.stem if out else "", beside, tuple(sets or ()), remedy)
+        elif remedy is not None:
+            raise UsageError("--remedy: is one of a spec of remedies; name that by --from")
         elif sets:
             raise UsageError("--set: changes a spec that another begins from; name it by --from")
         else:

@@ -17,8 +17,9 @@ _LONGEST = 200  # of a file's name; a spec's name may be longer
 def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
     """The command line; empty where there is none, as of a job that no command named.
 
-    The page of the results, else a page to play with the one knob of a sweep, else the picture, else the next spec.
-    Nothing is named that is there already. A knob that does not buzz needs no remedies.
+    The page of the results, else a page to play with the one knob of a sweep, else a spec of the best of what was
+    tried, else the picture, else the next spec. Nothing is named that is there already. A knob that does not buzz needs
+    no remedies.
     """
     if not job.spec or is_stdin(Path(job.spec)):
         return ""
@@ -26,6 +27,8 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
         return _show(job.out / pages[0])
     if _can_be_played_with(job):
         return shlex.join(["hknob", "explore", job.spec, *_sets(job.overrides)])
+    if (along := work.take_along(job, summary)) and (step := _taken_along(job, *along)):
+        return step
     if work.pictures(job) and not job.plot:
         out = _out(job.out, job.plan.name)
         return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
@@ -49,6 +52,10 @@ def after_pipeline(
         return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
     pages = [file for file in files if file.endswith(".html")]
     return _show(Path(pages[-1])) if pages else _new("report", name)
+
+
+def _taken_along(job: "Job", kind: str, options: Sequence[str]) -> str:
+    return _new(kind, job.plan.name, ["--from", job.spec, *_sets(job.overrides), *options])
 
 
 def _can_be_played_with(job: "Job") -> bool:
