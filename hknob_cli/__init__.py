@@ -1,7 +1,12 @@
 """hknob: limit cycles of a haptic knob held against a virtual wall, proven and measured."""
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hknob_cli.api import Results, Scene, design, dfa, load, predict, remedies, run, sweep, sysid
+
 __version__ = "0.1.0"
-__all__ = ["Results", "dfa", "load", "predict", "run", "sweep", "sysid"]
+__all__ = ["Results", "Scene", "design", "dfa", "load", "predict", "remedies", "run", "sweep", "sysid"]
 
 
 def __getattr__(name: str) -> object:

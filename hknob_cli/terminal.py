@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from types import FrameType
 
 from hknob_cli import at_once
@@ -14,6 +15,9 @@ from hknob_cli.errors import ExitCode, HknobError, printable
 LINE_EVERY = 30.0  # s between lines of progress where there is no terminal
 LOOK_EVERY = 1.0  # s between looks at whether there has been a word
 SILENT = 15.0  # s without a word, after which a line says how far the work is
+
+Heard = Callable[[int, int, str], object]  # how much is done, of how much, of what
+_listener: ContextVar[Heard | None] = ContextVar("listener", default=None)
 
 _interrupted = False
 _waiting = False
@@ -110,6 +114,16 @@ def reporting() -> Iterator[None]:
 
 
 @contextlib.contextmanager
+def listening(heard: Heard) -> Iterator[None]:
+    """Let progress be told to ``heard``, wherever it would be shown or not: how much is done, of how much, of what."""
+    before = _listener.set(heard)
+    try:
+        yield
+    finally:
+        _listener.reset(before)
+
+
+@contextlib.contextmanager
 def progress_bar(
     total: int,
     *,
@@ -125,6 +139,19 @@ def progress_bar(
     Elsewhere a line where there has been no word for a while: how far the work of this ``name`` is, and once the
     ``hint``, if nothing more is done by the next such line. ``clock``: seconds, without those that are told of.
     """
+    if heard := _listener.get():
+        told = (0, total)
+        heard(*told, what)
+
+        def pass_on(done: int, total: int) -> None:
+            nonlocal told
+            told = (done, total)
+            heard(*told, what)
+
+        yield pass_on
+        if told[0] < told[1]:
+            heard(told[1], told[1], what)
+        return
     if not show:
         yield lambda _done, _total: heed()
         return
@@ -191,6 +218,17 @@ def spread_progress(total: int, *, show: bool, done: int = 0, what: str = "cells
 
     On a terminal a bar; elsewhere a line now and then.
     """
+    if heard := _listener.get():
+        there = done
+        heard(there, total, what)
+
+        def hear(more: int) -> None:
+            nonlocal there
+            there += more
+            heard(there, total, what)
+
+        yield hear
+        return
     if show and sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn

@@ -11,6 +11,7 @@ import typer
 
 from hknob_cli.cli.options import Quiet, Sets
 from hknob_cli.errors import ExitCode, UsageError
+from hknob_cli.specs.standard_input import all_named
 from hknob_cli.stage_table import CLAIMS, PIPELINE, SCHEMAS
 from hknob_cli.stages.job import Job
 from hknob_cli.terminal import reporting, say, tell
@@ -83,7 +84,15 @@ def _warn(path: Path, job: Job) -> None:
 
 
 def check(
-    specs: Annotated[list[Path], typer.Argument(metavar="SPEC.yaml...", help="Specs to validate.", show_default=False)],
+    specs: Annotated[
+        list[Path],
+        typer.Argument(
+            callback=all_named,
+            metavar="SPEC.yaml...",
+            help="Specs to validate; - is standard input.",
+            show_default=False,
+        ),
+    ],
     sets: Sets = None,
     quiet: Quiet = False,
 ) -> None:

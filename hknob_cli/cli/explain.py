@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from hknob_cli.cli.options import Json, Sets
+from hknob_cli.specs.standard_input import as_typed, named
 from hknob_cli.terminal import reporting, tell
 
 if TYPE_CHECKING:
@@ -14,7 +15,12 @@ if TYPE_CHECKING:
 
 
 def explain(
-    spec: Annotated[Path, typer.Argument(metavar="SPEC.yaml", help="The spec to explain.", show_default=False)],
+    spec: Annotated[
+        Path,
+        typer.Argument(
+            callback=named, metavar="SPEC.yaml", help="The spec to explain; - is standard input.", show_default=False
+        ),
+    ],
     sets: Sets = None,
     as_json: Json = False,
 ) -> None:
@@ -44,7 +50,7 @@ def _explained(path: Path, sets: tuple[str, ...]) -> "Explained":
     plan = load(path, sets)
     kind = str(plan.values["kind"])
     try:
-        return explain_stage(kind, plan, f"hknob {kind} {path}")
+        return explain_stage(kind, plan, f"hknob {kind} {as_typed(path)}")
     except ArithmeticError:
         raise ComputationError(f"{path}: the scene's numbers overflow") from None
 
@@ -63,7 +69,7 @@ def _pipeline(path: Path, sets: tuple[str, ...]) -> "Explained":
     answer = (
         f"{counted(len(plan.stages), 'stage')} run in the order of their inputs, each only if something has changed."
     )
-    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], f"hknob run {path}")
+    return Explained("pipeline", plan.name, answer, {"stages": lines}, [], f"hknob run {as_typed(path)}")
 
 
 def _ledger(path: Path) -> "Explained":

@@ -10,6 +10,7 @@ import typer
 
 from hknob_cli.cli.options import Json, Quiet, Sets
 from hknob_cli.errors import RefusedError, UsageError, unwritable
+from hknob_cli.specs.standard_input import named
 from hknob_cli.terminal import reporting, say, tell
 
 if TYPE_CHECKING:
@@ -22,8 +23,9 @@ def explore(
     spec: Annotated[
         Path | None,
         typer.Argument(
+            callback=named,
             metavar="[SPEC.yaml]",
-            help="A sweep to begin with. Without one, a light knob against a wall.",
+            help="A sweep to begin with; - is standard input. Without one, a light knob against a wall.",
             show_default=False,
         ),
     ] = None,

@@ -9,6 +9,7 @@ import typer
 
 from hknob_cli.cli.options import Sets
 from hknob_cli.errors import RefusedError, UsageError, unwritable
+from hknob_cli.specs.standard_input import STDIN
 from hknob_cli.stage_table import SPECS
 from hknob_cli.terminal import reporting, say, tell
 
@@ -37,11 +38,20 @@ def new(
             "--from",
             metavar="PRESET|SPEC",
             help="A knob to begin from: a preset's name, the path of its file from the spec's folder, or a spec of a"
-            " sweep or of remedies.",
+            " sweep or of remedies; - is a spec on standard input.",
             show_default=False,
             autocompletion=_presets,
         ),
     ] = "",
+    remedy: Annotated[
+        str | None,
+        typer.Option(
+            "--remedy",
+            metavar="NAME",
+            help="Of the spec of remedies that is named by --from: the remedy that the knob has.",
+            show_default=False,
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -72,8 +82,9 @@ def new(
         if (spec := _spec(preset)) is not None:
             from hknob_cli.stages.begin_from import begin_from
 
-            name = out.stem if out else f"{spec.stem}-{kind}"
-            text = begin_from(kind, spec, name, beside, tuple(sets or ()))
+            text = begin_from(kind, spec, out.stem if out else "", beside, tuple(sets or ()), remedy)
+        elif remedy is not None:
+            raise UsageError("--remedy: is one of a spec of remedies; name that by --from")
         elif sets:
             raise UsageError("--set: changes a spec that another begins from; name it by --from")
         else:
@@ -87,6 +98,8 @@ def new(
 
 def _spec(given: str) -> Path | None:
     """The path of a spec that was given in place of a preset, if it is one."""
+    if given == "-":
+        return Path(STDIN)
     path = Path(given)
     if path.suffix not in (".yaml", ".yml") or not path.is_file():
         return None

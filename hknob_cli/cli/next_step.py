@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.specs.standard_input import is_stdin
+
 if TYPE_CHECKING:
     from hknob_cli.stages.job import Job
     from hknob_cli.stages.work import Work
@@ -15,15 +17,18 @@ _LONGEST = 200  # of a file's name; a spec's name may be longer
 def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
     """The command line; empty where there is none, as of a job that no command named.
 
-    The page of the results, else a page to play with the one knob of a sweep, else the picture, else the next spec.
-    Nothing is named that is there already. A knob that does not buzz needs no remedies.
+    The page of the results, else a page to play with the one knob of a sweep, else a spec of the best of what was
+    tried, else the picture, else the next spec. Nothing is named that is there already. A knob that does not buzz needs
+    no remedies.
     """
-    if job.spec in ("", "-"):
+    if not job.spec or is_stdin(Path(job.spec)):
         return ""
     if pages := [name for name in work.texts(job) if name.endswith(".html")]:
         return _show(job.out / pages[0])
     if _can_be_played_with(job):
         return shlex.join(["hknob", "explore", job.spec, *_sets(job.overrides)])
+    if (along := work.take_along(job, summary)) and (step := _taken_along(job, *along)):
+        return step
     if work.pictures(job) and not job.plot:
         out = _out(job.out, job.plan.name)
         return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
@@ -43,10 +48,14 @@ def after_pipeline(
 
     What is left of the pipeline, else its page, else a spec of a page.
     """
-    if until and str(spec) != "-":
+    if until and not is_stdin(spec):
         return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
     pages = [file for file in files if file.endswith(".html")]
     return _show(Path(pages[-1])) if pages else _new("report", name)
+
+
+def _taken_along(job: "Job", kind: str, options: Sequence[str]) -> str:
+    return _new(kind, job.plan.name, ["--from", job.spec, *_sets(job.overrides), *options])
 
 
 def _can_be_played_with(job: "Job") -> bool:

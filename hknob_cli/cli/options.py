@@ -6,6 +6,7 @@ from typing import Annotated
 
 import typer
 
+from hknob_cli.specs.standard_input import named
 from hknob_cli.stage_table import STAGES
 
 
@@ -16,7 +17,12 @@ class ExecutorName(str, Enum):
     dask = "dask"
 
 
-SpecFile = Annotated[Path, typer.Argument(metavar="SPEC.yaml", help="The spec to run.", show_default=False)]
+SpecFile = Annotated[
+    Path,
+    typer.Argument(
+        callback=named, metavar="SPEC.yaml", help="The spec to run; - is standard input.", show_default=False
+    ),
+]
 
 
 def _folder(text: str) -> Path:

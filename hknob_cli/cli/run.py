@@ -21,6 +21,7 @@ from hknob_cli.cli.options import (
     unspreadable,
 )
 from hknob_cli.errors import ComputationError, ExitCode, HknobError, UsageError
+from hknob_cli.specs.standard_input import named
 from hknob_cli.terminal import heed, reporting, say, tell
 
 if TYPE_CHECKING:
@@ -36,7 +37,13 @@ _DONE = ("computed", "up to date")
 
 def run(
     pipeline: Annotated[
-        Path, typer.Argument(metavar="PIPELINE.yaml", help="The pipeline, or a spec alone.", show_default=False)
+        Path,
+        typer.Argument(
+            callback=named,
+            metavar="PIPELINE.yaml",
+            help="The pipeline, or a spec alone; - is standard input.",
+            show_default=False,
+        ),
     ],
     out: Out = None,
     sets: Sets = None,

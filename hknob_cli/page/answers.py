@@ -10,6 +10,7 @@ from hknob_cli.page.book import Tile
 from hknob_cli.report.bench import equal_error
 from hknob_cli.report.dfa import largest_cycles
 from hknob_cli.report.large import varying
+from hknob_cli.report.passive import passive_verdict
 from hknob_cli.report.population import describe_people
 from hknob_cli.report.pulses import describe_pulses, pulses_verdict
 from hknob_cli.report.remedies_over import over_the_grid
@@ -68,6 +69,8 @@ def _answers(result: Result) -> Iterator[str]:
             yield f"{found.text(varying_axes(result))}{_surely(result)}"
     elif kind in ("dfa", "predict"):
         by = "method" if kind == "dfa" else "law"
+        if kind == "predict":
+            yield passive_verdict(result.rows("passivity"))
         rows = result.rows(kind)
         for name in dict.fromkeys(row[by] for row in rows):
             mine = [row for row in rows if row[by] == name]

@@ -17,7 +17,11 @@ from hknob_cli.terminal import heed
 
 _CONFIG = ".pytask.toml"
 _WIDE = 10_000  # letters, so that no path is cut by the end of a line
-_VALUES = {"settings": "what the pipeline sets in the spec", "program": "the program"}
+_VALUES = {
+    "spec": "the spec on standard input",
+    "settings": "what the pipeline sets in the spec",
+    "program": "the program",
+}
 
 
 class Fate(Enum):

@@ -5,6 +5,7 @@ versions), and ``pytask.lock`` which files every step read and wrote, with their
 there is nothing to do.
 """
 
+import hashlib
 import json
 import os
 import tomllib
@@ -15,6 +16,8 @@ from typing import Any
 from hknob_cli.results.files import create, digest, input_digest, put_in_place
 from hknob_cli.results.versions import showing_versions
 from hknob_cli.specs.seal import BLANK, State, sealed, state_of
+from hknob_cli.specs.size_limit import size_limit
+from hknob_cli.specs.standard_input import given, is_stdin
 
 RECORD = "pipeline.json"
 LOCK = "pytask.lock"
@@ -23,7 +26,13 @@ LOCK = "pytask.lock"
 def asked(spec: Path, root: Path, options: dict[str, Any]) -> dict[str, Any]:
     """What a run depends on beside the files of its steps."""
     versions = {**showing_versions(), "scipy": version("scipy")}  # which identifies hands, and draws designs
-    return {"spec": relative(spec, root), "spec_sha256": input_digest(spec), **options, "versions": versions}
+    named = str(spec) if is_stdin(spec) else relative(spec, root)
+    return {"spec": named, "spec_sha256": spec_digest(spec), **options, "versions": versions}
+
+
+def spec_digest(spec: Path) -> str:
+    """SHA-256 of a spec file, or of what is on standard input. Raises `UsageError` if it cannot be read."""
+    return hashlib.sha256(given(size_limit().bytes)).hexdigest() if is_stdin(spec) else input_digest(spec)
 
 
 def relative(path: Path, root: Path) -> str:

@@ -6,6 +6,7 @@ The classes follow pytask's protocols (``PNode``, ``PTask``) without importing i
 anything has changed can be said before it is loaded.
 """
 
+import contextlib
 import copy
 import hashlib
 import json
@@ -17,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import ComputationError, Fault, SpecError, UsageError
+from hknob_cli.pipeline.fresh import spec_digest
 from hknob_cli.results.files import read_digest, refuse_link
 from hknob_cli.specs.load import load
 from hknob_cli.specs.messages import unknown
@@ -24,6 +26,7 @@ from hknob_cli.specs.named_file import open_named
 from hknob_cli.specs.page_plan import ReportPlan
 from hknob_cli.specs.pipeline_plan import PipelinePlan, StagePlan
 from hknob_cli.specs.plan import Plan
+from hknob_cli.specs.standard_input import as_typed, is_stdin
 from hknob_cli.stages.input_files import hand_files
 from hknob_cli.stages.job import Job, work_of
 from hknob_cli.stages.make import make
@@ -249,10 +252,10 @@ def plan_of(stage: StagePlan, places: dict[str, Path], waiting: frozenset[str]) 
     }
     linked = tuple(f"{path}={json.dumps(value)}" for path, value in folders.items())
     assert stage.spec is not None
-    with open_named(stage.spec):
+    with contextlib.nullcontext() if is_stdin(stage.spec) else open_named(stage.spec):
         plan = load(stage.spec, (*stage.settings, *linked), label=f"{stage.where}: set ", waiting=waiting)
     if isinstance(plan, ReportPlan) and "rerun" not in plan.values:
-        plan = plan._replace(rerun=(f"hknob run {Path(stage.where.split(':')[0]).name}",))
+        plan = plan._replace(rerun=(f"hknob run {as_typed(Path(stage.where.split(':')[0]).name)}",))
     return plan._replace(values=_replaced(plan.values, _names(stage)))
 
 
@@ -311,13 +314,14 @@ def _step(
     return Step(
         stage.name,
         reads=(
-            *((stage.spec,) if stage.spec else ()),
+            *((stage.spec,) if stage.spec and not is_stdin(stage.spec) else ()),
             *(path for path in work.input_files(job) if path not in linked),
             *measured,
         ),
         needs=needs,
         writes=tuple(job.out / file for file in (*work.files(job), *work.texts(job), *work.folders(job))),
         values={
+            **({"spec": spec_digest(stage.spec)} if stage.spec and is_stdin(stage.spec) else {}),
             "settings": json.dumps(job.overrides),
             "program": json.dumps({**work.versions(job), **work.surroundings()}, sort_keys=True),
         },

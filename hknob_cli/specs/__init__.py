@@ -1,6 +1,6 @@
 """Specs: YAML to validated models, every fault with its place.
 
-- `source` YAML with places, `size_limit` how large
+- `source` YAML with places, `size_limit` how large, `standard_input` one without a file
 - `parts`, `controller`, `perception` what is `declared` once: read, held to bounds and used as it stands there
 - `quantity` bounds and units of values, `units` from text with a unit to SI
 - `scene`, `hand`, `population`, `grid`, `points` (a design), `sweep` models of what a spec writes in another way

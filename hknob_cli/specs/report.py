@@ -13,6 +13,7 @@ from hknob_cli.specs.named_file import read_named
 from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPlan, Sentence
 from hknob_cli.specs.scene import Part
 from hknob_cli.specs.source import Path_, Source
+from hknob_cli.specs.standard_input import as_typed
 from hknob_cli.specs.sweep import Name
 
 Text = Annotated[str, Field(min_length=1)]
@@ -140,7 +141,7 @@ def validate_report(source: Source) -> ReportPlan:
             )
             for i, chapter in enumerate(spec.chapters)
         ),
-        rerun=tuple(spec.rerun) or (f"hknob report {Path(source.name).name}",),
+        rerun=tuple(spec.rerun) or (f"hknob report {as_typed(Path(source.name).name)}",),
         values=source.value,
     )
 

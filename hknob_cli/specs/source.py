@@ -17,6 +17,7 @@ from ruamel.yaml.scanner import RoundTripScanner, ScannerError
 
 from hknob_cli.errors import Fault, SpecError, UsageError
 from hknob_cli.specs.size_limit import MAX_DEPTH, size_limit
+from hknob_cli.specs.standard_input import given, is_stdin
 
 Path_ = tuple[str | int, ...]
 
@@ -128,12 +129,18 @@ def read(path: Path) -> Source:
     """
     limit = size_limit()
     try:
-        if path.is_dir():
+        if is_stdin(path):
+            data = given(limit.bytes)
+        elif path.is_dir():
             raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
-        if path.is_fifo() and path.parts[1:2] not in (("dev",), ("proc",)):  # it would be waited for, perhaps for ever
+        elif path.is_fifo() and path.parts[1:2] not in (
+            ("dev",),
+            ("proc",),
+        ):  # it would be waited for, perhaps for ever
             raise UsageError(f"{path}: is a pipe, where a YAML file is wanted")
-        with path.open("rb") as stream:
-            data = stream.read(limit.bytes + 1)
+        else:
+            with path.open("rb") as stream:
+                data = stream.read(limit.bytes + 1)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror or error}") from None
     if len(data) > limit.bytes:

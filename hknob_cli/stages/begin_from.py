@@ -12,12 +12,15 @@ from typing import Any, NamedTuple
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import source as yaml
+from hknob_cli.specs.bench import merged
 from hknob_cli.specs.load import apply_overrides, load, validate
+from hknob_cli.specs.messages import unknown
 from hknob_cli.specs.plan import COUNTS, RATE, Hand, Scene, SweepPlan
+from hknob_cli.specs.standard_input import is_stdin
 from hknob_cli.theory.bounded_lag import best_keep, slowness
 
 FROM = ("sweep", "remedies")  # kinds that a spec can begin from
-KINDS = ("remedies", "design", "predict", "dfa")  # kinds that can begin so
+KINDS = ("sweep", "remedies", "design", "predict", "dfa")  # kinds that can begin so
 _TIME_CONSTANT_S = 0.2
 _FEW = 16  # clock phases
 _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
@@ -26,6 +29,7 @@ _KNOB_RADIUS = {"knob_radius": "8.9 mm"}
 class _Given(NamedTuple):
     """What a spec says of its knob: as its author wrote it, and ``plan``, its numbers."""
 
+    name: str
     scene: dict[str, Any]  # with its hand, if there is one
     grid: dict[str, Any]
     starts: dict[str, Any]
@@ -35,19 +39,23 @@ class _Given(NamedTuple):
     counts: int | None
 
 
-def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[str, ...] = ()) -> str:
+def begin_from(
+    kind: str, path: Path, name: str, beside: Path, overrides: tuple[str, ...] = (), remedy: str | None = None
+) -> str:
     """The text of a spec of a ``kind`` with the knob of the spec at ``path``; it would lie in the folder ``beside``.
 
-    ``overrides`` of that spec are ``key.path=value`` strings.
+    ``name``: of the new spec; empty: that of the file, and the kind. ``overrides`` of the spec are ``key.path=value``
+    strings. ``remedy``: of a spec of remedies the one that its knob has.
 
     Raises `UsageError` for kinds that cannot begin from another spec, one that cannot be begun from, and one whose
     parts the kind refuses; `SpecError` and `UsageError` as reading ``path`` does.
     """
     if kind not in KINDS:
         raise UsageError(f"--from: a spec of kind {kind} cannot begin from another spec; {', '.join(KINDS)} can")
-    given = _given(path, overrides)
-    head = f"# The knob of {path.name}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
-    made = {"kind": kind, "name": name, **_MADE[kind](given)}
+    given = _given(path, overrides, remedy)
+    whose, stem = (given.name, given.name) if is_stdin(path) else (path.name, path.stem)
+    head = f"# The knob of {whose}. In words: hknob explain FILE. All keys: hknob schema {kind}.\n"
+    made = {"kind": kind, "name": name or f"{stem}-{kind}", **_MADE[kind](given)}
     if "base" in made and made["base"]["starts"] != given.starts:
         head += (
             f"# {_FEW} phases of the sample clock answer soon; every phase, proven, takes minutes: leave phases out.\n"
@@ -61,7 +69,7 @@ def begin_from(kind: str, path: Path, name: str, beside: Path, overrides: tuple[
     return text
 
 
-def _given(path: Path, overrides: tuple[str, ...]) -> _Given:
+def _given(path: Path, overrides: tuple[str, ...], remedy: str | None) -> _Given:
     source = yaml.read(path)
     apply_overrides(source, overrides, "--set ")
     value = source.value
@@ -71,14 +79,20 @@ def _given(path: Path, overrides: tuple[str, ...]) -> _Given:
         )
     load(path, overrides)  # so that its faults are told as its own
     sweep = value
+    if remedy is not None and remedy not in value.get("remedies", {}):
+        raise UsageError(f"--remedy: {unknown('remedy', remedy, list(value.get('remedies', {})))}")
+    if remedy is not None and value["remedies"][remedy].get("tune"):
+        raise UsageError(f"--remedy: '{remedy}' is tuned cell by cell; name one that is a change alone")
     if value["kind"] == "remedies":  # the sweep of its base by its first hand
         base, hand = value["base"], next(iter(value["hands"].values()))
         shared = {"perceive": value["perceive"]} if value.get("perceive") else {}
         sweep = {"kind": "sweep", "name": "base", **base, **shared, "scene": {**base["scene"], "hand": hand}}
+        sweep = merged(sweep, value["remedies"][remedy].get("change", {})) if remedy is not None else sweep
     plan = validate(yaml.parse(_text(sweep), str(path)), kind="sweep")
     assert isinstance(plan, SweepPlan)
     single: dict[str, Any] = {name: values[0] for name, values in plan.axes.items() if len(values) == 1}
     return _Given(
+        name=str(value["name"]),
         scene=sweep["scene"],
         grid=sweep.get("grid") or {},
         starts=sweep.get("starts") or {},
@@ -143,7 +157,12 @@ def _design(given: _Given) -> dict[str, Any]:
     }
 
 
-_MADE = {"remedies": _remedies, "design": _design, "predict": _analysis, "dfa": _analysis}
+def _sweep(given: _Given) -> dict[str, Any]:
+    shared = {"perceive": given.perceive} if given.perceive else {}
+    return {"scene": given.scene, **_grid(given), "starts": given.starts, **shared}
+
+
+_MADE = {"sweep": _sweep, "remedies": _remedies, "design": _design, "predict": _analysis, "dfa": _analysis}
 
 
 def _without_hand(given: _Given) -> dict[str, Any]:

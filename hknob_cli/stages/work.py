@@ -100,6 +100,10 @@ class Work:
         """Kind of spec that a user would write after it."""
         return STAGES[job.kind].then
 
+    def take_along(self, _job: Job, _summary: dict[str, Any]) -> tuple[str, tuple[str, ...]] | None:
+        """Kind of spec that takes the best of what was found along, and the options that name it; None if none does."""
+        return None
+
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Summary as plain data."""
         raise NotImplementedError

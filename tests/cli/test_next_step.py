@@ -61,6 +61,21 @@ def test_a_knob_that_the_page_does_not_follow_is_drawn(hknob, spec_file) -> None
     assert "--plot" in step(hknob("sweep", spec_file(), *ONE, *lag))
 
 
+def test_a_trial_of_remedies_takes_the_best_along(hknob, spec_file, tmp_path: Path) -> None:
+    """A sweep of the knob with it, which runs; then the picture."""
+    trial = ("new", "remedies", "--from", spec_file(), *ONE, "--out", "trial.yaml")
+    assert hknob(*trial).returncode == 0
+    assert hknob("new", "remedies", "--from", "trial.yaml", "--remedy", "softer wall").returncode == 0
+    done = hknob("remedies", "trial.yaml", "-j", "1", "--set", "cases={}")
+    first = step(done)
+    assert first.startswith("hknob new sweep --from trial.yaml --set ")
+    best = shlex.split(first)[shlex.split(first).index("--remedy") + 1]
+    assert f"{best} costs " in " ".join(done.stdout.split())
+    assert hknob(*shlex.split(first)[1:]).returncode == 0
+    assert hknob("sweep", shlex.split(first)[-1], "-o", "with", "-q").returncode == 0
+    assert "--plot" in step(hknob("remedies", "trial.yaml", "--set", "cases={}"))
+
+
 PIPELINE = """\
 kind: pipeline
 name: two

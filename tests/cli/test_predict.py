@@ -19,6 +19,12 @@ def test_a_grid_on_the_terminal_and_in_files(hknob, tmp_path: Path) -> None:
     assert done.stderr == ""
     assert "energy_balance: peak to peak, mrad" in done.stdout
     assert "friction holds the knob (4)" in done.stdout
+    first = " ".join(done.stdout.split("\n\n")[1].split())
+    assert first.startswith(
+        "The wall is passive in none of 16 cells, whoever holds the knob. It breaks Colgate & Schenkel's bound in all "
+        "16 cells, and Abbott & Okamura's bound in all 16 cells. In this hand it is stable in all 16 cells by Gil & "
+        "Hulin. quantum_period: "
+    )
     assert "passive, whoever holds the knob: 0 of 16 cells" in done.stdout
     assert "by its own damping: Colgate & Schenkel 0, Abbott & Okamura 0" in done.stdout
     assert "with the hand's: Gil & Hulin 16, Colgate & Schenkel 16, Abbott & Okamura 4" in done.stdout

@@ -19,7 +19,8 @@ from typer.main import get_command
 
 from hknob_cli.cli.app import app
 from hknob_cli.specs.load import kind_of, load, load_pipeline
-from hknob_cli.stage_table import PIPELINE, STAGES
+from hknob_cli.stage_table import PIPELINE, SPECS, STAGES
+from hknob_cli.stages.begin_from import FROM
 from tests.conftest import ROOT
 from tests.forked import Forks
 
@@ -82,8 +83,8 @@ def test_commands_exist(page: Path) -> None:
             if not word.startswith("experiments/") or "*" in word or "NAME" in word:
                 continue
             assert spec.exists(), said.command
-            kind = "sweep" if words[1] == "explore" else words[1]
-            assert kind in (kind_of(spec), "run", "check", "explain"), said.command
+            kinds = {"explore": ("sweep",), "new": FROM, "run": SPECS, "check": SPECS, "explain": SPECS}
+            assert kind_of(spec) in kinds.get(words[1], (words[1],)), said.command
             if kind_of(spec) != PIPELINE:
                 load(spec, overrides(words))
 

@@ -182,6 +182,28 @@ def test_the_spec_it_shows_is_the_scene(opened: Opened) -> None:
     assert plan.starts.phases == 1
 
 
+def test_the_lag_follows_the_knob_until_it_is_moved(opened: Opened) -> None:
+    """Its best part of a step depends on the inertia; a part that was typed stays."""
+    tab = opened.tab
+    part, inertia = (
+        tab.get_by_role("spinbutton", name=name)
+        for name in ("Part of a step that acts at once", "Inertia of knob and motor")
+    )
+    before = float(part.input_value())
+    tab.eval_on_selector_all("details", "all => all.forEach(one => { one.open = true; })")
+    inertia.fill("60")
+    tab.wait_for_function(
+        "before => document.querySelector('#remedy-sliders input[type=number]').value > before", arg=before
+    )
+    part.fill("0.5")
+    inertia.fill("30")
+    tab.wait_for_function(
+        "() => document.getElementById('spec').textContent.includes('inertia: 0.000003')"
+        " || document.getElementById('spec').textContent.includes('inertia: 3.0e-6')"
+    )
+    assert part.input_value() == "0.5"
+
+
 def test_the_browser_has_the_same_numbers(opened: Opened) -> None:
     chance, compared = random.Random(7), 0
     while compared < 5:

@@ -15,6 +15,7 @@ from hknob_cli.page.explore.sheet import engine as engine_text
 from hknob_cli.perception.touch import thresholds
 from hknob_cli.scene.trial import simulate
 from hknob_cli.specs.plan import scene_at
+from tests.conftest import ROOT
 from tests.page.explore_scenes import (
     CONTROLLERS,
     OTHERS,
@@ -150,3 +151,24 @@ def test_what_a_spec_says_reaches_the_engine(engine: Any) -> None:
         scene = scenes(remedy, 1)[0]
         made = knobs_of(plan_of(scene), "spec.yaml").cells[0]["scene"]
         assert found(engine, made) == found(engine, scene)
+
+
+def test_the_bounded_lag_begins_at_its_best(engine: Any) -> None:
+    """The page's part of a step is that of the rule, to two digits, and the plain wall where the rule has none."""
+    from hknob_cli.theory.bounded_lag import best_keep, slowness
+
+    remedies = (ROOT / "hknob_cli" / "page" / "explore" / "remedies.js").read_text(encoding="utf-8")
+    engine.eval(f"{remedies}; var choices = Choices;")
+    chance = random.Random(11)
+    for _ in range(50):
+        inertia, damping = 10.0 ** chance.uniform(-6.5, -4.0), 10.0 ** chance.uniform(-5.0, -2.5)
+        hand = {"inertia": 2e-7, "damping": 3e-4, "stiffness": 0.04} if chance.random() < 0.7 else None
+        scene = {"inertia": inertia, "damping": damping, "hand": hand}
+        r = slowness(
+            inertia_kg_m2=inertia + (hand["inertia"] if hand else 0.0),
+            damping_nm_s_per_rad=damping + (hand["damping"] if hand else 0.0),
+            time_constant_s=0.2,
+        )
+        found = engine.eval(f"choices.REMEDIES.bounded_lag.from({json.dumps(scene)}).keep")
+        assert found == float(f"{best_keep(r):.2g}")
+    assert engine.eval("choices.bestKeep({inertia: 2e-6, damping: 0, hand: null})") == 1

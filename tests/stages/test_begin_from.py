@@ -108,6 +108,28 @@ def test_a_design_begins_from_a_sweep_or_from_its_remedies(begun, tmp_path: Path
     assert again.splitlines()[1:] == first.splitlines()[1:]
 
 
+def test_a_sweep_takes_a_remedy_along(begun, tmp_path: Path) -> None:
+    """The base by its first hand with the change of the remedy; without one, the base."""
+    trial = begun("remedies")
+    (tmp_path / "plain.yaml").write_text(begin_from("sweep", trial, "plain", tmp_path))
+    assert load(tmp_path / "plain.yaml").scene == load(tmp_path / "own.yaml").scene
+    for name in ("softer wall", "counts x 4"):
+        (tmp_path / "one.yaml").write_text(begin_from("sweep", trial, "one", tmp_path, remedy=name))
+        plan = load(tmp_path / "one.yaml")
+        tried = next(one.grid for one in load(trial).remedies if one.name == name)
+        assert plan.scene._replace(hand=None) == tried.scene._replace(hand=None)
+        assert plan.scene.hand == load(tmp_path / "own.yaml").scene.hand
+        assert plan.axes["counts_per_rev"] == tried.axes["counts_per_rev"]
+    with pytest.raises(UsageError, match="--remedy: unknown remedy 'softer wal'; did you mean 'softer wall'"):
+        begin_from("sweep", trial, "one", tmp_path, remedy="softer wal")
+    tuned = trial.read_text().replace(
+        "  plain wall: {}", "  tuned: {tune: {knob.damping: [0.1, 0.2]}}\n  plain wall: {}"
+    )
+    trial.write_text(tuned)
+    with pytest.raises(UsageError, match="'tuned' is tuned cell by cell"):
+        begin_from("sweep", trial, "one", tmp_path, remedy="tuned")
+
+
 def test_a_preset_is_named_and_not_copied(begun, tmp_path: Path) -> None:
     text = "kind: sweep\nname: s\nscene: {from: smartknob, hand: {table: 1, grip_n: 0.71}}\n"
     plan = load(begun("remedies", text))
@@ -118,7 +140,12 @@ def test_a_preset_is_named_and_not_copied(begun, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("kind", "old", "new", "said"),
     [
-        ("bench", "", "", "a spec of kind bench cannot begin from another spec; remedies, design, predict, dfa can"),
+        (
+            "bench",
+            "",
+            "",
+            "a spec of kind bench cannot begin from another spec; sweep, remedies, design, predict, dfa can",
+        ),
         ("dfa", "", "", r"cannot begin from .*own.yaml: scene.knob.coulomb_torque: must be absent: Coulomb friction"),
         ("design", "2 kHz", "[1000, 2000]", "a design begins from a knob of one sample rate"),
         ("remedies", "kind: sweep", "kind: dfa", "is a spec of kind dfa; sweep and remedies can be begun from"),

@@ -36,11 +36,18 @@ const Choices = (() => {
   const period = (scene) => 1 / scene.rate;
   const tidy = (value) => Number(value.toPrecision(2));
 
-  const KEEP = slider("keep", "Part of a step that acts at once", "", 1, 0.02, 1, "even");
+  const KEEP = slider("keep", "Part of a step that acts at once", "", 1, 0.01, 1, "log");
+  const TIME_CONSTANT = 0.2;
+  // The part of a step that leaves the smallest buzz, 2r/(1 + r) with r = J/(b tau); 1, the plain wall, where none does.
+  const bestKeep = (scene) => {
+    const hand = scene.hand || { inertia: 0, damping: 0 };
+    const r = (scene.inertia + hand.inertia) / ((scene.damping + hand.damping) * TIME_CONSTANT);
+    return r < 1 ? tidy((2 * r) / (1 + r)) : 1;
+  };
   const LATE = slider("time_constant", "Time constant of the rest", "ms", 1e-3, 1, 2000, "log");
   // Controllers by the name that a spec has; `from`: what the numbers are at first, by the scene.
   const CONTROLLERS = {
-    bounded_lag: { label: "bounded lag", sliders: [KEEP, LATE], from: () => ({ keep: 0.15, time_constant: 0.2 }) },
+    bounded_lag: { label: "bounded lag", sliders: [KEEP, LATE], from: (scene) => ({ keep: bestKeep(scene), time_constant: TIME_CONSTANT }) },
     first_order_hold: { label: "first-order hold", sliders: [], from: () => ({ correct: true }) },
     half_sample: { label: "half-sample prediction", sliders: [], from: () => ({}) },
     matched_wall: { label: "matched wall (state feedback)", sliders: [], from: () => ({}) },
@@ -125,5 +132,5 @@ const Choices = (() => {
     return `${lines.join("\n")}\n`;
   };
 
-  return { MAIN, KNOB, HAND, WALL, AMPLIFIER, START, CONTROLLERS, REMEDIES, yaml };
+  return { MAIN, KNOB, HAND, WALL, AMPLIFIER, START, CONTROLLERS, REMEDIES, bestKeep, yaml };
 })();

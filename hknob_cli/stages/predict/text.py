@@ -8,16 +8,11 @@ from math import ceil, floor, log10
 from typing import Any
 
 from hknob_cli.report.dfa import SWEEP_PROVES, overlap_text
+from hknob_cli.report.passive import LIMITS, passive_verdict
 from hknob_cli.report.table import MAX_ROWS, fits, matrix, short, table
 from hknob_cli.report.verdicts import expected
 from hknob_cli.stages.predict.criteria_text import criteria_text
 
-LIMITS = {
-    "colgate_schenkel": "Colgate & Schenkel",
-    "abbott_okamura": "Abbott & Okamura",
-    "gil_hulin": "Gil & Hulin",
-    "niemeyer": "Niemeyer",
-}
 _WITH_HAND = "_with_hand"
 
 Rows = list[dict[str, Any]]
@@ -147,7 +142,11 @@ def predictions_text(summary: dict[str, Any], axes: list[str]) -> str:
     stale = " (up to date)" if summary["status"] == "up to date" else ""
     count = "1 cell" if cells == 1 else f"{cells} cells"
     lines = [f"{summary['name']}: {count} by {', '.join(summary['laws'])}{stale}{''.join(fixed)}"]
-    lines += ["", *(expected(law, [row for row in summary["cells"] if row["law"] == law]) for law in summary["laws"])]
+    lines += [
+        "",
+        passive_verdict(summary["passivity"]),
+        *(expected(law, [row for row in summary["cells"] if row["law"] == law]) for law in summary["laws"]),
+    ]
     lines += [SWEEP_PROVES]
     if len(wide) == 2 and fits(summary["passivity"], wide):
         lines += _matrices(summary, wide)

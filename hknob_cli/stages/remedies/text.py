@@ -1,10 +1,11 @@
 """A trial of remedies on the terminal: at every case, what each leaves of the buzz, at what pitch, at what cost."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pyarrow as pa
 
+from hknob_cli.report.remedies_cost import cost_lines, effort_of
 from hknob_cli.report.remedies_over import over_axis, over_the_grid
 from hknob_cli.report.remedies_words import grid_text, over_text, times, tuned_values
 from hknob_cli.report.table import short, table
@@ -20,10 +21,13 @@ _ANEW = "starts: for some hand it buzzes, or diverges, where the reference does 
 _FELT = ("touch dB", "louder", "by ear")
 
 
-def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ()) -> dict[str, Any]:
+def describe_trial(
+    grid: pa.Table, cases: pa.Table, further: Sequence[str] = (), remedies: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
     """Summary as plain data: of every case and remedy the hands together, the remedy that does most first.
 
     ``further``: axes of the grid beside sample rate and counts; how much each remedy helps over each of them.
+    ``remedies``: by name, as the spec has them; what each costs follows from them.
     """
     over = grid.to_pylist()
     rows = cases.to_pylist()
@@ -46,6 +50,8 @@ def describe_trial(grid: pa.Table, cases: pa.Table, further: Sequence[str] = ())
         "cases": found,
         "over": {axis: over_axis(over, axis) for axis in further},
         "tuned": {name: said for name in everywhere if (said := tuned_values(rows, over, further, name))},
+        "needs": {name: (remedies or {}).get(name, {}).get("needs", "") for name in everywhere},
+        "costs": {name: effort_of((remedies or {}).get(name, {})) for name in everywhere},
         "outside_domain": {name: count for name, count in outside.items() if count},
         "undecided": loose,
     }
@@ -98,9 +104,10 @@ def trial_text(summary: dict[str, Any]) -> str:
     cells = next(iter(summary["grid"].values()))["cells"] // hands
     sizes = f"{counted(remedies, 'remedy', 'remedies')}, {counted(hands, 'hand')}, a grid of {counted(cells, 'cell')}"
     lines = [f"{summary['name']}: {sizes}{stale}", "", best_remedy(summary["grid"])]
-    best = quietest(summary["grid"])
-    needs = next((row["needs"] for rows in summary["cases"].values() for row in rows if row["remedy"] == best), "")
-    lines += [f"{best} needs {needs}."] if needs else []
+    kept = {name: _least_kept(summary, name) for name in summary["grid"]}
+    lines += cost_lines(
+        summary["grid"], quietest(summary["grid"]), needs=summary["needs"], costs=summary["costs"], kept=kept
+    )
     felt = any(LEVELS[0] in row for rows in summary["cases"].values() for row in rows)
     ranged = any("complete" in row for rows in summary["cases"].values() for row in rows)
     heads = (*_HEAD[:1], *(_RANGED if ranged else ()), *_HEAD[1:], *(_FELT if felt else ()))
@@ -137,6 +144,12 @@ def trial_text(summary: dict[str, Any]) -> str:
         if summary["undecided"]:
             lines.append(f"{summary['undecided']} rows have trials that never repeat: those have no level.")
     return "\n".join(lines)
+
+
+def _least_kept(summary: dict[str, Any], name: str) -> float | None:
+    """The least share of the stiffness that a remedy keeps in any case; None where no case tells."""
+    kept = [row["stiffness_kept"] for rows in summary["cases"].values() for row in rows if row["remedy"] == name]
+    return min((share for share in kept if share is not None), default=None)
 
 
 def _line(row: Row, grid: Row, count: int) -> list[str]:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.engine.compiling import tell_compiling, working_clock
+from hknob_cli.report.remedies_cost import most_of
 from hknob_cli.stages.job import Job
 from hknob_cli.stages.kept import KeepingWork, keeping
 from hknob_cli.stages.lag_domain import domain_warning
@@ -63,7 +64,13 @@ class RemediesWork(KeepingWork):
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:
         """Every remedy at every case, over the grid, and over its further axes."""
-        return describe_trial(tables[0], tables[1], list(job.plan.varied))
+        return describe_trial(tables[0], tables[1], list(job.plan.varied), job.plan.values["remedies"])
+
+    def take_along(self, job: Job, summary: dict[str, Any]) -> tuple[str, tuple[str, ...]] | None:
+        """A sweep of the knob with the remedy that does most, of those that are not tuned cell by cell."""
+        fixed = {one.name for one in job.plan.remedies if not one.tuned}
+        best = most_of({name: row for name, row in summary["grid"].items() if name in fixed}, summary["costs"])
+        return ("sweep", ("--remedy", best)) if best else None
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""

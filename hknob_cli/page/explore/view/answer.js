@@ -88,6 +88,7 @@ const later = () => { waiting ||= requestAnimationFrame(() => compute()); };
 const compute = () => {
   waiting = 0;
   clearTimeout(rest);
+  followScene();
   const changed = { ...scene, start: { ...scene.start } };
   const other = Choices.REMEDIES[remedy].change(changed, valuesOf(remedy));
   results = { one: solve(changed, AT_ONCE), other: solve(other, AT_ONCE) };

@@ -1,4 +1,4 @@
-// The scene that the sliders show, and the numbers of controllers and remedies by their names.
+// The scene that the sliders show, and the numbers of remedies that were moved, by name; others follow from the scene.
 let scene = null, remedy = "bounded_lag", numbers = {}, results = {}, hurried = false;
 const get = (from, key) => key.split(".").reduce((part, name) => (part ? part[name] : 0), from);
 const set = (into, key, value) => {
@@ -7,7 +7,7 @@ const set = (into, key, value) => {
   for (const name of names) part = part[name] = { ...part[name] };
   part[last] = value;
 };
-const valuesOf = (kind) => (numbers[kind] ||= Choices.REMEDIES[kind].from(scene));
+const valuesOf = (kind) => (numbers[kind] || Choices.REMEDIES[kind].from(scene));
 
 // Sliders: a range and a number, both of the same value.
 const STEPS = 1000;
@@ -90,12 +90,14 @@ const controllerSliders = () => {
     });
   }
 };
+let remedyShown = [];
 const remedySliders = () => {
   $("remedy").value = remedy;
   $("remedy-sliders").replaceChildren();
-  for (const one of Choices.REMEDIES[remedy].sliders) {
-    addSlider($("remedy-sliders"), one, () => valuesOf(remedy)[one.key], (value) => {
+  remedyShown = Choices.REMEDIES[remedy].sliders.map((one) => addSlider(
+    $("remedy-sliders"), one, () => valuesOf(remedy)[one.key], (value) => {
       numbers[remedy] = { ...valuesOf(remedy), [one.key]: value };
-    });
-  }
+    },
+  ));
 };
+const followScene = () => { if (!numbers[remedy]) for (const show of remedyShown) show(); };
