@@ -71,8 +71,10 @@ class GeneralKnob(NamedTuple):
         return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
 
 
-def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> GeneralKnob:
-    """Reduce a scene to one cell.
+def sample_general(
+    scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None, walled: bool = True
+) -> GeneralKnob:
+    """Reduce a scene to one cell. ``walled``: a torque over the angle has the wall's in it; else a controller has.
 
     Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
     """
@@ -93,8 +95,9 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     if is_shaped(scene):
         if counts_per_rev is None:
             raise ComputationError("a torque over the angle needs counts: with a continuous sensor it is not followed")
-        table = table_of(scene, Clock(counts_per_rev, quantum, offset), kappa=kappa, unit_nm=quantum / square)
-        kappa = -float(table[RISE_BELOW] / table[TURN])
+        clock, inside = Clock(counts_per_rev, quantum, offset), kappa if walled else 0.0
+        table = table_of(scene, clock, kappa=inside, unit_nm=quantum / square)
+        kappa = kappa - inside - float(table[RISE_BELOW] / table[TURN])
     wall = Controller(
         kappa=kappa,
         damping=scene.wall.damping * period / inertia,
