@@ -56,9 +56,7 @@ class GeneralKnob(NamedTuple):
 
     def start(self, angle_rad: float, velocity_rad_s: float) -> list[float]:
         """State at the start of a trial: the finger moves with the knob, no torque acts."""
-        state = [0.0] * self.body.order
-        state[0], state[1] = self.position(angle_rad), self.speed(velocity_rad_s)
-        return state
+        return [self.position(angle_rad), self.speed(velocity_rad_s), *([0.0] * (self.body.order - 2))]
 
     @property
     def torque_nm(self) -> float:
@@ -74,7 +72,7 @@ class GeneralKnob(NamedTuple):
 def sample_general(
     scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None, walled: bool = True
 ) -> GeneralKnob:
-    """Reduce a scene to one cell. ``walled``: a torque over the angle has the wall's in it; else a controller has.
+    """Reduce a scene to one cell. ``walled``: whether a torque over the angle has the wall's in it.
 
     Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
     """
@@ -95,9 +93,9 @@ def sample_general(
     if is_shaped(scene):
         if counts_per_rev is None:
             raise ComputationError("a torque over the angle needs counts: with a continuous sensor it is not followed")
-        clock, inside = Clock(counts_per_rev, quantum, offset), kappa if walled else 0.0
-        table = table_of(scene, clock, kappa=inside, unit_nm=quantum / square)
-        kappa = kappa - inside - float(table[RISE_BELOW] / table[TURN])
+        clock, apart = Clock(counts_per_rev, quantum, offset), 0.0 if walled else kappa
+        table = table_of(scene, clock, kappa=kappa - apart, unit_nm=quantum / square)
+        kappa = apart - float(table[RISE_BELOW] / table[TURN])
     wall = Controller(
         kappa=kappa,
         damping=scene.wall.damping * period / inertia,

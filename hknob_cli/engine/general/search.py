@@ -150,9 +150,7 @@ class GeneralEngine:
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
         self._part: Callable[..., Any] = functions["general.parting_rate"] if functions else parting.parting_rate
 
-    def torques(self, wall: Controller) -> TorqueRange:
-        """What is commanded far out."""
-        return torque_range(wall)
+    torques = staticmethod(torque_range)  # what is commanded far out
 
     def zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""

@@ -48,7 +48,8 @@ class LawEngine(GeneralEngine):
         """How many numbers are remembered."""
         return len(self._law.beside)
 
-    def torques(self, wall: Controller) -> TorqueRange:
+    @staticmethod
+    def torques(wall: Controller) -> TorqueRange:
         """As `GeneralEngine.torques`: beside a torque over the angle the law may command any."""
         over = torque_range(wall)
         return over if wall.table is None else over._replace(least=-inf, most=inf)
