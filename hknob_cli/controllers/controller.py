@@ -10,7 +10,8 @@ class Plant(NamedTuple):
     """What a controller may know of a cell, dimensionless as in `engine.propagator`: counts and sample periods.
 
     ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``offset`` of the encoder, counts; ``period_s``;
-    ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad.
+    ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad; ``walled``: False where there is none, and
+    ``kappa`` and ``stiffness`` are those of a unit of torque.
     """
 
     alpha: float
@@ -20,6 +21,7 @@ class Plant(NamedTuple):
     period_s: float
     quantum_rad: float
     stiffness: float
+    walled: bool = True
 
 
 class Fading(NamedTuple):
@@ -42,8 +44,9 @@ class ControlLaw:
     ``act``: the function that decides, as `engine.general.laws` says; ``parts``: lengths of the parts of an interval
     in which the torque is constant, their sum 1; ``looks``: instants in it at which the encoder is read as well;
     ``senses_speed``: whether it has a velocity sensor; ``reads_outside``: whether it tells counts outside the wall from
-    one another; ``rows``: how many numbers it remembers, of which the first ``places`` begin with the place that the
-    encoder shows; ``anchor`` and ``drifts``: as `engine.general.laws.law.Law` has them.
+    one another; ``cuts``: whether it may command nothing at all, a torque over the angle neither; ``rows``: how many
+    numbers it remembers, of which the first ``places`` begin with the place that the encoder shows; ``anchor`` and
+    ``drifts``: as `engine.general.laws.law.Law` has them.
     """
 
     act: Any = None
@@ -51,6 +54,7 @@ class ControlLaw:
     looks: tuple[float, ...] = ()
     senses_speed: bool = False
     reads_outside: bool = False
+    cuts: bool = False
     rows: int = 0
     places: int = 0
     anchor: int = -1
@@ -78,6 +82,13 @@ class ControlLaw:
         """By how much its numbers enlarge what they are multiplied with, before terms may cancel."""
         del plant
         return 1.0
+
+
+def reach_of(plant: Plant, *, everywhere: bool) -> float:
+    """Where virtual damping acts: 0 inside the wall, 1 outside, too, 2 where there is no wall."""
+    if not plant.walled:
+        return 2.0
+    return float(everywhere)
 
 
 def make_control_law(plan: Controller) -> ControlLaw:

@@ -9,9 +9,9 @@ own angle in whole counts, which is not linear. Kalman: the same filter with the
 as Belanger (1992) proposed for shaft encoders; in closed form by Kalata (1984).
 
 The laws' memory is in counts and samples, and begins with zeros: the knob has stood where it is. Fixed numbers of all:
-offset, gain of the damper in steps of the wall per count a sample, outside the wall too, the low-pass's part of the way
-or 0, the pace above which there is no torque, the spring at the filtered angle, where the last reading is in ``past``,
-and from `OWN` on those of the estimate.
+offset, gain of the damper in steps of the wall per count a sample, outside the wall too (2: there is no wall), the
+low-pass's part of the way or 0, the pace above which there is no torque, the spring at the filtered angle, where the
+last reading is in ``past``, and from `OWN` on those of the estimate. Above that pace what is returned is negative.
 """
 
 from math import exp, expm1, inf, log, sqrt
@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant
+from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant, reach_of
 from hknob_cli.controllers.fading_pair import make_pair
 from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
@@ -29,7 +29,7 @@ OFFSET, GAIN, EVERYWHERE, GOES, MOST, FILTERED, LAST, OWN, NEXT = range(9)  # of
 
 def spring_and_damper(shown: float, pace: float, behind: float, room: float, fixed: Any, out: Any) -> float:
     """Set the torque for a pace; ``behind``: filtered angle less the count's; ``room``: to the nearest guard so far."""
-    deep, inside = depth_of(shown, fixed[OFFSET]), shown < 0.0
+    deep, inside = 0.0 if fixed[EVERYWHERE] > 1.0 else depth_of(shown, fixed[OFFSET]), shown < 0.0
     if fixed[FILTERED] > 0.0:
         at = shown + fixed[OFFSET] + behind
         deep, inside = max(-at, 0.0), at < 0.0
@@ -37,7 +37,10 @@ def spring_and_damper(shown: float, pace: float, behind: float, room: float, fix
             room = min(room, abs(at))
     if fixed[EVERYWHERE] > 0.0 or inside:
         deep = deep + fixed[GAIN] * pace
-    out[0] = 0.0 if abs(pace) > fixed[MOST] else deep
+    if abs(pace) > fixed[MOST]:
+        out[0] = 0.0
+        return -room
+    out[0] = deep
     return room
 
 
@@ -158,6 +161,7 @@ class EstimatedVelocity(ControlLaw):
         timed = plan.velocity == "timed"
         self.looks = tuple(k / plan.detections for k in range(1, plan.detections)) if timed else ()
         self.filtered = plan.angle == "filtered"
+        self.cuts = plan.cut_off is not None
         self.counted_rows = 0 if self.tracks else 2 if timed else plan.window - 1
         self.rows = self.counted_rows + (2 if self.tracks else (plan.low_pass > 0.0) * (1 + self.filtered))
 
@@ -181,7 +185,8 @@ class EstimatedVelocity(ControlLaw):
         plan, period = self.plan, plant.period_s
         goes = -expm1(-period / plan.low_pass) if plan.low_pass > 0.0 else 0.0
         most = inf if plan.cut_off is None else plan.cut_off * period / plant.quantum_rad
-        shared = [plant.offset, self._gain(plant), float(plan.everywhere), goes, most, float(self.filtered)]
+        acts = reach_of(plant, everywhere=plan.everywhere)
+        shared = [plant.offset, self._gain(plant), acts, goes, most, float(self.filtered)]
         turn = plan.bandwidth * period
         gains = (2.0 * turn, turn * turn)
         if plan.velocity == "kalman":

@@ -13,6 +13,7 @@ from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.scene.general_knob import GeneralKnob, add_spans, sample_general
 from hknob_cli.specs.plan import Scene
 
+UNIT = 1.0  # N·m/rad: where there is no wall, a controller's torques are in steps of one so stiff
 SAME = 1e-12  # of two instants in an interval that are one
 
 
@@ -30,7 +31,7 @@ class LawKnob(NamedTuple):
 def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> LawKnob:
     """Reduce a scene with a controller to one cell. Raises `ComputationError` as `general_knob.sample_general`."""
     assert scene.controller
-    knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev, walled=False)
     control = make_control_law(scene.controller)
     plant = _plant(knob, scene.wall.stiffness)
     fixed, first, fading = control.numbers(plant), control.first(), control.fading(plant)
@@ -42,11 +43,12 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     line = rows + 1 + looks
     pieces = _pieces(control, split, ages - 1 - whole, rows + 1, line, knob)
     body = add_spans(knob.body, [piece[0] for piece in pieces])
-    outside = control.reads_outside or knob.wall.damping > 0.0
+    outside = control.reads_outside or knob.wall.damping > 0.0 or knob.wall.table is not None
     stepped = (knob.wall.step > 0.0 or knob.wall.band > 0.0) and fading.weight > 0.0
     known = body.order + ages - 1 if control.senses_speed else 0  # numbers that a period's map is of
     law = Law(
         act=control.act,
+        unit=plant.kappa,
         fixed=fixed,
         first=first,
         rows=rows,
@@ -59,13 +61,14 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         sched=[float(number) for piece in pieces for number in piece],
         fading=fading.row,
         fade=float(fading.fade),
-        weight=float(fading.weight * knob.wall.kappa),
+        weight=float(fading.weight * plant.kappa),
         coarse=control.coarseness(plant),
         guarded=fading.guarded or stepped,
         anchor=control.anchor,
         drifts=control.drifts,
         senses=control.senses_speed,
         provable=fading.fade < 1.0 and not (control.senses_speed and body.friction > 0.0),
+        cuts=control.cuts,
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),
         out=[0.0] * (2 * parts),
@@ -84,8 +87,18 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
 
 def _plant(knob: GeneralKnob, stiffness: float) -> Plant:
     """The knob as the controller's model of it: one body."""
-    body, wall = knob.body, knob.wall
-    return Plant(body.alpha, body.beta, wall.kappa, wall.offset, knob.period_s, knob.quantum_rad, stiffness)
+    body, walled = knob.body, stiffness > 0.0
+    stiffness = stiffness if walled else UNIT
+    return Plant(
+        alpha=body.alpha,
+        beta=body.beta,
+        kappa=stiffness * (knob.period_s * knob.period_s / knob.inertia_kg_m2),
+        offset=knob.wall.offset,
+        period_s=knob.period_s,
+        quantum_rad=knob.quantum_rad,
+        stiffness=stiffness,
+        walled=walled,
+    )
 
 
 def _pieces(

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant
+from hknob_cli.controllers.controller import LEAST, LONGEST, ControlLaw, Fading, Plant, reach_of
 from hknob_cli.controllers.estimated_velocity import EstimatedVelocity
 from hknob_cli.engine.general.laws.step import depth_of
 from hknob_cli.specs.controller import Controller
@@ -21,8 +21,9 @@ from hknob_cli.specs.controller import Controller
 def velocity_damping(shown: float, speed: float, past: Any, fixed: Any, out: Any) -> float:
     """Memory: the last places, the newest first, and the filtered pace if there is a filter.
 
-    Fixed: offset, steps of the wall per count a sample, a sensor, outside the wall too, samples of the window, the
-    filter's part of the way or 0, the pace above which there is no torque.
+    Fixed: offset, steps of the wall per count a sample, a sensor, outside the wall too (2: there is no wall), samples
+    of the window, the filter's part of the way or 0, the pace above which there is no torque. Above that what is
+    returned is negative.
     """
     at = shown + fixed[0]
     window = int(fixed[4])
@@ -36,11 +37,12 @@ def velocity_damping(shown: float, speed: float, past: Any, fixed: Any, out: Any
         past[window] = pace
     if fixed[5] > 0.0 or fixed[2] > 0.0:
         room = abs(fixed[6] - abs(pace))
-    out[0], out[1] = depth_of(shown, fixed[0]), 0.0
+    out[0], out[1] = 0.0 if fixed[3] > 1.0 else depth_of(shown, fixed[0]), 0.0
     if fixed[3] > 0.0 or shown < 0.0:
         out[0], out[1] = out[0] + fixed[1] * pace, fixed[1]
     if abs(pace) > fixed[6]:
         out[0], out[1] = 0.0, 0.0
+        return -room
     return room
 
 
@@ -68,6 +70,7 @@ class VelocityDamping(ControlLaw):
         self.everywhere = everywhere
         self.low_pass = low_pass
         self.cut_off = np.inf if cut_off is None else cut_off
+        self.cuts = cut_off is not None
         self.places = window
         self.rows = window + (low_pass > 0.0)
 
@@ -93,7 +96,8 @@ class VelocityDamping(ControlLaw):
         """Where counts lie, gain, sensor, everywhere, window, the low-pass's part of the way, and the cut-off."""
         goes = float(-np.expm1(-plant.period_s / self.low_pass)) if self.low_pass > 0.0 else 0.0
         most = self.cut_off * plant.period_s / plant.quantum_rad
-        shared = [plant.offset, self._gain(plant), float(self.senses_speed), float(self.everywhere)]
+        acts = reach_of(plant, everywhere=self.everywhere)
+        shared = [plant.offset, self._gain(plant), float(self.senses_speed), acts]
         return [*shared, float(self.places), goes, most]
 
     def settling(self, plant: Plant) -> float:

@@ -56,9 +56,7 @@ class GeneralKnob(NamedTuple):
 
     def start(self, angle_rad: float, velocity_rad_s: float) -> list[float]:
         """State at the start of a trial: the finger moves with the knob, no torque acts."""
-        state = [0.0] * self.body.order
-        state[0], state[1] = self.position(angle_rad), self.speed(velocity_rad_s)
-        return state
+        return [self.position(angle_rad), self.speed(velocity_rad_s), *([0.0] * (self.body.order - 2))]
 
     @property
     def torque_nm(self) -> float:
@@ -71,8 +69,10 @@ class GeneralKnob(NamedTuple):
         return self.inertia_kg_m2 * (self.quantum_rad / self.period_s) ** 2
 
 
-def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None) -> GeneralKnob:
-    """Reduce a scene to one cell.
+def sample_general(
+    scene: Scene, *, sample_rate_hz: float, counts_per_rev: int | None, walled: bool = True
+) -> GeneralKnob:
+    """Reduce a scene to one cell. ``walled``: whether a torque over the angle has the wall's in it.
 
     Raises `ComputationError` if its numbers overflow, or if it rings so often in an interval that nobody waits for it.
     """
@@ -93,8 +93,9 @@ def sample_general(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int |
     if is_shaped(scene):
         if counts_per_rev is None:
             raise ComputationError("a torque over the angle needs counts: with a continuous sensor it is not followed")
-        table = table_of(scene, Clock(counts_per_rev, quantum, offset), kappa=kappa, unit_nm=quantum / square)
-        kappa = -float(table[RISE_BELOW] / table[TURN])
+        clock, apart = Clock(counts_per_rev, quantum, offset), 0.0 if walled else kappa
+        table = table_of(scene, clock, kappa=kappa - apart, unit_nm=quantum / square)
+        kappa = apart - float(table[RISE_BELOW] / table[TURN])
     wall = Controller(
         kappa=kappa,
         damping=scene.wall.damping * period / inertia,

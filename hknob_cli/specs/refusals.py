@@ -146,10 +146,28 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
     if scene.controller:
         found += controller_faults(scene.controller, scene.given, axes)
         found += refusals(scene, axes, ["laws"])
-        if min(axes.get("wall.stiffness", [scene.wall.stiffness])) == 0.0:
-            found.append((("scene", "wall", "stiffness"), "must be > 0 where a controller is given"))
+        found += _without_wall(scene, scene.controller, axes)
     elif scene.sampling == "continuous":
         found += refusals(scene, axes, ["unsampled"])
+    return found
+
+
+def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Faults:
+    """What a controller lacks where there is no wall: only damping everywhere has something to act on."""
+    if min(axes.get("wall.stiffness", [scene.wall.stiffness])) > 0.0:
+        return []
+    at: Place = ("scene", "wall", "stiffness")
+    if not any(getattr(scene, name) for name in OVER_ANGLE):
+        return [(at, "must be > 0 where a controller is given")]
+    if controller.kind != "velocity_damping":
+        return [(at, f"must be > 0 where kind is {controller.kind}: it acts on the wall's torque")]
+    found: Faults = []
+    if not controller.everywhere:
+        message = "must have everywhere: true without a wall: else it damps inside the wall"
+        found.append((("scene", "controller"), message))
+    if controller.angle == "filtered":
+        message = "must be counted without a wall: the wall's spring is what acts at the filtered angle"
+        found.append((("scene", "controller", "angle"), message))
     return found
 
 

@@ -103,6 +103,7 @@ class Law:
     """A controller: ``command`` is given what the encoder shows, the true velocity, and what it showed in between."""
 
     detections = 1
+    silent = False  # whether nothing at all is commanded now
 
     def __init__(self, rig: Rig, **numbers: Any) -> None:
         """Nothing has happened yet."""

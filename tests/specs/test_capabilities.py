@@ -166,7 +166,8 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
     _sweeps_as_the_table_says(part, "phases")
 
 
-BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag")  # what sets are followed with
+# What sets are followed with.
+BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag", "detents", "dead_zone")
 FEW_STARTS = [(part, "phases") for part in BESIDE]
 FEW_STARTS += [("finger", starts) for starts in ("phases", "one", "ranges")]
 

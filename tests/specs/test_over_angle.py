@@ -131,14 +131,29 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
         {"end_stops": {"low": -1, "stiffness": 1}, "sampling": "continuous"},
         "scene.end_stops: must be absent where sampling is continuous: its events are those of a wall",
     ),
-    "controller": (
+    "controller of the wall without a wall": (
+        {"detents": {"per_revolution": 12, "torque": 1}, "controller": {"kind": "half_sample"}},
+        "scene.wall.stiffness: must be > 0 where kind is half_sample: it acts on the wall's torque",
+    ),
+    "damping inside no wall": (
         {
-            "wall": {"stiffness": 1},
             "detents": {"per_revolution": 12, "torque": 1},
-            "controller": {"kind": "half_sample"},
+            "controller": {"kind": "velocity_damping", "damping": 1e-5},
         },
-        "scene.detents: must be absent where a controller is given: "
-        "a pattern of detents is not built beside controllers",
+        "scene.controller: must have everywhere: true without a wall: else it damps inside the wall",
+    ),
+    "filtered angle of no wall": (
+        {
+            "detents": {"per_revolution": 12, "torque": 1},
+            "controller": {
+                "kind": "velocity_damping",
+                "damping": 1e-5,
+                "everywhere": True,
+                "low_pass": 0.005,
+                "angle": "filtered",
+            },
+        },
+        "scene.controller.angle: must be counted without a wall: the wall's spring is what acts at the filtered angle",
     ),
 }
 

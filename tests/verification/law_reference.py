@@ -39,9 +39,12 @@ class Firmware:
         self.before = shown
         brake = control.damping * (shown - before) / control.period if shown < 0 else mp.zero
         pieces = self.law.command(shown, omega, looks)
+        beside = mp.zero
+        if control.over_angle is not None and not self.law.silent:
+            beside = control.over_angle(int(mp.nint(shown / control.quantum - control.offset)))
         found = []
         for torque, _ in pieces:
-            wanted = torque - brake
+            wanted = torque - brake + beside
             self.step = min(self.step, control.step_distance(wanted))
             found.append(control.command(wanted))
         lengths = [duration for _, duration in pieces[:-1]]
@@ -103,7 +106,7 @@ def simulate_law(
         clear = min(clear, control.edge_distance(theta) / float(control.quantum))
         wave.append(firmware.command(control.measured(theta), motion.z[SPEED], looks))
         if control.step:
-            clear = min(clear, firmware.step / float(control.stiffness * control.quantum))
+            clear = min(clear, firmware.step / float((control.stiffness or 1) * control.quantum))
         yield theta, motion.z[SPEED], clear
         begin = (i - control.delay) * control.period
         looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections)

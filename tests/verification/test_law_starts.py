@@ -26,6 +26,13 @@ from .general_scenes import scene
 
 ANGLE, VELOCITY, STARTS = 0.02, 2.0, 300
 RUBS = {"coulomb_torque": 2.0e-4}
+DETENTS = {"per_revolution": 24, "torque": 3e-3}
+NO_WALL = {
+    "knob": {"coulomb_torque": 0.0},
+    "wall": {"stiffness": 0.0},
+    "detents": DETENTS,
+    "controller": {"everywhere": True},
+}
 CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "lag, friction, late": ("bounded lag", {"knob": RUBS, "actuator": {"delay_samples": 1.0}}),
     "lag, late": ("bounded lag", {"knob": {"coulomb_torque": 0.0}, "actuator": {"delay_samples": 2.0}}),
@@ -33,6 +40,9 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "matched wall, late": ("matched wall", {"knob": {"coulomb_torque": 0.0}, "actuator": {"delay_samples": 1.0}}),
     "hold, friction, limit": ("first-order hold", {"knob": RUBS, "actuator": {"torque_limit": 4e-3}}),
     "damping, friction, step": ("damping, differenced", {"knob": RUBS, "actuator": {"torque_step": 1e-4}}),
+    "lag, detents": ("bounded lag", {"knob": RUBS, "detents": DETENTS}),
+    "damping on detents, late": ("damping, differenced", {**NO_WALL, "actuator": {"delay_samples": 1.0}}),
+    "damping on detents, friction": ("damping, differenced", {**NO_WALL, "knob": RUBS}),
 }
 
 
@@ -47,6 +57,9 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> tup
         shown = np.floor(theta / plant.quantum) * plant.quantum
         pieces = [law.command(float(at), float(w), []) for law, at, w in zip(laws, shown, omega, strict=True)]
         torque = np.array([one[0][0] for one in pieces])
+        if plant.over:
+            heard = np.array([not law.silent for law in laws])
+            torque += heard * plant.over(np.rint(shown / plant.quantum))
         if plant.step:
             torque = plant.step * np.floor(torque / plant.step + 0.5)
         line.append(np.clip(torque, -plant.limit, plant.limit))
@@ -59,7 +72,8 @@ def settle(parts: dict[str, Any], rate: float, counts: int, samples: int) -> tup
 def test_random_starts_end_in_the_list(name: str) -> None:
     """Each lies, when it has settled, on a listed orbit, or rests in a listed reading."""
     controller, more = CASES[name]
-    parts = {**scene(**more), "controller": CONTROLLERS[controller]}
+    made_of = scene(**more)
+    parts = {**made_of, "controller": {**CONTROLLERS[controller], **made_of.get("controller", {})}}
     rate, counts = 464.0, 256
     made = make_law(SceneSpec.model_validate(parts).plain(), sample_rate_hz=rate, counts_per_rev=counts)
     functions, knob = compiled("friction sets"), made.knob

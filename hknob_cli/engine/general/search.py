@@ -150,6 +150,8 @@ class GeneralEngine:
         self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
         self._part: Callable[..., Any] = functions["general.parting_rate"] if functions else parting.parting_rate
 
+    torques = staticmethod(torque_range)  # what is commanded far out
+
     def zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
         return np.zeros(count) if self.compiled else [0.0] * count
@@ -181,7 +183,7 @@ class GeneralEngine:
         budget = max_samples or min(sample_limit(rate, body.damped), MOST_SAMPLES[min(body.order, 3)])
         spring = body.beta if body.ratio == 0.0 else (1.0 / body.reach**2 if body.reach < inf else 0.0)
         scale = trial_scale(start[0], start[1], body.push, wall.kappa, spring)
-        over = torque_range(wall)
+        over = self.torques(wall)
         scale = max(scale, over.span)
         if not scale < FINEST:
             return Search(attractors=(whole(Outcome.UNDECIDED, Reason.TOO_FINE, phases),), samples=0)

@@ -137,7 +137,8 @@ class Source(Law):
             self.angle = at = r * self.angle + (1 - r) * shown
         if self.numbers.get("angle") != "filtered":
             at = shown
-        if "cut_off" in self.numbers and abs(speed) > self.numbers["cut_off"]:
+        self.silent = "cut_off" in self.numbers and bool(abs(speed) > self.numbers["cut_off"])
+        if self.silent:
             return self.zero
         acts = at < 0 or self.numbers.get("everywhere", False)
         return self.rig.spring(at) - (self.numbers["damping"] * speed if acts else self.zero)

@@ -29,6 +29,7 @@ class Law(NamedTuple):
     """
 
     act: Any  # the function of a controller, or its address
+    unit: float  # acceleration by a torque of 1: a step of the wall
     fixed: Any
     first: Any  # (rows), memory before the first sample
     rows: int
@@ -48,6 +49,7 @@ class Law(NamedTuple):
     drifts: int  # a row that is a sum, and may grow for ever where the law no longer acts by it; or -1
     senses: bool  # whether the law reads the velocity
     provable: bool
+    cuts: bool  # whether it may command nothing at all, and then returns its guard negative
     unproven: int  # fate of what repeats under a law that is not provable
     watch: Controller  # the wall, with virtual damping where readings outside matter: which edges change a command
     out: Any  # (2 * parts), torques, and their slopes by the speed

@@ -9,7 +9,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import distance, norm, stiffness
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -55,7 +55,7 @@ def turn_with_law(past, period, body, wall, law, space, m):
         pace = max(pace, abs(space.state[1]))
         guard = min(guard, decide(shown, space.state[1], past, wall, law))
         for i in range(law.parts):
-            strength = max(strength, abs(past[newest + i]))
+            strength = max(strength, abs(past[newest + i]) + table_size(shown, wall))
         if law.anchor >= 0 and past[law.anchor] > 0.0:
             anchored = True
         for piece in range(law.pieces):
@@ -92,7 +92,7 @@ def find_periodic_past(z, past, period, body, wall, law, space):
     return True
 
 
-def drift_of(guard, strength, pace, period, wall, law):
+def drift_of(guard, strength, pace, period, law):
     """Whether a sum that did not begin anew decides nothing for ever, and by how much it may rise until it does.
 
     ``guard``: by how much it may rise in the period that has ended in ``law.beside``. It must fall from period to
@@ -101,7 +101,7 @@ def drift_of(guard, strength, pace, period, wall, law):
     if law.drifts < 0:
         return False, -float("inf")
     before, after = law.periodic[law.drifts], law.beside[law.drifts]
-    size = 1.0 + abs(before) + abs(after) + strength / wall.kappa * pace
+    size = 1.0 + abs(before) + abs(after) + strength / law.unit * pace
     spare = guard - SURE * size
     return before - after > ROUNDINGS * EPSILON * period * size and spare > 0.0, spare
 
@@ -167,16 +167,16 @@ def certify_with_law(z, past, period, body, wall, law, space):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     if not solved:
         return NEUTRAL, margin, edge, closure, 0.0
-    settled, spare = drift_of(guard, strength, pace, period, wall, law) if not anchored else (True, -float("inf"))
+    settled, spare = drift_of(guard, strength, pace, period, law) if not anchored else (True, -float("inf"))
     if anchored and not sums_agree(law.beside, law.periodic, spare, law):
         return DIFFERENT, 0.0, 0.0, 0.0, 0.0
     # How wrong the number that fades may be, by its residual and by the rounding of each update; how wrong a torque.
     worn = 0.0
     if law.fading >= 0:
         size, swell = size_faded(law.periodic, law)
-        scale = (size + strength / wall.kappa + reach) * swell
+        scale = (size + strength / law.unit + reach) * swell
         worn = missed / gone + ROUNDINGS * EPSILON * scale / (1.0 - law.fade)
-    size = law.coarse * (strength + wall.kappa * (1.0 + reach))  # of the terms of a torque, which may cancel
+    size = law.coarse * (strength + law.unit * (1.0 + reach))  # of the terms of a torque, which may cancel
     wrong = law.weight * worn + late + ROUNDINGS * EPSILON * size
     if law.anchor >= 0 and anchored:
         wrong += ROUNDINGS * EPSILON * size * period * period * (1.0 + pace)  # a sum since it began anew

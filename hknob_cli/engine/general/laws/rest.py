@@ -7,7 +7,7 @@ and `general.inner_region`, the distance from a rest under that last torque cann
 
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.general.body import acceleration, distance
-from hknob_cli.engine.general.controller import edge_gap
+from hknob_cli.engine.general.controller import edge_gap, table_size
 from hknob_cli.engine.general.inner_region import ROUNDINGS, hold_zone
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.step import copy_to, decide
@@ -75,7 +75,8 @@ def settled_torque(x, shown, past, wall, law):
     if law.weight > 0.0 and not guard > faded(past, law.periodic, law) + worn:
         return False, 0.0, 0.0, 0.0
     u = law.periodic[law.line + (law.ages - 1) * law.parts]
-    wrong = law.weight * worn + ROUNDINGS * EPSILON * law.coarse * (abs(u) + wall.kappa * (1.0 + abs(x)))
+    size = abs(u) + table_size(shown, wall) + law.unit * (1.0 + abs(x))  # of its terms, which may cancel
+    wrong = law.weight * worn + ROUNDINGS * EPSILON * law.coarse * size
     return True, u, wrong, torques_apart(past, law.periodic, law)
 
 

@@ -1,17 +1,19 @@
 """What the trials of a cell under a law settle to: `general.search.GeneralEngine` with the law's own loop."""
 
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 import numpy as np
 
 from hknob_cli.engine.attractors import USUAL, Patience
 from hknob_cli.engine.budget import TrialBudget
+from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.ensemble import TrialSpace
 from hknob_cli.engine.general.follow import FIELDS
 from hknob_cli.engine.general.laws import step, trials
 from hknob_cli.engine.general.laws.law import Law
-from hknob_cli.engine.general.search import GeneralEngine
+from hknob_cli.engine.general.search import GeneralEngine, TorqueRange, torque_range
 
 
 class LawEngine(GeneralEngine):
@@ -45,6 +47,12 @@ class LawEngine(GeneralEngine):
     def past_length(self) -> int:
         """How many numbers are remembered."""
         return len(self._law.beside)
+
+    @staticmethod
+    def torques(wall: Controller) -> TorqueRange:
+        """As `GeneralEngine.torques`: beside a torque over the angle the law may command any."""
+        over = torque_range(wall)
+        return over if wall.table is None else over._replace(least=-inf, most=inf)
 
     def _ready(self, law: Law) -> Law:
         """The law as the loop wants it: compiled, its numbers arrays."""

@@ -12,7 +12,7 @@ Rest is a period of one sample.
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.advance import rub_columns
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
 from hknob_cli.engine.general.laws.cascade import same_count
 from hknob_cli.engine.general.laws.law import AT_SWITCH, BLOCK, PIECE, ROUNDINGS, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.laws.step import copy_to, decide
@@ -84,7 +84,7 @@ def turn_sensed(past, period, body, wall, law, space, m):
         reach, pace = max(reach, abs(x)), max(pace, abs(space.state[1]))
         gap, beside, _, _ = sense(past, wall, law, space, m)
         margin, edge = min(margin, gap), min(edge, beside)
-        strength = max(strength, abs(past[law.line + law.ages - 1]))
+        strength = max(strength, abs(past[law.line + law.ages - 1]) + table_size(read(x, wall), wall))
         move_columns(past, body, law, space, m)
         pace = max(pace, abs(space.state[0] - x))
     return margin, edge, reach, pace, strength
@@ -211,7 +211,7 @@ def certify_sensed(z, past, period, body, wall, law, space):
         return NEUTRAL, margin, edge, closure, 0.0
     # A torque that is wrong by so much moves a speed, and a place, by no more in an interval.
     pull = abs(body.drive) + (body.beta + body.pad_stiffness) * reach
-    wrong = ROUNDINGS * EPSILON * (law.coarse * (strength + wall.kappa * (1.0 + reach + pace)) + pull)
+    wrong = ROUNDINGS * EPSILON * (law.coarse * (strength + law.unit * (1.0 + reach + pace)) + pull)
     rounding = 8.0 * EPSILON * law.pieces
     for i in range(m):
         law.noise[i] = wrong

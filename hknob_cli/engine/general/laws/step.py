@@ -4,6 +4,7 @@ from hknob_cli.engine.general.advance import advance_hold, rub_many
 from hknob_cli.engine.general.controller import read, send
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
+from hknob_cli.engine.general.torque_table import command_at, is_there
 from hknob_cli.engine.general.trace import chart
 
 FREE = 1e300  # of a guard
@@ -36,18 +37,24 @@ def driven_slope(u, slope, wall):
 def decide(shown, speed, past, wall, law):
     """Let the law act on a reading: memory, torques and last reading are renewed in ``past``; the least guard.
 
-    The wall's virtual damping acts beside the law, inside the wall. The D/A converter and the amplifier come last. Of a
-    law that senses the speed, ``law.out`` is left with the slopes of what is driven.
+    The wall's virtual damping acts beside the law, inside the wall, and so does a torque over the angle, unless the law
+    commands nothing at all. The D/A converter and the amplifier come last. Of a law that senses the speed, ``law.out``
+    is left with the slopes of what is driven.
     """
     guard = law.act(shown, speed, past, law.fixed, law.out)
+    silent = law.cuts and guard < 0.0
+    if silent:
+        guard = -guard
     newest = law.line + (law.ages - 1) * law.parts
     for j in range(law.line, newest):
         past[j] = past[j + law.parts]
     brake = wall.damping * (shown - past[law.rows]) if shown < 0.0 else 0.0
     for i in range(law.parts):
-        u = wall.kappa * law.out[i] - brake
+        u = law.unit * law.out[i] - brake
+        if is_there(wall.table) and not silent:
+            u += command_at(shown, wall.table)
         if law.senses:
-            slope, room = driven_slope(u, wall.kappa * law.out[law.parts + i], wall)
+            slope, room = driven_slope(u, law.unit * law.out[law.parts + i], wall)
             law.out[law.parts + i] = slope
             guard = min(guard, room)
         if law.weight > 0.0:
