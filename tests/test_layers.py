@@ -85,7 +85,6 @@ SMALL = {
     "engine/unsampled/event_rows.py": "a group of compiled functions",
     "page/claims/text.py": "words, of which a change does not make results old",
     "page/contents.py": "reads a format of its own, which the program only quotes",
-    "results/sound_file.py": "perception makes the sound, and knows no results folder",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "specs/declared.py": "marks the parts of a scene, and loads no validation",
     "specs/gear.py": "a part of the scene, which what reduces it loads the others for",

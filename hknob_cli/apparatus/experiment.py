@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from hknob_cli.apparatus.hand import Hand, SecondOrder, split
 from hknob_cli.apparatus.hand_recording import PEAK_RAD, record_trial, scaled_pulse
@@ -17,15 +17,28 @@ from hknob_cli.specs.identification import InputPlan
 Subjects = int | Sequence[int] | None
 
 
+class Schedule(NamedTuple):
+    """Which trials are recorded: by default those of the dissertation.
+
+    ``subjects``: how many in every experiment, or their numbers from 1; None: as printed, 9 in the first and 5 in the
+    others. ``grips`` (N): of those in the tables; None: all six.
+    """
+
+    experiments: Sequence[int] = (1, 2, 3, 4, 5)
+    subjects: Subjects = None
+    blocks: int = 3
+    trials: int = 3
+    grips: Sequence[float] | None = None
+
+
+EVERY = Schedule()
+
+
 def record_experiments(
     rig: Rig,
+    schedule: Schedule = EVERY,
     *,
-    experiments: Sequence[int] = (1, 2, 3, 4, 5),
-    subjects: Subjects = None,
-    blocks: int = 3,
-    trials: int = 3,
     seed: int = 0,
-    grips: Sequence[float] | None = None,
     variation: Variation | None = None,
     model: Literal["second", "fourth"] = "second",
     torque: InputPlan | None = None,
@@ -33,13 +46,21 @@ def record_experiments(
 ) -> list[Trial]:
     """Record trials, ordered by experiment, subject, block, grip (the lightest first) and trial, as they were run.
 
-    ``subjects``: how many in every experiment, or their numbers from 1; by default as printed, 9 in the first and 5 in
-    the others. ``grips`` (N): of those in the tables; by default all six. ``model``: "fourth" gives the hand finger and
-    fingerpad of its own (`split`). ``torque``: an input in place of the pulse, recorded to its end. What is left out
-    changes nothing of the rest. Raises `UsageError` for what is not in the tables, or numbers below 1. ``progress`` is
-    told of the trials recorded, and of how many.
+    What is left out of a schedule changes nothing of the rest.
+
+    Args:
+        rig: what records them.
+        schedule: which trials.
+        seed: of all that is random.
+        variation: how hands differ between people, blocks and trials; None: as printed.
+        model: "fourth" gives the hand finger and fingerpad of its own (`split`).
+        torque: an input in place of the pulse, recorded to its end.
+        progress: is told of the trials recorded, and of how many.
+
+    Raises:
+        UsageError: for what is not in the tables, or numbers below 1.
     """
-    every = list(places(experiments, subjects, blocks, trials, grips))
+    every = list(places(schedule))
     recorded: list[Trial] = []
     for place in every:
         progress(len(recorded), len(every))
@@ -55,32 +76,14 @@ def _input(torque: InputPlan, place: Place, rig: Rig) -> Array:
     return scaled_input(torque, mean_hand(place.experiment, place.grip_n), rig.interval_s, PEAK_RAD)
 
 
-def truths(
-    *,
-    experiments: Sequence[int] = (1, 2, 3, 4, 5),
-    subjects: Subjects = None,
-    blocks: int = 3,
-    trials: int = 3,
-    seed: int = 0,
-    grips: Sequence[float] | None = None,
-    variation: Variation | None = None,
-) -> dict[Key, SecondOrder]:
-    """The J, B, K behind each trial of `record_experiments`, by its key, for the same arguments."""
-    return {
-        key_of(place): trial_hand(place, seed=seed, variation=variation)
-        for place in places(experiments, subjects, blocks, trials, grips)
-    }
-
-
 def key_of(place: Place) -> Key:
     """Key of the trial at a place: subject "S1", "S2", ..., experiment "1" to "5"."""
     return Key(f"S{place.subject}", str(place.experiment), place.grip_n, place.block, place.trial)
 
 
-def places(
-    experiments: Sequence[int], subjects: Subjects, blocks: int, trials: int, chosen: Sequence[float] | None
-) -> Iterator[Place]:
+def places(schedule: Schedule) -> Iterator[Place]:
     """Every trial's place, in the order in which they are run. Raises `UsageError` for numbers below 1."""
+    experiments, subjects, blocks, trials, chosen = schedule
     if blocks < 1 or trials < 1:
         raise UsageError(f"blocks and trials must be >= 1, got {blocks} and {trials}")
     for experiment in experiments:

@@ -94,11 +94,6 @@ def spread(experiment: int, grip_n: float) -> tuple[float, float, float]:
     return _row(experiment, grip_n).cvs
 
 
-def damping_with_stiffness(experiment: int, grip_n: float) -> float:
-    """Correlation of ln B with ln K between subjects, as the row's spread of ζ implies. Raises `UsageError`."""
-    return _row(experiment, grip_n).correlation
-
-
 def subject_hand(place: Place, *, seed: int = 0, variation: Variation | None = None) -> SecondOrder:
     """The hand of a subject, on average over all blocks and trials. Raises `UsageError` if it is not in the table."""
     mean, cvs, rho = _row(place.experiment, place.grip_n)

@@ -1,6 +1,6 @@
 """What a cell's trials settle to: its attractors, each with its proof and its share of the trials."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from time import perf_counter
 from typing import Any, NamedTuple
 
@@ -134,8 +134,8 @@ def unfinished(trials: float, seconds: float | None, patience: Patience, *, comp
     return whole(Outcome.UNDECIDED, Reason.TIME_LIMIT, trials)
 
 
-class Engine:
-    """The ensemble kernel, what its orbits are measured by, and work space, plain or compiled; one per thread."""
+class Runner:
+    """What runs engine functions, plain or compiled; one per thread."""
 
     def __init__(
         self,
@@ -147,13 +147,32 @@ class Engine:
         self.stopped = stopped
         self.patience = patience
         self.compiled = functions is not None
-        self._ensemble: Callable[..., Any] = functions["ensemble"] if functions else plain_ensemble.ensemble
-        self._trace: Callable[..., Any] = functions["trace"] if functions else plain_trace.trace
-        self._measure: Callable[..., Any] = functions["orbit.measure_cycle"] if functions else plain_cycle.measure_cycle
+        self._functions = functions
+        self._begin()
 
-    def _zeros(self, count: int) -> Any:
+    def _begin(self) -> None:
+        """Choose the functions, and make the work space that lasts; nothing by itself."""
+
+    def _function(self, name: str, plain: Callable[..., Any]) -> Callable[..., Any]:
+        """The compiled function of a name, or the plain one."""
+        return self._functions[name] if self._functions else plain
+
+    def zeros(self, count: int) -> Any:
         """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
         return np.zeros(count) if self.compiled else [0.0] * count
+
+    def filled(self, values: Sequence[float]) -> Any:
+        """Work space with these values."""
+        return np.array(values, dtype=np.float64) if self.compiled else list(values)
+
+
+class Engine(Runner):
+    """The ensemble kernel, what its orbits are measured by, and work space."""
+
+    def _begin(self) -> None:
+        self._ensemble = self._function("ensemble", plain_ensemble.ensemble)
+        self._trace = self._function("trace", plain_trace.trace)
+        self._measure = self._function("orbit.measure_cycle", plain_cycle.measure_cycle)
 
     def search(
         self,
@@ -180,12 +199,12 @@ class Engine:
         cut = not self.compiled and most > patience
         width = min(LANES, phases)
         room = plain_ensemble.TrialRoom(
-            x=self._zeros(width),
-            v=self._zeros(width),
-            line=self._zeros(width * delay_line),
-            ring=self._zeros(delay_line),
-            table=self._zeros(ROW * CAPACITY),
-            lines=self._zeros(max(1, CAPACITY * delay_line)),
+            x=self.zeros(width),
+            v=self.zeros(width),
+            line=self.zeros(width * delay_line),
+            ring=self.zeros(delay_line),
+            table=self.zeros(ROW * CAPACITY),
+            lines=self.zeros(max(1, CAPACITY * delay_line)),
         )
         budget = TrialBudget(skip, min(most, patience + skip) if cut else most, not cut, limit)
         rows, overflow, samples = 0, 0, 0
@@ -238,15 +257,15 @@ class Engine:
 
     def hold_space(self) -> Any:
         """Room for the numbers of the holds of a loop."""
-        return self._zeros(2 * PART)
+        return self.zeros(2 * PART)
 
     def _room(self, loop: Loop, orbit: Attractor) -> list[Any]:
         """Room for one period: states and drives of its holds."""
         count = orbit.period * plain_trace.holds_per_sample(loop)
-        return [self._zeros(count + 1), self._zeros(count + 1), self._zeros(count)]
+        return [self.zeros(count + 1), self.zeros(count + 1), self.zeros(count)]
 
     def _ring(self, orbit: Attractor) -> Any:
-        return np.array(orbit.line) if self.compiled else list(orbit.line)
+        return self.filled(orbit.line)
 
 
 def whole(outcome: Outcome, reason: Reason, trials: float) -> Attractor:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hknob_cli.apparatus.bench_rigs import POSITIONS_M
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.schematic import SCALE, ground
+from hknob_cli.figures.schematic import SCALE, draw_to_scale, ground
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
@@ -40,15 +40,7 @@ def apparatus_drawing(_evidence: ResultSet, _of: Any = None, *, kind: str) -> "F
     }
     if kind not in draws:
         raise MissingError(f"no drawing '{kind}' of the apparatus; there are {', '.join(draws)}")
-    draw, (left, right, low, high), scale = draws[kind]
-    drawn = theme.figure(scale * (high - low), width=scale * (right - left))
-    panel = drawn.subplots()
-    draw(panel)
-    panel.set_xlim(left, right)
-    panel.set_ylim(low, high)
-    panel.set_aspect("equal")
-    panel.set_axis_off()
-    return drawn
+    return draw_to_scale(*draws[kind])
 
 
 def _box(panel: "Axes", left: float, low: float, width: float, height: float, **style: Any) -> None:

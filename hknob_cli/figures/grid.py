@@ -140,19 +140,8 @@ def grid(
             raise MissingError(f"'{result.name}' has no axis {name}; it has {', '.join(axes) or 'none'}")
     for column in columns:
         _known(rows, column, result)
-    for axis, value in (at or {}).items():
-        nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
-        rows = [row for row in rows if row[axis] == nearest]
-    varying = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
-    order = [*(axis for axis in varying if axis not in (across, down)), *(a for a in axes if a not in varying)]
-    free = [axis for axis in order if axis not in (across, down)]
-    across = across or (free.pop(0) if free else "")
-    down = down or (free.pop(0) if free else "")
-    if result.is_design and len(varying) > 1:
-        raise MissingError(f"'{result.name}' is a design, whose points are on no grid of {' and '.join(varying)}")
-    further = [axis for axis in varying if axis not in (across, down)]
-    if further:
-        raise MissingError(f"'{result.name}' varies over {', '.join(further)}, too: give its value in 'at'")
+    rows = _nearest(rows, at or {})
+    across, down = _two_axes(result, rows, axes, across, down)
     whole = [sorted({row[axis] for row in rows}) if axis else [None] for axis in (across, down)]
     acrosses, downs = map(_thin, whole)
     found = {(row.get(down), row.get(across)): row for row in rows}
@@ -163,6 +152,32 @@ def grid(
         said.append(f"{len(acrosses)} of {len(whole[0])} and {len(downs)} of {len(whole[1])} values of the axes shown")
     fixed = ", ".join(said)
     return Grid(across, down, acrosses, downs, cells, names, fixed)
+
+
+def _nearest(rows: Rows, at: Row) -> Rows:
+    """Rows at the values of axes that are nearest to those asked for."""
+    for axis, value in at.items():
+        nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
+        rows = [row for row in rows if row[axis] == nearest]
+    return rows
+
+
+def _two_axes(result: Result, rows: Rows, axes: list[str], across: str | None, down: str | None) -> tuple[str, str]:
+    """The axes across and down: those asked for, else the first that vary, else the first; empty where there is none.
+
+    Raises `MissingError` for a design, and where a third axis varies.
+    """
+    varying = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
+    free = [axis for axis in varying if axis not in (across, down)]
+    free += [axis for axis in axes if axis not in varying and axis not in (across, down)]
+    across = across or (free.pop(0) if free else "")
+    down = down or (free.pop(0) if free else "")
+    if result.is_design and len(varying) > 1:
+        raise MissingError(f"'{result.name}' is a design, whose points are on no grid of {' and '.join(varying)}")
+    further = [axis for axis in varying if axis not in (across, down)]
+    if further:
+        raise MissingError(f"'{result.name}' varies over {', '.join(further)}, too: give its value in 'at'")
+    return across, down
 
 
 def axes_of(result: Result, rows: Rows) -> list[str]:

@@ -267,28 +267,47 @@ def surface(
     values = [[max(s, p) for s, p in zip(*both, strict=True)] for both in zip(size, pitch, strict=True)]
     texts = [
         [
-            (" ".join(ends(cell)) if cell else "") if s != s else f"{max(s, p):.2f} {'s' if s >= p else 'p'}"
+            f"{max(s, p):.2f} {'s' if s >= p else 'p'}" if s == s else ending(cell)
             for s, p, cell in zip(*line, strict=True)
         ]
         for line in zip(size, pitch, cells.cells, strict=True)
     ]
-    best = set()
-    for i, line in enumerate(values):
-        found = [(value, j) for j, value in enumerate(line) if value == value]
-        if found and len(line) > 1:
-            best.add((i, min(found)[1]))
+    figure = draw_surface(cells, values, texts, norm=Normalize(0.0, 1.0), label="worse of the two, 0 to 1", mesh=mesh)
+    pitch_is = "log frequency" if log_pitch else "frequency"
+    said = f"s: size (log peak to peak) is the worse;  p: pitch ({pitch_is});  frame: best of its row"
+    figure.supxlabel(said, fontsize=8)
+    return figure
+
+
+def ending(cell: Row | None) -> str:
+    """How a cell without a limit cycle ends, in words; empty where there is no cell."""
+    return " ".join(ends(cell)) if cell else ""
+
+
+def draw_surface(
+    cells: Grid,
+    values: list[list[float]],
+    texts: list[list[str]],
+    *,
+    norm: "Normalize",
+    label: str,
+    mesh: bool,
+    least: int = 1,
+) -> "Figure":
+    """A map with a frame about the least value of each row and a key; beside it a mesh, where the grid has two axes.
+
+    ``label``: of the key. ``least``: values that a row needs for a frame.
+    """
+    found = [[(value, j) for j, value in enumerate(line) if value == value] for line in values]
+    best = {(i, min(line)[1]) for i, line in enumerate(found) if len(line) >= least and len(values[i]) > 1}
     mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
-    norm = Normalize(0.0, 1.0)
     figure = theme.figure(height_of(cells, extra=1.45 if mesh else 1.0))
     outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.6, 1.0] if mesh else [1.0])
     axes = figure.add_subplot(outer[0])
     draw_map(axes, cells, values, texts, norm=norm, colours=ramp(), bold=best)
-    draw_key(figure, axes, norm, ramp(), "worse of the two, 0 to 1", below=mesh)
+    draw_key(figure, axes, norm, ramp(), label, below=mesh)
     if mesh:
         draw_mesh(figure, outer[1], cells, values, norm=norm, log=False)
-    pitch_is = "log frequency" if log_pitch else "frequency"
-    said = f"s: size (log peak to peak) is the worse;  p: pitch ({pitch_is});  frame: best of its row"
-    figure.supxlabel(said, fontsize=8)
     return figure
 
 

@@ -24,6 +24,7 @@ from hknob_cli.specs.plan import Hand
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 THIN = 6  # of the samples of a thumbnail one in so many is drawn: 0.6 ms of a motion of 20
 
@@ -44,20 +45,26 @@ def trial_thumbnails(
             grips.setdefault(trial.key.grip_target_n, []).append(trial)
     if not grips:
         raise MissingError(f"no trial of '{of}' has a pulse")
-    rows = -(-len(grips) // 3)
-    drawn = theme.figure(0.7 + 1.5 * rows)
-    panels = drawn.subplots(rows, min(3, len(grips)), squeeze=False, sharex=True, sharey=True).ravel()
+    drawn, panels = _panels(len(grips), above=0.7, each=1.5)
     for panel, (grip, trials) in zip(panels, sorted(grips.items()), strict=False):
         for trial in trials:
             time, angle = _from_rest(trial)
             kept = slice(0, int(np.searchsorted(time, to_s)) + 1, THIN)
             panel.plot(1e3 * time[kept], 1e3 * angle[kept], color=theme.COLOURS[0], linewidth=0.8, alpha=0.75)
         panel.set_title(f"{grip:g} N, {len(trials)} trials", loc="left")
-    for panel in panels[len(grips) :]:
+    return drawn
+
+
+def _panels(count: int, *, above: float, each: float) -> "tuple[Figure, NDArray[Any]]":
+    """A figure of so many panels of angle over time, three a row; ``above`` and ``each`` row: inches."""
+    rows = -(-count // 3)
+    drawn = theme.figure(above + each * rows)
+    panels = drawn.subplots(rows, min(3, count), squeeze=False, sharex=True, sharey=True).ravel()
+    for panel in panels[count:]:
         panel.set_visible(False)
     drawn.supxlabel("time from the onset of the pulse, ms", fontsize=9)
     drawn.supylabel("angle from rest, mrad", fontsize=9)
-    return drawn
+    return drawn, panels
 
 
 def _from_rest(trial: Trial) -> tuple[np.ndarray, np.ndarray]:
@@ -143,9 +150,7 @@ def models_beside_data(
     known = plan_of(result)
     drawn_of = pulsed(result, smooth=False, after_s=to_s, subject=subject, experiment=experiment, block=block)
     drawn_of.sort(key=lambda one: one.of.condition.grip_target_n)
-    rows = -(-len(drawn_of) // 3)
-    drawn = theme.figure(0.9 + 1.6 * rows)
-    panels = drawn.subplots(rows, min(3, len(drawn_of)), squeeze=False, sharex=True, sharey=True).ravel()
+    drawn, panels = _panels(len(drawn_of), above=0.9, each=1.6)
     wide: dict[str, Any] = {"color": "black", "linewidth": 3.5, "alpha": 0.3}
     for panel, one in zip(panels, drawn_of, strict=False):
         grip, time = one.of.condition.grip_target_n, time_of(one)[::THIN_DATA]
@@ -157,11 +162,7 @@ def models_beside_data(
             angle = modelled(plant, one, coulomb_nm=known.coulomb_nm, lag_s=known.lag_s)
             panel.plot(time, 1e3 * angle[::THIN_DATA], label=label, **theme.series(i))
         panel.set_title(f"{grip:g} N", loc="left")
-    for panel in panels[len(drawn_of) :]:
-        panel.set_visible(False)
     drawn.legend(*panels[0].get_legend_handles_labels(), loc="outside upper left", ncols=3, handlelength=3.0)
-    drawn.supxlabel("time from the onset of the pulse, ms", fontsize=9)
-    drawn.supylabel("angle from rest, mrad", fontsize=9)
     return drawn
 
 

@@ -5,6 +5,7 @@ Springs, dampers, masses and ground, as lines: what schematics of lumped models 
 Lumped models of hand, knob and wall, as line drawings (Hasser, Figs 4, 13, 14, 27).
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
@@ -81,8 +82,15 @@ def schematic(_evidence: ResultSet, _of: Any = None, *, kind: str) -> "Figure":
     }
     if kind not in draws:
         raise MissingError(f"no schematic '{kind}'; there are {', '.join(draws)}")
-    draw, (left, right, low, high) = draws[kind]
-    drawn = theme.figure(SCALE * (high - low), width=SCALE * (right - left))
+    return draw_to_scale(*draws[kind])
+
+
+def draw_to_scale(
+    draw: Callable[["Axes"], None], sides: tuple[float, float, float, float], scale: float = SCALE
+) -> "Figure":
+    """A figure without axes; ``sides``: left, right, low and high in the drawing's unit, ``scale``: inches a unit."""
+    left, right, low, high = sides
+    drawn = theme.figure(scale * (high - low), width=scale * (right - left))
     panel = drawn.subplots()
     draw(panel)
     panel.set_xlim(left, right)

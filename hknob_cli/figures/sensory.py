@@ -2,10 +2,10 @@
 
 from typing import TYPE_CHECKING
 
-from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Row, ends, grid, notes
-from hknob_cli.figures.heat import draw_key, draw_map, height_of, norm_of, ramp
-from hknob_cli.figures.maps import draw_mesh
+from hknob_cli.figures import drawing
+from hknob_cli.figures.grid import Row, grid, notes
+from hknob_cli.figures.heat import norm_of
+from hknob_cli.figures.maps import draw_surface, ending
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
@@ -39,22 +39,13 @@ def sensory_surface(
         raise MissingError(f"'{of}' has no limit cycle")
     texts = [
         [
-            f"{value:.0f} {'t' if touch == value else 'h'}" if value == value else " ".join(ends(cell)) if cell else ""
+            f"{value:.0f} {'t' if touch == value else 'h'}" if value == value else ending(cell)
             for value, touch, cell in zip(*lines, strict=True)
         ]
         for lines in zip(values, felt, cells.cells, strict=True)
     ]
-    found = [[(value, j) for j, value in enumerate(line) if value == value] for line in values]
-    best = {(i, min(line)[1]) for i, line in enumerate(found) if len(line) > 1}
-    mesh = mesh and min(len(cells.acrosses), len(cells.downs)) > 1
-    norm = norm_of(flat, log=False)
-    figure = theme.figure(height_of(cells, extra=1.45 if mesh else 1.0))
-    outer = figure.add_gridspec(1, 2 if mesh else 1, width_ratios=[1.6, 1.0] if mesh else [1.0])
-    axes = figure.add_subplot(outer[0])
-    draw_map(axes, cells, values, texts, norm=norm, colours=ramp(), bold=best)
-    draw_key(figure, axes, norm, ramp(), "more noticeable of the two, dB above threshold", below=mesh)
-    if mesh:
-        draw_mesh(figure, outer[1], cells, values, norm=norm, log=False)
+    label = "more noticeable of the two, dB above threshold"
+    figure = draw_surface(cells, values, texts, norm=norm_of(flat, log=False), label=label, mesh=mesh, least=2)
     said = "t: touch is the more noticeable;  h: hearing;  frame: best of its row"
     figure.supxlabel(";  ".join(filter(None, [said, notes([cells], FELT)])), fontsize=8)
     return figure

@@ -66,7 +66,7 @@ def respond_linear(move: Array, push: Array, torque_nm: Array) -> tuple[Array, A
 def network(parameters: Mapping[str, float]) -> tuple[Array, Array]:
     """Matrix (4, 4) and input (4,) of knob angle, knob velocity, finger angle, finger velocity.
 
-    Source: Equation 1.
+    Source: Section 4.4.1, Equation 1. Without the knob it is of third order, as Karason and Srinivasan's (1995) model.
     """
     knob, tip, b1, k1, b2, k2 = (parameters[name] for name in ORDER)
     matrix = np.array(
@@ -78,24 +78,6 @@ def network(parameters: Mapping[str, float]) -> tuple[Array, Array]:
         ]
     )
     return matrix, np.array([0.0, 1.0 / knob, 0.0, 0.0])
-
-
-def network_without_knob(parameters: Mapping[str, float]) -> tuple[Array, Array]:
-    """Matrix (3, 3) and input (3,) of pad angle, finger angle, finger velocity: the hand alone, of third order.
-
-    Karason and Srinivasan's (1995) model, to which Section 4.4.1 compares the network less the actuator's mass: the
-    pad's damper takes what the torque leaves to it, so that the pad's angle has a rate and no acceleration. It is the
-    limit of `network` for a knob without inertia, and `fourth_order` with an ``inertia`` of 1e-12 kg·m² fits it.
-    """
-    _, tip, b1, k1, b2, k2 = (parameters[name] for name in ORDER)
-    matrix = np.array(
-        [
-            [-k2 / b2, k2 / b2, 1.0],
-            [0.0, 0.0, 1.0],
-            [0.0, -k1 / tip, -b1 / tip],  # the pad passes on the torque, whole
-        ]
-    )
-    return matrix, np.array([1.0 / b2, 0.0, 1.0 / tip])
 
 
 def network_slopes(parameters: Mapping[str, float]) -> tuple[Array, Array]:

@@ -55,13 +55,6 @@ def over_subjects(values: Iterable[float]) -> Spread:
     return Spread(mean, std, std / mean if mean else nan, len(kept))
 
 
-def student(level: float, degrees: int) -> float:
-    """Half width of a two-sided interval at ``level`` (0.95), in standard errors, with these degrees of freedom."""
-    from scipy.special import stdtrit
-
-    return float(stdtrit(degrees, 0.5 + 0.5 * level))
-
-
 def damping_ratio(fit: Fit) -> Estimate:
     """Damping ratio B / (2 sqrt(J K)) with its standard error by the delta method; NaN where J, K or J K is not > 0.
 

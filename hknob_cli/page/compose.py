@@ -30,7 +30,6 @@ from hknob_cli.specs.page_plan import ChapterPlan, FigurePlan, Listen, ReportPla
 
 RATE_HZ = 16000
 DURATION_S = 1.2
-MOST_BYTES = 60_000  # of a clip in the page
 
 _NOTHING = re.compile(r"^-(0(\.0*)?)$")  # what rounds to nothing has no sign
 Progress = Callable[[int, int], None]

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from hknob_cli.figures.numbers import MINUS, numeral
 from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.claims.checks import known
-from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS
+from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS, reading_text
 from hknob_cli.page.tables import UPRIGHT
 
 if TYPE_CHECKING:
@@ -27,9 +27,6 @@ GLOSSARY = {
 _WORST_FIRST = (CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED)
 _SPEC_WIDTH = 100  # characters of a line
 _PRINTED_DIGITS = 10  # of a printed value none is lost
-# The readings of a claim are one text, each ending in its verdict, or in why it is excluded.
-_BETWEEN_READINGS = re.compile("(?:" + "|".join(rf"(?<=, {verdict})" for verdict in VERDICTS) + r"|(?<=\))); ")
-_HYPHEN_MINUS = re.compile(r"(?<=: )-(?=\d)")
 # A section by number, bare or after its name: "7.3", "Sec. 7.3", "Chapter 7". A figure's or table's number is none.
 _CHAPTER = re.compile(r"(?:^|\b(?:sec|section|sections|secs|ch|chapter|chapters)\b\.?\s*)(\d+)(?![\d-])", re.IGNORECASE)
 _APPENDIX = re.compile(r"\bapp[a-z]*\.?\s*([A-Z])\b", re.IGNORECASE)
@@ -197,8 +194,6 @@ def _table_numbers(page: Page) -> dict[str, int]:
 
 
 def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, _Origin]) -> _Row:
-    used = f"{claim['reading']}: "
-    said = _BETWEEN_READINGS.split(_HYPHEN_MINUS.sub(MINUS, claim["readings"])) if claim["readings"] else []
     return _Row(
         claim,
         f"claim-{claim['claim']}",
@@ -209,7 +204,10 @@ def _row(claim: dict[str, Any], figures: dict[str, _Figure], origins: dict[str, 
         numeral(claim["computed"]),
         "" if claim["unit"] == "1" else claim["unit"],
         words_of(claim["check"]),
-        tuple((reading, bool(claim["reading"]) and reading.startswith(used)) for reading in said),
+        tuple(
+            (reading_text(one, claim["unit"], minus=MINUS), one["name"] == claim["reading"])
+            for one in claim["readings"]
+        ),
         figures.get(claim["figure"]),
         tuple(origins.get(name, _Origin(name, "")) for name in claim["data"].split(", ") if name),
     )

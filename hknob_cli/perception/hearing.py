@@ -148,13 +148,6 @@ def response(frequency_hz: ArrayLike, points: Sequence[tuple[float, float]], *, 
     return found
 
 
-def gain_at(spl_db: float, *, speed_rad_s: float) -> float:
-    """Sound gain, Pa/(rad/s), of a device that is heard at ``spl_db`` while its knob moves with a peak speed."""
-    if speed_rad_s <= 0.0:
-        raise UsageError(f"the speed of the reference motion must be above 0, got {speed_rad_s:g} rad/s")
-    return float(sqrt(2.0) * REFERENCE_PA * 10.0 ** (spl_db / 20.0) / speed_rad_s)
-
-
 def judge(
     frequency_hz: ArrayLike, spl_db: ArrayLike, *, edition: int | None = None, masked_db: ArrayLike | None = None
 ) -> Verdict:

@@ -10,7 +10,6 @@ from hknob_cli.perception.published import published, threshold_set
 
 # Where thresholds are extrapolated to: vibration is felt up to about 1 kHz (Tan et al. 1994, sec. 2).
 FELT_HZ = (1.0, 1000.0)
-RADII_M = {"small": 8.9e-3, "medium": 14.95e-3}  # of the dissertation's knobs, 17.8 and 29.9 mm across
 
 
 class Thresholds(NamedTuple):

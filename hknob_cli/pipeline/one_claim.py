@@ -13,7 +13,7 @@ from hknob_cli.page.claims.checks import known
 from hknob_cli.page.claims.ledger import Claim, Ledger, load_ledger
 from hknob_cli.page.claims.places import places
 from hknob_cli.page.claims.text import claim_text
-from hknob_cli.page.claims.verdict import read_claim, row_of
+from hknob_cli.page.claims.verdict import judge_claim
 from hknob_cli.pipeline.steps import plan_of
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.load import kind_of
@@ -43,10 +43,8 @@ class OneClaim(NamedTuple):
 
     def judge(self) -> tuple[dict[str, Any], str]:
         """The row of ``claims.parquet``, and the same in words. Raises `UsageError` for arguments its check lacks."""
-        evidence = ResultSet(self.folders)
-        readings = read_claim(self.claim, evidence)
-        row = row_of(self.claim, readings, evidence)
-        return row, claim_text(self.claim, row, readings)
+        row = judge_claim(self.claim, ResultSet(self.folders))
+        return row, claim_text(row)
 
 
 def claims_of(plan: PipelinePlan, root: Path) -> list[OneClaim]:

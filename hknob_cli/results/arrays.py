@@ -33,7 +33,9 @@ def _array(kind: pa.DataType, values: Any) -> pa.Array:
 
 
 def build_array(kind: pa.DataType, values: Sequence[Any]) -> pa.Array:
-    """Array of reals, whole numbers, flags or text."""
+    """Array of reals, whole numbers, flags or text; or of lists of records, dictionaries by their fields' names."""
+    if pa.types.is_list(kind):
+        return _lists(kind, values)
     present = np.array([value is not None and value == value for value in values], dtype=bool)
     filled = [value if there else 0 for value, there in zip(values, present, strict=True)]
     if kind == pa.string():
@@ -110,6 +112,17 @@ def _text(letters: bytes, lengths: NDArray[np.int64], present: NDArray[np.bool_]
     np.cumsum(lengths, out=ends[1:])
     buffers = [_valid(present), pa.py_buffer(ends), pa.py_buffer(letters)]
     return pa.Array.from_buffers(pa.string(), len(lengths), buffers)
+
+
+def _lists(kind: pa.ListType, values: Sequence[Any]) -> pa.Array:
+    """Array of lists of records; none of the lists is null."""
+    record, rows = kind.value_type, [row for value in values for row in value]
+    fields = [record.field(i) for i in range(record.num_fields)]
+    parts = [build_array(field.type, [row[field.name] for row in rows]) for field in fields]
+    ends = np.zeros(len(values) + 1, dtype=np.int32)
+    np.cumsum([len(value) for value in values], out=ends[1:])
+    records = pa.StructArray.from_arrays(parts, fields=fields)
+    return pa.Array.from_buffers(kind, len(values), [None, pa.py_buffer(ends)], children=[records])
 
 
 def _valid(present: NDArray[np.bool_]) -> pa.Buffer | None:

@@ -24,8 +24,3 @@ def slowness(*, inertia_kg_m2: float, damping_nm_s_per_rad: float, time_constant
 def best_keep(r: float) -> float:
     """Part of a step that leaves the smallest buzz; 1, the plain wall, where none makes it smaller."""
     return 2.0 * r / (1.0 + r) if r < 1.0 else 1.0
-
-
-def times_smaller(keep: float, r: float) -> float:
-    """How many times smaller than with the plain wall the buzz is expected; 0 where the lag drives."""
-    return max(0.0, (1.0 - r * (1.0 - keep) / keep) / keep) if keep < 1.0 else 1.0

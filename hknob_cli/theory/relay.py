@@ -229,26 +229,6 @@ def _largest(relay: Relay, half: float) -> float:
     return largest
 
 
-def lprs(relay: Relay, omega: float) -> complex:
-    """Locus of a perturbed relay system at ``omega`` (Boiko 2009, eq. 4.20), for a plant with stiffness.
-
-    Its imaginary part vanishes at Tsypkin's cycles.
-    """
-    plant = np.array([[0.0, 1.0], [-relay.beta, -relay.alpha]])
-    inverse = np.linalg.inv(plant)
-    one = np.eye(2)
-
-    def flow(t: float) -> Array:
-        s, g, f = hold_coefficients(relay.alpha, relay.beta, t)
-        return np.array([[1.0 - relay.beta * g, s], [-relay.beta * s, f]])
-
-    half = pi / omega
-    late = flow(half - relay.delay)
-    real = -0.5 * (inverse + 2.0 * half * np.linalg.solve(one - flow(2.0 * half), late))
-    imaginary = 0.25 * pi * np.linalg.solve(one + flow(half), one + flow(half) - 2.0 * late) @ inverse
-    return complex(real[0, 1], imaginary[0, 1])
-
-
 class Crossing(NamedTuple):
     """Where the turned inverse of the describing function meets the plant's curve.
 

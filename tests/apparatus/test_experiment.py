@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.experiment import record_experiments, truths
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand_recording import Pulse, peak_per_torque, record_trial, scaled_pulse, squeeze
 from hknob_cli.apparatus.people import EXPERIMENTS, Variation, grips, mean_hand
 from hknob_cli.apparatus.rig import Rig
@@ -14,6 +14,7 @@ from hknob_cli.errors import UsageError
 from hknob_cli.printed.tables import apparatus_inertia
 from hknob_cli.recordings.trial import Key, Trial
 from tests.apparatus.reference import pulse_response
+from tests.apparatus.truths import truths
 
 STEP = 2.0 * np.pi / 640_000
 
@@ -29,8 +30,8 @@ def test_the_numbers_of_the_experiments() -> None:
     keys = [trial.key for trial in record_experiments(Rig.ideal())]
     assert len(keys) == len(set(keys)) == 54 * (9 + 4 * 5)
     assert list(truths()) == keys
-    assert len(truths(subjects=9)) == 2430
-    first = record_experiments(Rig(), experiments=[1], subjects=1)
+    assert len(truths(Schedule(subjects=9))) == 2430
+    first = record_experiments(Rig(), Schedule([1], subjects=1))
     assert [trial.key.grip_target_n for trial in first[:18:3]] == [0.71, 1.3, 2.4, 4.3, 7.8, 14.2]
     for trial in first:
         assert len(trial.time_s) == len(trial.torque_nm) == len(trial.angle_rad) == len(trial.grip_n) == 651
@@ -40,8 +41,8 @@ def test_the_numbers_of_the_experiments() -> None:
 
 
 def test_every_time_the_same_and_another_seed_another() -> None:
-    chosen = {"experiments": [2], "subjects": 2, "grips": [0.71, 7.8]}
-    one, again, other = (record_experiments(Rig(), seed=seed, **chosen) for seed in (3, 3, 4))
+    chosen = Schedule([2], subjects=2, grips=[0.71, 7.8])
+    one, again, other = (record_experiments(Rig(), chosen, seed=seed) for seed in (3, 3, 4))
     assert all(map(same, one, again))
     assert not any(np.array_equal(a.angle_rad, b.angle_rad) for a, b in zip(one, other, strict=True))
 
@@ -58,16 +59,16 @@ def test_every_time_the_same_and_another_seed_another() -> None:
     ],
 )
 def test_leaving_out_changes_nothing_of_the_rest(left: dict) -> None:
-    chosen = {"experiments": [1, 3], "subjects": [1, 2], "grips": [0.71, 2.4], "blocks": 2, "trials": 2}
-    whole = {trial.key: trial for trial in record_experiments(Rig(), **chosen)}
-    part = record_experiments(Rig(), **(chosen | left))
+    chosen = Schedule([1, 3], subjects=[1, 2], blocks=2, trials=2, grips=[0.71, 2.4])
+    whole = {trial.key: trial for trial in record_experiments(Rig(), chosen)}
+    part = record_experiments(Rig(), chosen._replace(**left))
     assert 0 < len(part) < len(whole)
     assert all(same(trial, whole[trial.key]) for trial in part)
 
 
 def test_no_two_trials_share_their_noise() -> None:
     flat = Rig(angle_noise_rad=1e-3, counts_per_rev=0)
-    recorded = record_experiments(flat, experiments=[1, 2], subjects=2, variation=Variation.none())
+    recorded = record_experiments(flat, Schedule([1, 2], subjects=2), variation=Variation.none())
     noise = np.array([trial.angle_rad[:50] - trial.angle_rad[:50].mean() for trial in recorded])
     shared = np.corrcoef(noise) - np.eye(len(noise))
     # 50 samples: correlations of standard deviation 1 / sqrt(49); six of them, over 23 thousand pairs.
@@ -77,9 +78,9 @@ def test_no_two_trials_share_their_noise() -> None:
 @pytest.mark.parametrize("number", EXPERIMENTS)
 def test_the_ideal_rig_is_the_closed_form_in_counts(number: int) -> None:
     """The encoder rounds down: the angle is at most a count above what is recorded, and never below."""
-    chosen = {"experiments": [number], "subjects": [1], "blocks": 1, "trials": 1}
-    known = truths(**chosen)
-    for trial in record_experiments(Rig.ideal(), **chosen):
+    chosen = Schedule([number], subjects=[1], blocks=1, trials=1)
+    known = truths(chosen)
+    for trial in record_experiments(Rig.ideal(), chosen):
         pulse = scaled_pulse(number, trial.key.grip_target_n)
         exact = pulse_response(known[trial.key], trial.time_s - 5e-3, pulse.torque_nm, 0.02)
         counts = trial.angle_rad / STEP
@@ -91,7 +92,7 @@ def test_the_ideal_rig_is_the_closed_form_in_counts(number: int) -> None:
 
 @pytest.mark.parametrize("rig", [Rig.ideal(), Rig()], ids=["ideal", "real"])
 def test_mean_hands_move_by_what_is_printed(rig: Rig) -> None:
-    for trial in record_experiments(rig, subjects=1, blocks=1, trials=1, variation=Variation.none()):
+    for trial in record_experiments(rig, Schedule(subjects=1, blocks=1, trials=1), variation=Variation.none()):
         peak = trial.angle_rad.max() - trial.angle_rad[:50].mean()
         assert 0.07 < peak < 0.11, trial.key
 
@@ -108,12 +109,12 @@ def test_peaks_in_closed_form(number: int) -> None:
 
 
 def test_the_squeeze_fires_at_the_threshold() -> None:
-    for trial in record_experiments(Rig(), experiments=[1], subjects=1):
+    for trial in record_experiments(Rig(), Schedule([1], subjects=1)):
         target = trial.key.grip_target_n
         assert trial.grip_n[:50].max() < target <= trial.grip_n[50]
         # Ramp: a second to the target; noise of 0.01 N, five of it over 651 samples.
         assert trial.grip_n[50:].max() < target * 1.06 + 0.07
-    early = record_experiments(Rig(trigger_share=0.5), experiments=[1], subjects=1, grips=[14.2])
+    early = record_experiments(Rig(trigger_share=0.5), Schedule([1], subjects=1, grips=[14.2]))
     assert all(7.1 <= trial.grip_n[50] < 7.2 for trial in early)
     exact = squeeze(Rig.ideal(), 2.0, 50, 651, stream(0, Purpose.BENCH))
     assert exact[50] == 2.0
@@ -144,8 +145,8 @@ def test_every_nuisance_does_what_it_says() -> None:
 
 def test_a_fourth_order_hand_hides_its_finger() -> None:
     """Firm grips of fourth order move nearly as the second order with the knob's inertia alone (section 4.4.1)."""
-    chosen = {"experiments": [1], "subjects": 1, "grips": [14.2], "variation": Variation.none()}
-    four = record_experiments(Rig.ideal(), model="fourth", **chosen)[0]
+    chosen = Schedule([1], subjects=1, grips=[14.2])
+    four = record_experiments(Rig.ideal(), chosen, variation=Variation.none(), model="fourth")[0]
     bare = mean_hand(1, 14.2)._replace(inertia=19.8e-7)
     two = pulse_response(bare, four.time_s - 5e-3, scaled_pulse(1, 14.2).torque_nm, 0.02)
     assert 0.0 < np.abs(four.angle_rad - two).max() < 0.005
@@ -164,8 +165,8 @@ def test_bad_numbers_are_said() -> None:
     with pytest.raises(UsageError, match="rig: preload must be <= 1"):
         Rig(preload=2.0)
     with pytest.raises(UsageError, match="subjects must be numbers from 1"):
-        record_experiments(Rig(), subjects=[0])
+        record_experiments(Rig(), Schedule(subjects=[0]))
     with pytest.raises(UsageError, match="blocks and trials must be >= 1"):
-        truths(blocks=0)
+        truths(Schedule(blocks=0))
     with pytest.raises(UsageError, match="has no grip of 5 N"):
-        truths(grips=[5.0])
+        truths(Schedule(grips=[5.0]))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import cont2discrete
 
-from hknob_cli.apparatus.experiment import record_experiments, truths
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand import SecondOrder
 from hknob_cli.apparatus.inputs import binary_sequence, runs, scaled_input, unit_input
 from hknob_cli.apparatus.people import Variation, mean_hand
@@ -14,6 +14,7 @@ from hknob_cli.identify.prepare import Preparation, conditions
 from hknob_cli.page.claims.checks import compute
 from hknob_cli.results.result_set import ResultSet
 from hknob_cli.specs.identification import InputPlan
+from tests.apparatus.truths import truths
 from tests.conftest import loaded
 
 DT = 1e-4
@@ -66,9 +67,9 @@ def test_a_step_is_as_high_as_its_overshoot_allows() -> None:
 def test_the_recorded_motion_is_the_exact_one_in_counts(kind: str) -> None:
     """Against SciPy's discretisation of the hand, stepped by hand; the encoder rounds down."""
     rig = Rig.ideal()
-    chosen = {"experiments": [1], "subjects": 1, "blocks": 1, "trials": 1, "grips": [0.71]}
-    (trial,) = record_experiments(rig, torque=plan(kind), **chosen)
-    (hand,) = truths(**chosen).values()
+    chosen = Schedule(experiments=[1], subjects=1, blocks=1, trials=1, grips=[0.71])
+    (trial,) = record_experiments(rig, chosen, torque=plan(kind))
+    (hand,) = truths(chosen).values()
     rates = np.array([[0.0, 1.0], [-hand.stiffness / hand.inertia, -hand.damping / hand.inertia]])
     move, push, *_ = cont2discrete((rates, np.array([[0.0], [1.0 / hand.inertia]]), np.eye(2), np.zeros((2, 1))), DT)
     state, angle = np.zeros(2), []
@@ -83,8 +84,8 @@ def test_the_recorded_motion_is_the_exact_one_in_counts(kind: str) -> None:
 
 
 def test_the_grip_is_held_and_the_rest_is_as_with_a_pulse() -> None:
-    chosen = {"experiments": [1], "subjects": 1, "blocks": 1, "trials": 1, "grips": [2.4]}
-    (long,) = record_experiments(Rig(), torque=plan("sine"), **chosen)
+    chosen = Schedule(experiments=[1], subjects=1, blocks=1, trials=1, grips=[2.4])
+    (long,) = record_experiments(Rig(), chosen, torque=plan("sine"))
     assert long.grip_n is not None
     assert np.mean(long.grip_n[50:]) == pytest.approx(2.4, abs=0.005)
     assert long.grip_n[50] >= 2.4
@@ -94,11 +95,11 @@ def test_the_grip_is_held_and_the_rest_is_as_with_a_pulse() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_hands_come_back(kind: str) -> None:
     """Within five standard errors, and a hundredth: the encoder's steps are no white noise."""
-    chosen = {"experiments": [1], "subjects": 1, "blocks": 1, "trials": 1, "grips": [0.71]}
+    chosen = Schedule(experiments=[1], subjects=1, blocks=1, trials=1, grips=[0.71])
     still = Variation.none()
-    trials = record_experiments(Rig.ideal(), torque=plan(kind, 0.5), variation=still, **chosen)
+    trials = record_experiments(Rig.ideal(), chosen, torque=plan(kind, 0.5), variation=still)
     (one,) = conditions(trials, Preparation(decimate=1, continuous=True, free_start=True), counts_per_rev=640_000)
-    (true,) = truths(variation=still, **chosen).values()
+    (true,) = truths(chosen, variation=still).values()
     assert one.motion is not None
     fit = output_error(one.motion)
     for name in SecondOrder._fields:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.trial import Trial
 from tests.apparatus import spoil
@@ -27,7 +27,7 @@ CHANGED = {
 
 @pytest.fixture
 def trial() -> Trial:
-    return record_experiments(Rig(torque_noise_nm=1e-5), experiments=[1], subjects=1, blocks=1, trials=1)[2]
+    return record_experiments(Rig(torque_noise_nm=1e-5), Schedule([1], subjects=1, blocks=1, trials=1))[2]
 
 
 @pytest.mark.parametrize("fault", CHANGED, ids=lambda fault: fault.__name__)

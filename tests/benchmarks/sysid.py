@@ -16,7 +16,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 from record import put
 
-from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.read import read
 from hknob_cli.recordings.trial import Trial
@@ -49,7 +49,7 @@ def many_rows(folder: Path) -> None:
     length = 0
     while length < ROWS:
         subject += 1
-        new = record_experiments(Rig(), subjects=[subject])
+        new = record_experiments(Rig(), Schedule(subjects=[subject]))
         trials += new
         length += sum(len(trial.time_s) for trial in new)
     path = folder / "many.parquet"

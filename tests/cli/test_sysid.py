@@ -7,12 +7,13 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from hknob_cli.apparatus.experiment import record_experiments, truths
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.figures.sysid_picture import draw_hands
 from hknob_cli.recordings.trial import Trial
 from hknob_cli.recordings.write import write_csv
 from tests.apparatus import spoil
+from tests.apparatus.truths import truths
 from tests.conftest import SPEC
 
 VIRTUAL = """\
@@ -24,7 +25,7 @@ knob_radius: 8.9e-3
 subtract_apparatus: {"1": 19.8 g*cm^2}
 """
 RECORDED = "kind: sysid\nname: mine\nrecordings: [mine.csv]\ncounts_per_rev: 640000\nestimators: [output_error]\n"
-SMALL = {"experiments": (1,), "subjects": 1, "blocks": 1, "grips": (0.71,)}
+SMALL = Schedule(experiments=(1,), subjects=1, blocks=1, grips=(0.71,))
 
 
 def rows(path: Path, **having: object) -> list[dict]:
@@ -36,7 +37,7 @@ def test_virtual_hands_come_back(hknob, spec_file, tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "out" / "sysid.png").stat().st_size > 20_000
     assert "experiment 1, output_error: mean ± standard deviation over persons" in done.stdout
-    known = truths(experiments=(1,), subjects=3, grips=(0.71, 1.3))
+    known = truths(Schedule(experiments=(1,), subjects=3, grips=(0.71, 1.3)))
     for row in rows(tmp_path / "out" / "conditions.parquet", level="subject", estimator="output_error"):
         hands = [
             hand
@@ -98,7 +99,7 @@ def test_identified_hands_feed_a_sweep(hknob, spec_file, tmp_path: Path) -> None
 
 
 def recorded(folder: Path, change=None) -> None:
-    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), SMALL)
     write_csv(folder / "mine.csv", [change(trial) if change else trial for trial in trials])
 
 
@@ -142,7 +143,7 @@ def test_bad_recordings_are_faults_or_flags_and_never_silent(hknob, spec_file, t
 
 def test_a_bad_trial_among_good_ones_is_left_out_and_said(hknob, spec_file, tmp_path: Path) -> None:
     """The rest is what it would be without it; what one trial in three does to an average, its flag says."""
-    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    trials = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), SMALL)
     write_csv(tmp_path / "mine.csv", trials[:2])
     assert hknob("sysid", spec_file(RECORDED), "-o", "two").returncode == 0
     (wanted,) = rows(tmp_path / "two" / "trials.parquet")
@@ -184,14 +185,14 @@ def test_what_averaging_does_is_said_once_and_is_no_doubt(hknob, spec_file, tmp_
 
 
 def test_one_trial_and_good_recordings(hknob, spec_file, tmp_path: Path) -> None:
-    trials: list[Trial] = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), **SMALL)
+    trials: list[Trial] = record_experiments(Rig(coulomb_nm=0.0, amplifier_s=0.0), SMALL)
     write_csv(tmp_path / "mine.csv", trials[:1])
     done = hknob("sysid", spec_file(RECORDED), "-o", "out")
     assert done.returncode == 0, done.stderr
     (row,) = rows(tmp_path / "out" / "trials.parquet")
     assert row["flags"] == ""
     assert f"± {1e3 * row['stiffness_nm_per_rad_std']:.2g}" in done.stdout  # one person has no spread over persons
-    truth = truths(**SMALL)[trials[0].key]
+    truth = truths(SMALL)[trials[0].key]
     for column, value in zip(("inertia_kg_m2", "damping_nm_s_per_rad", "stiffness_nm_per_rad"), truth, strict=False):
         assert abs(row[column] - value) < 4.0 * row[f"{column}_std"]
 

@@ -14,7 +14,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
 
-from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.recordings.write import table
 
@@ -76,7 +76,7 @@ def moved(hand: np.ndarray, times: np.ndarray, torque: np.ndarray) -> np.ndarray
 def test_scipy_finds_the_same_hand(hknob, spec_file, tmp_path: Path, grip: float, friction: bool) -> None:
     """Within what the solver's tolerance may move the optimum, and the end of the search."""
     rig = Rig(counts_per_rev=0, amplifier_s=0.0, coulomb_nm=0.56e-3 if friction else 0.0, angle_noise_rad=1e-5)
-    trials = record_experiments(rig, experiments=(1,), subjects=1, blocks=1, grips=(grip,))
+    trials = record_experiments(rig, Schedule(experiments=(1,), subjects=1, blocks=1, grips=(grip,)))
     pq.write_table(table(trials), tmp_path / "same.parquet")
     name = "output_error_friction" if friction else "output_error"
     done = hknob("sysid", spec_file(SPEC.format(name)), "-o", "out")

@@ -8,7 +8,6 @@ import pytest
 
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.attractors import Attractor
-from hknob_cli.engine.general.laws.step import run_with_law
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.hardware.control import control_of
 from hknob_cli.hardware.wire.codes import ALL_LAWS
@@ -17,6 +16,7 @@ from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import scene_at
 from hknob_cli.stages.sweep.run import SweepStage
 from tests.conftest import EXPERIMENTS
+from tests.engine.general.law_runs import states_with_law
 from tests.hardware.controllers import MODEL
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
@@ -42,11 +42,8 @@ def samples_of(orbit: Attractor, text: str, rate: int, counts: int) -> np.ndarra
     """Angles of one period at its samples, in whole native counts."""
     cell = {"sample_rate_hz": float(rate), "counts_per_rev": counts}
     found = make_law(scene_at(stage(text).plan.scene, cell), sample_rate_hz=rate, counts_per_rev=counts)
-    law = found.law
-    states = [0.0] * (2 * (orbit.period + 1))
-    body, wall = found.knob.body, found.knob.wall
-    run_with_law([orbit.x, orbit.v], list(orbit.line), orbit.period, body, wall, law, [0.0] * 4, states)
-    return np.floor([found.knob.angle_rad(x) / QUANTUM for x in states[:-2:2]])
+    states = states_with_law(found.knob, found.law, [orbit.x, orbit.v], list(orbit.line), orbit.period)
+    return np.floor([found.knob.angle_rad(x) / QUANTUM for x in states[:-1, 0]])
 
 
 @pytest.mark.parametrize(("rate", "counts"), [(1000, 256), (2000, 512), (4000, 1024), (1000, 1024)])

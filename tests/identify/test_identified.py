@@ -12,7 +12,6 @@ from hknob_cli.identify.identified import (
     damping_ratio,
     over_blocks,
     over_subjects,
-    student,
     without_apparatus,
 )
 from hknob_cli.identify.least_squares import least_squares
@@ -67,7 +66,6 @@ def test_blocks_give_a_mean_and_its_error() -> None:
     assert found == pytest.approx((2.0, 1.0 / math.sqrt(3.0), True, 0.0))
     assert over_blocks([Estimate(1.0, 0.01)]) == Estimate(1.0, 0.01)
     assert not over_blocks([]).identifiable
-    assert student(0.95, 2) == pytest.approx(4.302653, rel=1e-6)
 
 
 def test_subjects_give_a_row_of_table_1() -> None:

@@ -16,6 +16,7 @@ from hknob_cli.measure.orbit import Measurer
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.sampled_knob import sample_knob
 from hknob_cli.specs.scene import SceneSpec
+from tests.engine.general.law_runs import states_with_law
 from tests.verification.general_scenes import LIGHT, STIFF, TWO_PARTS, scene
 
 HIGHEST_HZ = 5e5
@@ -135,7 +136,6 @@ def test_harmonics_of_orbits_under_controllers(name: str) -> None:
     """Parseval, and the motion at samples, under torques that change within an interval."""
     from hknob_cli.controllers.scalar_law import make_law
     from hknob_cli.engine.general.laws.search import LawEngine
-    from hknob_cli.engine.general.laws.step import run_with_law
     from hknob_cli.measure.general_orbit import LawMeasurer
 
     spec = SceneSpec.model_validate(scene(controller=CONTROLLERS[name])).plain()
@@ -158,10 +158,8 @@ def test_harmonics_of_orbits_under_controllers(name: str) -> None:
         rms = sqrt(float((np.abs(lines.angle_rad) ** 2).sum()) / 2.0)
         assert rms == pytest.approx(measurer.measure(one).rms_rad, rel=1e-9)
         few = min(one.period, 8)  # instants, for the matrix to be small
-        states = [0.0] * (2 * (few + 1))
-        past = list(one.line)
-        run_with_law([one.x, one.v], past, few, knob.body, knob.wall, made.law, [0.0] * 4, states)
+        states = states_with_law(knob, made.law, [one.x, one.v], list(one.line), few)
         turns = np.exp(2j * np.pi * np.outer(np.arange(few) * knob.period_s, lines.frequency_hz))
-        motion, there = (turns @ lines.angle_rad).real, np.array(states[: 2 * few : 2]) * knob.quantum_rad
+        motion, there = (turns @ lines.angle_rad).real, states[:few, 0] * knob.quantum_rad
         off = (motion - motion.mean()) - (there - there.mean())
         assert np.abs(off).max() <= 1e-6 * np.ptp(there)

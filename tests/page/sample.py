@@ -21,21 +21,32 @@ SAYS = (
     "One harmonic underestimates the size by 55 ± 15 %.",
 )
 PLACES = ("sec. 7.3", "Table 7.1", "Fig. 8.2", "eq. (3.12)", "ch. 9", "Table 1", "app. B")
-READINGS = (
-    ("stiffness 0.04", "stiffness 0.04: 3.716 mrad, reproduced; stiffness 0.08: rest, contradicted"),
+
+
+def reading(name: str, computed: float | None, verdict: str, *, excluded: str | None = None) -> dict[str, Any]:
+    """A reading as the column ``readings`` has it."""
+    return {"name": name, "computed": computed, "verdict": verdict, "missing": "", "excluded": excluded}
+
+
+READINGS: tuple[tuple[str, list[dict[str, Any]]], ...] = (
+    ("stiffness 0.04", [reading("stiffness 0.04", 3.716, REPRODUCED), reading("stiffness 0.08", 0.0, CONTRADICTED)]),
     (
         "half-quantum bias, from 464 Hz up, hand stiffness of Table 1",
-        "half-quantum bias, from 464 Hz up, hand stiffness of Table 1: -16.2 %, differs; "
-        "as printed, over all 49 cells: -23 %, contradicted; "
-        "amplitude against peak to peak: -58.1 %, reproduced (not allowed: it compares unlike things; see sec. 7.3)",
+        [
+            reading("half-quantum bias, from 464 Hz up, hand stiffness of Table 1", -16.2, DIFFERS),
+            reading("as printed, over all 49 cells", -23.0, CONTRADICTED),
+            reading(
+                "amplitude against peak to peak", -58.1, REPRODUCED, excluded="it compares unlike things; see sec. 7.3"
+            ),
+        ],
     ),
-    ("", ""),
+    ("", []),
 )
 
 
 def claim(**values: Any) -> dict[str, Any]:
     """A row of claims.parquet; what is not given is empty."""
-    numbers = {"printed": None, "computed": None, "agreeing": 0, "allowed": 0}
+    numbers: dict[str, Any] = {"printed": None, "computed": None, "agreeing": 0, "allowed": 0, "readings": []}
     empty = {column.name: numbers.get(column.name, "") for column in COLUMNS}
     return {**empty, "claim": "a", "place": "sec. 1.1", "says": "It buzzes.", "verdict": REPRODUCED, **values}
 
@@ -46,7 +57,7 @@ def claims(count: int = 100) -> tuple[dict[str, Any], ...]:
     for i in range(count):
         verdict = (REPRODUCED, DIFFERS, REPRODUCED, CONTRADICTED, REPRODUCED, NOT_TESTABLE, REPRODUCED)[i % 7]
         printed = None if i % 9 == 4 else (3.72, 500.0, -55.0, 0.56, 1.9e-6, 12500.0)[i % 6]
-        reading, readings = READINGS[i % 3]
+        used, readings = READINGS[i % 3]
         tested = verdict != NOT_TESTABLE
         shift = {REPRODUCED: 1.002, DIFFERS: 1.07, CONTRADICTED: 1.6, NOT_TESTABLE: 1.0}[verdict]
         rows.append(
@@ -57,14 +68,14 @@ def claims(count: int = 100) -> tuple[dict[str, Any], ...]:
                 printed=printed,
                 computed=None if not tested else (printed or 1.0) * shift * (1 + i / 1e4),
                 unit=("mrad", "", "%", "mN·m", "kg·m²", "Hz")[i % 6],
-                reading=reading if tested else "",
+                reading=used if tested else "",
                 verdict=verdict,
                 tolerance="holds: within 5 %; differs: within 10 %" if tested else "",
                 because="three digits are printed" if tested else "the recording is not published",
                 agreeing=1 if tested else 0,
                 allowed=2 if tested else 0,
                 data="main-grid, predict" if tested else "",
-                readings=readings if tested else "",
+                readings=readings if tested else [],
                 finding="Trials choose among coexisting cycles, and a mean is one number for them all."
                 if i % 4
                 else "",

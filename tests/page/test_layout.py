@@ -12,7 +12,7 @@ from hknob_cli.figures.numbers import MINUS
 from hknob_cli.page.book import Chapter, Drawn, Page, Part, Place, Source, Tile
 from hknob_cli.page.claims.checks import known
 from hknob_cli.page.layout import lay_out, part_of, words_of
-from tests.page.sample import MARK, claim, page
+from tests.page.sample import MARK, claim, page, reading
 
 VOID = {"meta", "input", "link", "br", "img"}
 HOSTILE = "</title></style><script>alert('1')</script>\"&<!--"
@@ -176,7 +176,11 @@ def test_a_row_says_what_was_found() -> None:
         unit="%",
         reading="a; b",
         verdict="differs",
-        readings="c: -16.25 %, contradicted; a; b: -58.12 %, differs; d: 1 %, reproduced (not allowed: odd; see 7.3)",
+        readings=[
+            reading("c", -16.25, "contradicted"),
+            reading("a; b", -58.12, "differs"),
+            reading("d", 1.0, "reproduced", excluded="odd; see 7.3"),
+        ],
         figure="one",
         agreeing=1,
         allowed=2,

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from hknob_cli.errors import UsageError
 from hknob_cli.perception.hearing import (
     REFERENCE_PA,
-    gain_at,
     heard_level,
     hearing_threshold,
     in_range,
@@ -146,16 +145,14 @@ def test_the_most_audible_tone_decides_and_others_out_of_range_do_not() -> None:
 
 
 def test_sound_is_by_the_gain_that_the_user_gives() -> None:
-    """A gain of 1 Pa per rad/s and a peak of sqrt(2) times 20 uPa: 0 dB; a reference motion gives the gain back."""
+    """A gain of 1 Pa per rad/s and a peak of sqrt(2) times 20 uPa: 0 dB; the gain that one measurement gives."""
     assert heard_level(sqrt(2.0) * REFERENCE_PA, gain_pa_s_per_rad=1.0) == pytest.approx(0.0, abs=1e-12)
     assert heard_level([1.0, 10.0], gain_pa_s_per_rad=0.02) == pytest.approx([56.99, 76.99], abs=0.005)
-    gain = gain_at(56.0, speed_rad_s=0.3)
+    gain = sqrt(2.0) * REFERENCE_PA * 10.0 ** (56.0 / 20.0) / 0.3  # as docs/explanation/perception.md says
     assert heard_level(0.3, gain_pa_s_per_rad=gain) == pytest.approx(56.0)
     for bad in (0.0, -1.0):
         with pytest.raises(UsageError, match="gain"):
             heard_level(1.0, gain_pa_s_per_rad=bad)
-        with pytest.raises(UsageError, match="speed"):
-            gain_at(56.0, speed_rad_s=bad)
 
 
 def test_a_response_is_a_power_law_between_its_points() -> None:

@@ -1,16 +1,13 @@
 """Clips: the waveform that the harmonics say, within full scale, always the same bytes."""
 
 import io
-import os
 import wave
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from hknob_cli.errors import ComputationError, UsageError
+from hknob_cli.errors import UsageError
 from hknob_cli.perception.sound import clip, wav_bytes
-from hknob_cli.results.sound_file import write_wav
 
 FADE = 882  # samples, 20 ms
 
@@ -56,7 +53,7 @@ def test_a_fixed_factor_keeps_clips_comparable_and_never_clips() -> None:
         clip([100.0], [1e-3], factor=10.0)
 
 
-def test_the_file_is_a_wav_of_16_bits_and_the_same_every_time(tmp_path: Path) -> None:
+def test_the_file_is_a_wav_of_16_bits_and_the_same_every_time() -> None:
     sound = clip(100.0 * np.arange(1, 8), 1e-3 / np.arange(1, 8) ** 3, duration_s=0.5)
     data = wav_bytes(sound)
     assert data == wav_bytes(clip(100.0 * np.arange(1, 8), 1e-3 / np.arange(1, 8) ** 3, duration_s=0.5))
@@ -69,24 +66,6 @@ def test_the_file_is_a_wav_of_16_bits_and_the_same_every_time(tmp_path: Path) ->
         )
         samples = np.frombuffer(file.readframes(22050), "<i2") / 32767
     assert samples == pytest.approx(sound.samples, abs=0.5 / 32767 + 1e-12)  # rounded to the nearest step
-    write_wav(sound, tmp_path / "cycle.wav")
-    assert (tmp_path / "cycle.wav").read_bytes() == data
-    assert list(tmp_path.iterdir()) == [tmp_path / "cycle.wav"]
-
-
-def test_a_file_that_cannot_be_written_leaves_nothing(tmp_path: Path) -> None:
-    with pytest.raises(ComputationError, match="cannot be written"):
-        write_wav(clip([100.0], [1.0], duration_s=0.01), tmp_path / "no" / "cycle.wav")
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_a_file_is_on_the_disk_before_its_name_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    done = []
-    for name in ("fsync", "replace"):
-        plain = getattr(os, name)
-        monkeypatch.setattr(os, name, lambda *args, name=name, plain=plain: (done.append(name), plain(*args))[1])
-    write_wav(clip([100.0], [1.0], duration_s=0.01), tmp_path / "cycle.wav")
-    assert done == ["fsync", "replace", "fsync"]  # of the file, and of the folder
 
 
 @pytest.mark.parametrize(

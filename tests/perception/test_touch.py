@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from hknob_cli.errors import UsageError
 from hknob_cli.perception.published import published
 from hknob_cli.perception.touch import (
-    RADII_M,
     detection_threshold,
     in_range,
     judge,
@@ -129,10 +128,8 @@ def test_what_is_no_amplitude_is_refused() -> None:
 
 
 def test_the_rim_of_the_printed_knobs() -> None:
-    """Radii are half of the printed diameters, 17.8 and 29.9 mm; a milliradian moves the skin by 8.9 um."""
-    assert RADII_M["small"] == pytest.approx(17.8e-3 / 2.0)
-    assert RADII_M["medium"] == pytest.approx(29.9e-3 / 2.0)
-    assert skin_displacement(1e-3, knob_radius_m=RADII_M["small"]) == pytest.approx(8.9 * UM)
+    """The radius is half of the printed diameter, 17.8 mm: a milliradian moves the skin by 8.9 um."""
+    assert skin_displacement(1e-3, knob_radius_m=17.8e-3 / 2.0) == pytest.approx(8.9 * UM)
 
 
 def test_a_cycle_is_judged_by_the_harmonic_that_is_felt_best() -> None:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from hknob_cli.theory.relay import Relay, at_switch, describing_function, lprs, response, tsypkin
+from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.theory.relay import Relay, at_switch, describing_function, response, tsypkin
 
 # inertia, damping, stiffness, wall, sample period, extra delay (samples): the first is Table 7's, the others are not.
 PLANTS = {
@@ -86,6 +87,26 @@ def test_more_harmonics_approach_all(name: str) -> None:
         gaps.append(abs(found.omega / exact.omega - 1.0))
     assert gaps[3] < 1e-4
     assert gaps[3] <= gaps[0]
+
+
+def lprs(relay: Relay, omega: float) -> complex:
+    """Locus of a perturbed relay system at ``omega`` (Boiko 2009, eq. 4.20), for a plant with stiffness.
+
+    Its imaginary part vanishes at Tsypkin's cycles.
+    """
+    plant = np.array([[0.0, 1.0], [-relay.beta, -relay.alpha]])
+    inverse = np.linalg.inv(plant)
+    one = np.eye(2)
+
+    def flow(t: float) -> np.ndarray:
+        s, g, f = hold_coefficients(relay.alpha, relay.beta, t)
+        return np.array([[1.0 - relay.beta * g, s], [-relay.beta * s, f]])
+
+    half = pi / omega
+    late = flow(half - relay.delay)
+    real = -0.5 * (inverse + 2.0 * half * np.linalg.solve(one - flow(2.0 * half), late))
+    imaginary = 0.25 * pi * np.linalg.solve(one + flow(half), one + flow(half) - 2.0 * late) @ inverse
+    return complex(real[0, 1], imaginary[0, 1])
 
 
 def test_locus_of_a_perturbed_relay_system() -> None:

@@ -16,8 +16,8 @@ from hknob_cli.engine.sets.search import Box
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of
+from tests.engine.general.law_runs import states_with_law
 from tests.engine.general.sets.test_law_search import SCENE
-from tests.engine.general.sets.test_law_search import run as orbit_states
 
 SAME = 1e-6  # counts: of a trial that has settled for so long, and an orbit
 ANGLE, VELOCITY = 0.02, -0.3  # of the start whose phases are followed
@@ -59,7 +59,7 @@ def followed(name: str, rate: float, counts: int, *, boxed: bool, quick: bool) -
     assert found is not None
     law = LawEngine(made.law).law
     orbits = [
-        np.sort(orbit_states(made, law, [one.x, one.v], list(one.line), max(one.period, 1))[:-1, 0])
+        np.sort(states_with_law(made.knob, law, [one.x, one.v], list(one.line), max(one.period, 1))[:-1, 0])
         for one in found.attractors
     ]
     return found, orbits, Rig(scene, rate, counts)

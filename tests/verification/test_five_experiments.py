@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.experiment import truths
 from hknob_cli.apparatus.people import EXPERIMENTS
 from hknob_cli.printed.tables import half_widths, table
 from hknob_cli.specs.load import load
 from hknob_cli.stages.sysid.run import SysidStage
+from tests.apparatus.truths import truths
 from tests.conftest import EXPERIMENTS as SPECS
 
 NAMES = {

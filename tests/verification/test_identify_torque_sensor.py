@@ -10,15 +10,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from hknob_cli.apparatus.experiment import record_experiments, truths
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.hand import SecondOrder, split
 from hknob_cli.apparatus.hand_recording import taken_by_friction
 from hknob_cli.apparatus.rig import Rig
 from hknob_cli.apparatus.simulated_motion import follow, mechanism
 from hknob_cli.identify.output_error import output_error
 from hknob_cli.identify.prepare import Preparation, conditions
+from tests.apparatus.truths import truths
 
-CHOSEN = {"experiments": [1], "subjects": 12, "blocks": 1, "trials": 3, "grips": [0.71, 4.3, 14.2], "seed": 3}
+CHOSEN = Schedule(experiments=[1], subjects=12, blocks=1, trials=3, grips=[0.71, 4.3, 14.2])
 LEAST = 0.89
 DT = 1e-4
 
@@ -27,9 +28,9 @@ DT = 1e-4
 def test_intervals_allow_for_the_noise_of_the_sensor(noise: float) -> None:
     rig = replace(Rig.ideal(), torque_noise_nm=noise, angle_noise_rad=2e-6)
     how = Preparation(decimate=1, differentiate=False, average=False, torque="measured")
-    true = truths(**CHOSEN)
+    true = truths(CHOSEN, seed=3)
     inside = []
-    for one in conditions(record_experiments(rig, **CHOSEN), how, counts_per_rev=rig.counts_per_rev):
+    for one in conditions(record_experiments(rig, CHOSEN, seed=3), how, counts_per_rev=rig.counts_per_rev):
         (hand,) = (hand for key, hand in true.items() if key[:4] == tuple(one.condition) and key.trial == one.trials[0])
         assert one.motion is not None
         assert one.motion.measured
@@ -44,7 +45,7 @@ def test_intervals_allow_for_the_noise_of_the_sensor(noise: float) -> None:
 def test_the_noise_and_the_onset_are_those_of_the_record() -> None:
     """Noise of the mean of three trials is the sensor's over the root of 3, from 50 samples each: good to 6 %."""
     rig = replace(Rig.ideal(), torque_noise_nm=1e-4)
-    trials = record_experiments(rig, **{**CHOSEN, "subjects": 1, "grips": [4.3]})
+    trials = record_experiments(rig, CHOSEN._replace(subjects=1, grips=[4.3]), seed=3)
     (one,) = conditions(trials, Preparation(decimate=1, differentiate=False, torque="measured"))
     assert one.motion is not None
     assert one.motion.torque_noise_nm == pytest.approx(1e-4 / math.sqrt(3.0), rel=0.25)

@@ -19,7 +19,7 @@ from hknob_cli.engine.sets.search import Box
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
 from tests.controllers.reference import Rig, law_of
-from tests.engine.general.sets.test_law_search import run as orbit_states
+from tests.engine.general.law_runs import states_with_law
 
 from .friction_starts import FrictionStarts
 from .general_scenes import scene
@@ -91,6 +91,6 @@ def test_random_starts_end_in_the_list(name: str) -> None:
         if one.outcome is Outcome.REST:
             near |= (np.abs(v) < 1e-6) & (np.floor(x) == np.floor(one.x))
             continue
-        for at_x, at_v in orbit_states(made, law, [one.x, one.v], list(one.line), one.period):
+        for at_x, at_v in states_with_law(made.knob, law, [one.x, one.v], list(one.line), one.period):
             near |= (np.abs(x - at_x) < 1e-6) & (np.abs(v - at_v) < 1e-6)
     assert near.all(), f"{np.count_nonzero(~near)} starts end elsewhere, the first at {x[~near][0]}, {v[~near][0]}"

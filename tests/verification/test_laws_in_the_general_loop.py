@@ -47,9 +47,9 @@ def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tu
     functions: Any = compiled("laws")
     z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
     states, looks = [z.copy()], []
-    body, pad, room = as_arrays(made.knob.body), np.zeros(2 * n), np.zeros(2 * n)
+    body, pad = as_arrays(made.knob.body), np.zeros(2 * n)
     for _ in range(samples):
-        functions["general.laws.run_with_law"](z, memory, 1, body, made.knob.wall, engine._law, pad, room)
+        functions["general.laws.advance_with_law"](z, memory, body, made.knob.wall, engine._law, pad)
         states.append(z.copy())
         looks.append(memory[law.rows + 1 : law.line].copy())
     return np.array(states), np.array(looks)

@@ -13,10 +13,9 @@ from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import (
     FATES,
     PAUSE_S,
-    USUAL,
     Attractor,
     NeedsCompilerError,
-    Patience,
+    Runner,
     Search,
     StoppedError,
     ranked,
@@ -133,31 +132,15 @@ def as_arrays(body: Body) -> Body:
     return Body._make(np.array(value) if isinstance(value, list) else value for value in body)
 
 
-class GeneralEngine:
+class GeneralEngine(Runner):
     """The general loop, plain or compiled; one per thread."""
 
-    def __init__(
-        self,
-        functions: dict[str, Callable[..., Any]] | None = None,
-        stopped: Callable[[], bool] = lambda: False,
-        patience: Patience = USUAL,
-    ) -> None:
-        """Make ready; ``functions``: compiled, by name; ``stopped``: asked between slices whether to give up."""
-        self.stopped = stopped
-        self.patience = patience
-        self.compiled = functions is not None
-        self._run_trials: Callable[..., Any] = functions["general.run_trials"] if functions else ensemble.run_trials
-        self._chart: Callable[..., Any] = functions["general.chart_period"] if functions else trace.chart_period
-        self._part: Callable[..., Any] = functions["general.parting_rate"] if functions else parting.parting_rate
+    def _begin(self) -> None:
+        self._run_trials = self._function("general.run_trials", ensemble.run_trials)
+        self._chart = self._function("general.chart_period", trace.chart_period)
+        self._part = self._function("general.parting_rate", parting.parting_rate)
 
     torques = staticmethod(torque_range)  # what is commanded far out
-
-    def zeros(self, count: int) -> Any:
-        """Work space: an array for compiled code, a list for the interpreter, which is quicker on it."""
-        return np.zeros(count) if self.compiled else [0.0] * count
-
-    def _filled(self, values: list[float] | tuple[float, ...]) -> Any:
-        return np.array(values, dtype=np.float64) if self.compiled else list(values)
 
     def search(
         self,
@@ -224,7 +207,7 @@ class GeneralEngine:
                 begin = perf_counter()
                 runs = [(one, AT_ONCE, 0, 1) for one in several[first:stop]] if several else None
                 for state, among, low, high in runs or [(start, phases, first, stop)]:
-                    full, taken = self._run_trials(self._filled(state), among, low, high, followed, trial, ready, wall)
+                    full, taken = self._run_trials(self.filled(state), among, low, high, followed, trial, ready, wall)
                     overflow += full
                     samples += int(taken)
                 # Compiled code does not hear an interruption. The result does not depend on the slices.
@@ -259,7 +242,7 @@ class GeneralEngine:
         ready = as_arrays(body) if self.compiled else body
         wall = wall if self.compiled else as_list(wall)
         space = make_space(body.order, len(end.line), self.zeros)
-        state, line = self._filled([end.x, end.v, *end.state]), self._filled(end.line)
+        state, line = self.filled([end.x, end.v, *end.state]), self.filled(end.line)
         return float(self._part(state, end.before, line, samples, ready, wall, space))
 
     def chart(self, body: Body, wall: Controller, orbit: Attractor) -> PeriodSegments | None:
@@ -269,14 +252,14 @@ class GeneralEngine:
         wall = wall if self.compiled else as_list(wall)
         capacity = 16 * orbit.period + 64
         while capacity <= 4 * MOST_PIECES:
-            state = self._filled([orbit.x, orbit.v, *orbit.state])
+            state = self.filled([orbit.x, orbit.v, *orbit.state])
             pieces = trace.Pieces(
                 spans=self.zeros(capacity),
                 modes=self.zeros(capacity),
                 commands=self.zeros(capacity),
                 states=self.zeros((capacity + 1) * n),
             )
-            line, pad = self._filled(orbit.line), self.zeros(2 * n)
+            line, pad = self.filled(orbit.line), self.zeros(2 * n)
             rows = self._chart(state, orbit.before, line, orbit.period, ready, wall, pad, pieces)
             if rows < capacity:
                 spans, modes, commands = (np.array(values[:rows], dtype=np.float64) for values in pieces[:3])

@@ -1,7 +1,7 @@
 """All starts of a cell at once: its attractors, with their shares, and whether the list is proven to be complete."""
 
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import inf, sqrt
 from time import monotonic
 from typing import Any, NamedTuple
@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from hknob_cli.engine.alarm import Alarm
 from hknob_cli.engine.attractors import (
     FATES,
-    USUAL,
     Attractor,
     NeedsCompilerError,
-    Patience,
+    Runner,
     Search,
     StoppedError,
     attractor_of,
@@ -54,32 +53,15 @@ class Box(NamedTuple):
     high_v: float
 
 
-class SetEngine:
-    """Follows arcs and polygons of states, plain or compiled; its work space is used again. One per thread."""
+class SetEngine(Runner):
+    """Follows arcs and polygons of states, plain or compiled (group "sets"); its work space is used again."""
 
-    def __init__(
-        self,
-        functions: dict[str, Callable[..., Any]] | None = None,
-        stopped: Callable[[], bool] = lambda: False,
-        patience: Patience = USUAL,
-    ) -> None:
-        """Make ready; ``functions``: the compiled group "sets", by name; ``stopped``: asked whether to give up."""
-        self.stopped = stopped
-        self.patience = patience
-        self.compiled = functions is not None
-        self._functions = functions
+    def _begin(self) -> None:
         self._polygons: Any = None
         self._regions: Any = None
 
-    def _function(self, module: Any, name: str) -> Callable[..., Any]:
-        found: Callable[..., Any] = self._functions[f"sets.{name}"] if self._functions else getattr(module, name)
-        return found
-
-    def _zeros(self, count: int) -> Any:
-        return np.zeros(count) if self._functions else [0.0] * count
-
-    def _numbers(self, values: Sequence[float]) -> Any:
-        return np.array(values) if self._functions else list(values)
+    def _of(self, module: Any, name: str) -> Callable[..., Any]:
+        return self._function(f"sets.{name}", getattr(module, name))
 
     def search_phases(
         self, loop: Loop, *, x: float, v: float, delay_line: int, max_samples: int | None, seconds: float | None = None
@@ -92,8 +74,8 @@ class SetEngine:
         Raises `NeedsCompilerError` in the interpreter, where the same search compiled would succeed, and `StoppedError`
         when told to stop.
         """
-        known, room = make_known(self._zeros, delay_line), make_arc_room(self._zeros, delay_line)
-        follow, progress = self._function(cells, "follow_cell"), room.progress
+        known, room = make_known(self.zeros, delay_line), make_arc_room(self.zeros, delay_line)
+        follow, progress = self._of(cells, "follow_cell"), room.progress
         tries, size = (0, SLICE) if self.compiled else (self.patience.samples, SLICE_INTERPRETED)
         alarm = Alarm(time_allowed(seconds, self.patience, compiled=self.compiled))
         state = 0
@@ -133,10 +115,10 @@ class SetEngine:
         """
 
         def fill() -> None:
-            self._function(box, "fill_box")(*states, self._polygons, loop)
+            self._of(box, "fill_box")(*states, self._polygons, loop)
 
         chance = random.Random(0)
-        starts = self._zeros(2 * SAMPLED)
+        starts = self.zeros(2 * SAMPLED)
         for k in range(SAMPLED):
             starts[2 * k] = chance.uniform(states.low_x, states.high_x)
             starts[2 * k + 1] = chance.uniform(states.low_v, states.high_v)
@@ -149,19 +131,19 @@ class SetEngine:
         """
         until = inf if seconds is None else monotonic() + seconds
         if self._regions is None:
-            room = make_region_room(self._zeros)
-            self._regions = RegionFinder(lambda name: self._function(region, name), room, self.stopped)
+            room = make_region_room(self.zeros)
+            self._regions = RegionFinder(lambda name: self._of(region, name), room, self.stopped)
         limits = pushes(loop)
         found = self._regions.find(loop, limits, until)
         if found is None:
             why: Search = self._regions.why_none(loop, limits, until)
             return why
-        states, corners = Box(*found.ranges), self._numbers(found.corners)
+        states, corners = Box(*found.ranges), self.filled(found.corners)
 
         def fill() -> None:
-            self._function(box, "fill_polygon")(corners, len(corners) // 2, self._polygons, loop)
+            self._of(box, "fill_polygon")(corners, len(corners) // 2, self._polygons, loop)
 
-        starts = self._numbers(states_in(found.corners, SAMPLED))
+        starts = self.filled(states_in(found.corners, SAMPLED))
         left = None if seconds is None else until - monotonic()
         return self._search(loop, states, starts, fill, max_samples, left)._replace(region=found.ranges)
 
@@ -183,9 +165,9 @@ class SetEngine:
                 fate = UNDAMPED if loop.alpha == 0.0 else UNHELD
             return Search((whole(*FATES[fate], 1.0),), 0, complete=False, undecided=1.0)
         if self._polygons is None:
-            self._polygons = make_polygon_room(self._zeros)
-        room, known, patience = self._polygons, make_known(self._zeros, 0), first_patience(skip)
-        sample, ends = self._function(box, "sample_box"), self._zeros(SAMPLED)
+            self._polygons = make_polygon_room(self.zeros)
+        room, known, patience = self._polygons, make_known(self.zeros, 0), first_patience(skip)
+        sample, ends = self._of(box, "sample_box"), self.zeros(SAMPLED)
         taken, unproven, followed, chunk = 0, 0, 0, max(1, SLICE // max(skip, 1))
         while followed < SAMPLED and monotonic() < until:
             if self.stopped():
@@ -195,8 +177,8 @@ class SetEngine:
             taken, unproven, followed = taken + used, unproven + lost, stop
         if followed < SAMPLED:
             return self._boxed(known, int(taken), 0, 1.0, unproven, Reason.TIME_LIMIT, SAMPLED - followed)
-        follow, seek_some = self._function(box, "follow_generation"), self._function(box, "seek_some")
-        release = self._function(lattice, "release")
+        follow, seek_some = self._of(box, "follow_generation"), self._of(box, "seek_some")
+        release = self._of(lattice, "release")
         fill()
         across = max(states.high_x - states.low_x, (states.high_v - states.low_v) / sqrt(loop.beta))
         width, waiting, pieces, undecided = across / WIDEST, 1, 0, 0.0
@@ -228,8 +210,8 @@ class SetEngine:
         """
         far = np.abs(starts).max(axis=0)
         _, most, skip, limit = prospect(float(far[0]), float(far[1]), max_samples or 0, loop)
-        known, none = make_known(self._zeros, 0), self._zeros(0)
-        add, sample = self._function(known_ends, "add_end"), self._function(box, "sample_box")
+        known, none = make_known(self.zeros, 0), self.zeros(0)
+        add, sample = self._of(known_ends, "add_end"), self._of(box, "sample_box")
         numbers = []
         for one in attractors:
             fate = CYCLE_PROVEN if one.outcome is Outcome.CYCLE else REST_PROVEN

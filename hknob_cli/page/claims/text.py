@@ -2,20 +2,19 @@
 
 from typing import Any
 
-from hknob_cli.page.claims.ledger import Claim
-from hknob_cli.page.claims.verdict import NOT_TESTABLE, Judged, reading_text
+from hknob_cli.page.claims.verdict import NOT_TESTABLE, reading_text
 from hknob_cli.report.table import folded
 
 
-def claim_text(claim: Claim, row: dict[str, Any], readings: list[Judged]) -> str:
-    """Lines as wide as the terminal; ``row``: that of ``claims.parquet``, made from the ``readings``."""
+def claim_text(row: dict[str, Any]) -> str:
+    """Lines as wide as the terminal; ``row``: that of ``claims.parquet``."""
     lines = [_answer(row), "", f"{row['claim']} ({row['place']})", f"The text says: {' '.join(row['says'].split())}"]
     if row["verdict"] != NOT_TESTABLE:
         lines.append(
             f"The rule: {row['tolerance'].replace('holds:', 'reproduced:')} ({' '.join(row['because'].split())})"
         )
-    if claim.readings:
-        lines += ["Readings:", *(f"  {reading_text(claim, judged)}" for judged in readings)]
+    if row["readings"]:
+        lines += ["Readings:", *(f"  {reading_text(reading, row['unit'])}" for reading in row["readings"])]
     if row["finding"]:
         lines.append(f"Finding: {' '.join(row['finding'].split())}")
     return folded("\n".join(lines))

@@ -1,5 +1,6 @@
 """From computed values to a verdict, by the rule that `Claim` states. No verdict is ever written down elsewhere."""
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import pyarrow as pa
@@ -19,6 +20,10 @@ REPRODUCED, DIFFERS, CONTRADICTED, NOT_TESTABLE = VERDICTS = (
 )
 
 _REAL, _TEXT, _FLAG = pa.float64(), pa.string(), pa.bool_()
+# Of a reading: its name, computed value, verdict, why it has no value, and why the print does not allow it.
+READING = pa.struct(
+    [("name", _TEXT), ("computed", _REAL), ("verdict", _TEXT), ("missing", _TEXT), ("excluded", _TEXT)],
+)
 COLUMNS = (
     Column("claim", _TEXT, "", "id of the claim"),
     Column("place", _TEXT, "", "section, table, figure or equation of the text"),
@@ -33,7 +38,13 @@ COLUMNS = (
     Column("agreeing", pa.int64(), "1", "readings that the print allows and in which the claim is reproduced"),
     Column("allowed", pa.int64(), "1", "readings that the print allows"),
     Column("data", _TEXT, "", "results that the reading used was computed from"),
-    Column("readings", _TEXT, "", "every reading tried, with its value"),
+    Column(
+        "readings",
+        pa.list_(READING),
+        "",
+        "every reading tried: name, computed value (null where there is none), verdict, why it is missing, and why the "
+        "print excludes it (null where it does not); empty where the claim has one reading only",
+    ),
     Column("finding", _TEXT, "", "what is known beside the number"),
     Column("check", _TEXT, "", "computation that checks it"),
     Column("figure", _TEXT, "", "id of the figure that shows it"),
@@ -54,18 +65,9 @@ def judge(ledger: Ledger, evidence: ResultSet) -> pa.Table:
     return build_table(COLUMNS, [judge_claim(claim, evidence) for claim in ledger.claims])
 
 
-def read_claim(claim: Claim, evidence: ResultSet) -> list[Judged]:
-    """Every reading of a claim, judged. Raises `UsageError` for arguments that its check does not take."""
-    return [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
-
-
 def judge_claim(claim: Claim, evidence: ResultSet) -> dict[str, Any]:
-    """One row of the table."""
-    return row_of(claim, read_claim(claim, evidence), evidence)
-
-
-def row_of(claim: Claim, readings: list[Judged], evidence: ResultSet) -> dict[str, Any]:
-    """One row of the table, from its judged readings."""
+    """One row of the table. Raises `UsageError` for arguments that its check does not take."""
+    readings = [_read(claim, reading, evidence) for reading in claim.all_readings] if claim.check else []
     allowed = [judged for judged in readings if judged.reading.excluded is None]
     best = min(allowed, key=lambda judged: _rank(claim, judged), default=None)
     missing = best.missing if best else ""
@@ -83,11 +85,18 @@ def row_of(claim: Claim, readings: list[Judged], evidence: ResultSet) -> dict[st
         "agreeing": sum(judged.verdict == REPRODUCED for judged in allowed),
         "allowed": len(allowed),
         "data": ", ".join(_data(claim, best, evidence)) if best else "",
-        "readings": "; ".join(reading_text(claim, judged) for judged in readings) if claim.readings else "",
+        "readings": [_told(judged) for judged in readings] if claim.readings else [],
         "finding": claim.finding or "",
         "check": claim.check or "",
         "figure": claim.figure or "",
     }
+
+
+def _told(judged: Judged) -> dict[str, Any]:
+    """A reading as `READING` has it."""
+    reading, computed, verdict, missing = judged
+    given = {"name": reading.name, "excluded": reading.excluded}
+    return given | {"computed": computed, "verdict": verdict, "missing": missing}
 
 
 def _read(claim: Claim, reading: Reading, evidence: ResultSet) -> Judged:
@@ -135,8 +144,14 @@ def _tolerance(claim: Claim) -> str:
     return "; ".join(parts)
 
 
-def reading_text(claim: Claim, judged: Judged) -> str:
-    """A reading in words: its value, what follows from it, and why it does not count where it does not."""
-    value = judged.missing or "no value" if judged.computed is None else f"{judged.computed:.4g} {claim.unit}".strip()
-    excluded = f" (not allowed: {judged.reading.excluded})" if judged.reading.excluded else ""
-    return f"{judged.reading.name}: {value}, {judged.verdict}{excluded}"
+def reading_text(reading: Mapping[str, Any], unit: str, *, minus: str = "-") -> str:
+    """A reading in words: its value, what follows from it, and why it does not count where it does not.
+
+    ``reading``: an entry of the column ``readings``; ``unit``: of its value.
+    """
+    computed = reading["computed"]
+    value = reading["missing"]
+    if computed is not None:
+        value = f"{minus if computed < 0.0 else ''}{abs(computed):.4g} {unit}".strip()
+    excluded = f" (not allowed: {reading['excluded']})" if reading["excluded"] else ""
+    return f"{reading['name']}: {value}, {reading['verdict']}{excluded}"

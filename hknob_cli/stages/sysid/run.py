@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 
 from hknob_cli.apparatus.bench_rigs import record_apparatus
-from hknob_cli.apparatus.experiment import record_experiments
+from hknob_cli.apparatus.experiment import Schedule, record_experiments
 from hknob_cli.apparatus.rig import virtual_rig
 from hknob_cli.errors import ComputationError, UsageError
 from hknob_cli.identify.fit import Estimate, Fit
@@ -88,12 +88,8 @@ class SysidStage:
             return record_apparatus(rig, trials=virtual.trials, seed=virtual.seed)
         return record_experiments(
             rig,
-            experiments=virtual.experiments,
-            subjects=virtual.subjects,
-            blocks=virtual.blocks,
-            trials=virtual.trials,
+            Schedule(virtual.experiments, virtual.subjects, virtual.blocks, virtual.trials, virtual.grips),
             seed=virtual.seed,
-            grips=virtual.grips,
             model="fourth" if virtual.model == "fourth" else "second",
             torque=virtual.input,
             progress=progress,

@@ -42,8 +42,6 @@ def test_one_bounce_in_five_is_errant(made: Made) -> None:
     # has no end, so that two of sixty are not seen: the first usual and the last errant one.
     rows = [*track(12 * sizes, 12 * periods), *track([1e-3] * 60, [5e-3] * 60, trial=1)]
     evidence = made("a", {"trajectories": rows})
-    both = 100.0 * 11 / (58 + 58)
-    assert compute("errant_share", evidence, AFTER) == pytest.approx(both, abs=2.0)
     assert compute("errant_trials", evidence, AFTER) == 50.0
     # They come every 25 ms, from row to row within 1/64 of a bounce.
     assert compute("errant_rate", evidence, AFTER) == pytest.approx(40.0, rel=0.01)
@@ -102,7 +100,6 @@ def test_a_motion_without_bounces_has_no_frequency(made: Made) -> None:
     evidence = made("a", {"trajectories": [row(0, 0.1 + 1e-3 * i, 1e-3 * i, 1.0) for i in range(9)]})
     assert compute("bounce_frequency", evidence, AFTER) is None
     assert compute("errant_rate", evidence, AFTER) is None
-    assert compute("errant_share", evidence, AFTER) is None
 
 
 def test_the_verdict_follows_the_recording(made: Made, ledger: Any) -> None:

@@ -57,7 +57,6 @@ def test_means_within_two_standard_errors(made: Made) -> None:
     assert compute("tables_within", evidence, {"result": "bare", **asked}) == 100.0
     assert compute("tables_within", evidence, {"result": "far", **asked}) == 75.0
     assert compute("tables_within", evidence, {"result": "far", **asked, "quantities": [K]}) == 0.0
-    assert compute("mean_offset", evidence, {"result": "bare", **asked, "column": J}) == pytest.approx(0.0, abs=1e-9)
 
 
 def test_what_is_not_told_is_not_within(made: Made) -> None:

@@ -4,7 +4,7 @@ import pytest
 
 from hknob_cli.page.claims.checks import CHECKS
 from hknob_cli.page.claims.ledger import Ledger
-from hknob_cli.page.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, judge
+from hknob_cli.page.claims.verdict import COLUMNS, CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, judge, reading_text
 from hknob_cli.results.result_set import ResultSet
 
 CLAIM = {
@@ -64,7 +64,11 @@ def test_the_reading_that_agrees_best_decides_unless_excluded() -> None:
     ]
     row = verdict(readings=readings)
     assert (row["verdict"], row["reading"], row["computed"]) == (REPRODUCED, "c", 9.9)
-    assert "d: 10 N, reproduced (not allowed: the print says otherwise)" in str(row["readings"])
+    last = row["readings"][-1]
+    assert (last["name"], last["computed"], last["verdict"]) == ("d", 10.0, REPRODUCED)
+    assert (last["missing"], last["excluded"]) == ("", "the print says otherwise")
+    assert [one["excluded"] for one in row["readings"][:-1]] == [None] * 3
+    assert reading_text(last, "N") == "d: 10 N, reproduced (not allowed: the print says otherwise)"
     assert verdict(readings=[readings[0], readings[3]])["verdict"] == DIFFERS
     assert verdict(readings=[readings[3]])["verdict"] == NOT_TESTABLE
 

@@ -114,16 +114,6 @@ def copy_to(target, source):
         target[j] = source[j]
 
 
-def run_with_law(z, past, samples, body, wall, law, pad, states):
-    """Run ``samples`` intervals; ``states`` takes the state at every sample, (samples + 1) times the order."""
-    n = body.order
-    for i in range(samples + 1):
-        for j in range(n):
-            states[i * n + j] = z[j]
-        if i < samples:
-            advance_with_law(z, past, body, wall, law, pad)
-
-
 def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     """Write down one period of an orbit, as `general.trace.chart_period`."""
     rows = 0

@@ -34,12 +34,6 @@ def bounce_frequency(evidence: ResultSet, result: str, after: float, where: Wher
 
 
 @check
-def errant_share(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
-    """Share of the bounces, %, that are errant, over all trials; ``after``: s, when the motion is steady."""
-    return percent(one.errant for trial in _bounces(evidence, result, after, where) for one in trial)
-
-
-@check
 def errant_trials(evidence: ResultSet, result: str, after: float, where: Where | None = None) -> float | None:
     """Share of the trials, %, that have errant bounces; ``after``: s, when the motion is steady."""
     return percent(any(one.errant for one in trial) for trial in _bounces(evidence, result, after, where))

@@ -3,7 +3,7 @@
 Stability limits and friction, beside what a sweep does.
 """
 
-from math import atan2, cos, exp, log, pi, sin, sqrt
+from math import atan2, exp, log, pi, sin, sqrt
 from typing import TYPE_CHECKING, Any
 
 from hknob_cli.errors import UsageError
@@ -32,19 +32,6 @@ def relay_gain(evidence: ResultSet) -> float:  # noqa: ARG001 - it needs no resu
     """Amplitude of the fundamental of a relay's output over its level, N(A) A / M, by quadrature over a sine."""
     phases = ((i + 0.5) * 2.0 * pi / _STEPS for i in range(_STEPS))
     return sum((1.0 if sin(phase) > 0.0 else -1.0) * sin(phase) for phase in phases) * 2.0 / _STEPS
-
-
-@check
-def harmonic_balance(evidence: ResultSet, result: str, where: Where | None = None) -> float | None:
-    """Largest |1 + N(A) G(jw) e^{-jwT/2}| at the cycles of one harmonic, M = K q / 2: 0 if they solve it."""
-    residuals = []
-    for row in rows_of(evidence, result, "dfa", {"method": "df1", **(where or {})}, needs=["amplitude_rad"]):
-        if row["amplitude_rad"]:
-            edge, omega = edge_of(evidence, result, row), 2.0 * pi * row["frequency_hz"]
-            gain = 2.0 * edge.wall_stiffness * edge.quantum_rad / (pi * row["amplitude_rad"])
-            late = complex(cos(omega * edge.delay_s), -sin(omega * edge.delay_s))
-            residuals.append(abs(1.0 + gain * late * _plant(edge, omega)))
-    return one_number(residuals, "largest")
 
 
 @check

@@ -76,20 +76,6 @@ def tables_within(
 
 
 @check
-def mean_offset(
-    evidence: ResultSet, result: str, estimator: str, column: str, where: Where | None = None, statistic: str = "mean"
-) -> float | None:
-    """A statistic of identified over printed means, less 1, in %, over the conditions of Tables 1-5."""
-    found = []
-    for row in _conditions(evidence, result, estimator, "all", where):
-        if row[column] is not None:
-            own = (row.get(_APPARATUS) or 0.0) if column == _J else 0.0
-            printed = cell(int(row["experiment"]), row["grip_target_n"], column)
-            found.append(100.0 * ((row[column] + own) / printed - 1.0))
-    return one_number(found, statistic)
-
-
-@check
 def variation_ratio(
     evidence: ResultSet,
     result: str,

@@ -40,17 +40,6 @@ def least_r_squared(_: ResultSet, *, tables: list[int], quantities: list[str]) -
 
 
 @check
-def least_slope_ratio(_: ResultSet, *, tables: list[int], quantities: list[str]) -> float:
-    """Least ratio of a column's slope between the two firmest grips to that between the two lightest; 1: a line."""
-    ratios = []
-    for number in tables:
-        for quantity in quantities:
-            slopes = np.diff(column(number, quantity)) / np.diff(column(number, GRIP))
-            ratios.append(float(slopes[-1] / slopes[0]))
-    return min(ratios)
-
-
-@check
 def share_of_grips_above(
     _: ResultSet,
     *,

@@ -7,20 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from hknob_cli.controllers.scalar_law import LawKnob, make_law
 from hknob_cli.engine.attractors import Attractor, Patience, Search
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import Law
 from hknob_cli.engine.general.laws.search import LawEngine
-from hknob_cli.engine.general.laws.step import begin_past, run_with_law
+from hknob_cli.engine.general.laws.step import begin_past
 from hknob_cli.engine.general.sets.friction_phases import fly
 from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
 from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.scene import SceneSpec
 from tests.controllers.laws import CONTROLLERS
+from tests.engine.general.law_runs import states_with_law
 
 LONG = Patience(samples=10**9, seconds=300.0)
 SCENE: dict[str, Any] = {
@@ -64,14 +64,6 @@ def search(made: LawKnob, law: Law, length: int, **limits: Any) -> Search | None
     return LawSetEngine(law, patience=LONG).search_phases(knob.body, knob.wall, knob.start(0.02, 0.0), **given)
 
 
-def run(made: LawKnob, law: Law, z: list[float], past: list[float], samples: int) -> NDArray[np.float64]:
-    """States at so many samples and one more, by what each reads."""
-    n = made.knob.body.order
-    states = [0.0] * (n * (samples + 1))
-    run_with_law(z, past, samples, made.knob.body, made.knob.wall, law, [0.0] * (2 * n), states)
-    return np.array(states).reshape(samples + 1, n)
-
-
 def first_state(made: LawKnob, phase: float) -> list[float]:
     """State at the first sample of a clock phase: no torque acts before it."""
     start = made.knob.start(0.02, 0.0)
@@ -82,7 +74,7 @@ def on_list(found: tuple[Attractor, ...], made: LawKnob, law: Law, z: list[float
     """Which attractors a state that has settled is on, or rests in the reading of."""
     numbers = []
     for number, one in enumerate(found):
-        states = run(made, law, [one.x, one.v, *one.state], list(one.line), one.period)
+        states = states_with_law(made.knob, law, [one.x, one.v, *one.state], list(one.line), one.period)
         near = np.abs(states - np.array(z)).max(axis=1).min() < 1e-6
         same = one.outcome is Outcome.REST and read(z[0], made.knob.wall) == read(one.x, made.knob.wall)
         if near or (same and made.knob.body.friction > 0.0 and abs(z[1]) < 1e-6):
@@ -105,7 +97,7 @@ def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
         z = first_state(made, (trial + 0.5) / 24)
         past = [0.0] * length
         begin_past(past, read(z[0], knob.wall), law)
-        run(made, law, z, past, int(45.0 / made.rate) + 200)
+        states_with_law(made.knob, law, z, past, int(45.0 / made.rate) + 200)
         (number,) = on_list(found.attractors, made, law, z)
         counted[number] += 1
     for one, count in zip(found.attractors, counted, strict=True):
@@ -142,5 +134,5 @@ def test_a_stiff_friction_holds_the_knob_under_a_lag() -> None:
         z = first_state(made, (trial + 0.5) / 8)
         past = [0.0] * length
         begin_past(past, read(z[0], made.knob.wall), law)
-        run(made, law, z, past, 2000)
+        states_with_law(made.knob, law, z, past, 2000)
         assert on_list(found.attractors, made, law, z)
