@@ -48,7 +48,6 @@ WHY = {
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
     ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
-    ("kalman", "friction_sets"): "a Kalman filter is not piecewise affine",
     ("speed_sensor", "device"): "a target reads an encoder, not the velocity",
     ("several_readings", "device"): "a target reads its encoder once a sample",
     ("pulses", "device"): "a target holds one torque from sample to sample",
