@@ -48,7 +48,6 @@ WHY = {
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
     ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
-    ("kalman", "friction_sets"): "a Kalman filter is not piecewise affine",
     ("speed_sensor", "device"): "a target reads an encoder, and its torque does not follow a velocity between samples",
     ("lag", "device"): "that is an amplifier's own; a virtual device has it by nuisances.amplifier",
     ("hysteresis", "device"): "that is an encoder's own",

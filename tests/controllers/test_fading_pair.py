@@ -1,12 +1,13 @@
 """Two numbers that fade together: their norm, by how much torques may differ, and where a period puts them."""
 
 from fractions import Fraction
+from math import nextafter
 from typing import Any
 
 import numpy as np
 import pytest
 
-from hknob_cli.controllers.fading_pair import make_pair
+from hknob_cli.controllers.fading_pair import is_proven, make_pair
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.laws.cascade import faded, settle_faded, torques_apart
 from hknob_cli.engine.general.laws.law import PAIR
@@ -17,6 +18,7 @@ from tests.controllers.page_blocks import SCENE
 
 # Real eigenvalues, complex ones, and one of two independent rows.
 TURNS = [0.001, 0.05, 0.3, 0.49]
+SLOW = [1e-5, 1e-6, 1e-7, 1e-8, 2.7e-10, 1e-11]
 MAPS = {
     **{f"tracking, {turn}": np.array([[1 - 2 * turn] * 2, [-turn * turn, 1 - turn * turn]]) for turn in TURNS},
     "rings": np.array([[0.8, 0.8], [-0.1, 0.9]]),
@@ -50,6 +52,43 @@ def test_the_norm_shrinks_in_every_direction_and_is_above_its_rows(name: str, ro
     # By Cauchy, a row is largest in this norm by the length of its row of the inverse: no more than needed.
     largest = max(float(np.linalg.norm(np.linalg.inv(forms)[row])) for row in rows)
     assert largest == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_norm_that_does_not_shrink_is_not_taken_for_one_that_does() -> None:
+    """Beside the floats of eigenvectors that are nearly one: a filter of a hundred million samples and more."""
+    found = {turn: make_pair(np.array([[1 - 2 * turn] * 2, [-turn * turn, 1 - turn * turn]]), (0, 1)) for turn in SLOW}
+    assert all(fade < 1.0 or fade == np.inf for _, fade in found.values())
+    assert all(found[turn].fade < 1.0 for turn in SLOW if turn >= 1e-6)
+    for turn, (numbers, fade) in found.items():
+        if fade < 1.0:
+            forms = [[Fraction(one) for one in numbers[4:6]], [Fraction(one) for one in numbers[6:8]]]
+            for away in (1.0, -turn, turn, 1e9, -1e9):  # the eigenvectors are about (1, turn)
+                d = [Fraction(1), Fraction(away)]
+                one, two = 2 * turn, turn * turn
+                after = [Fraction(1 - one) * (d[0] + d[1]), Fraction(-two) * d[0] + Fraction(1 - two) * d[1]]
+                size, then = (sum((f[0] * v[0] + f[1] * v[1]) ** 2 for f in forms) for v in (d, after))
+                assert then <= Fraction(fade) ** 2 * size
+                assert max(abs(d[0]), abs(d[1])) ** 2 <= size
+
+
+@pytest.mark.parametrize(
+    ("a", "forms", "fade", "rows", "so"),
+    [
+        ([[0.5, 0.0], [0.0, 0.5]], [[1.0, 0.0], [0.0, 1.0]], 0.5, (0, 1), True),
+        ([[0.5, 0.0], [0.0, 0.5]], [[1.0, 0.0], [0.0, 1.0]], nextafter(0.5, 0.0), (0, 1), False),
+        ([[0.5, 0.0], [0.0, 0.25]], [[1.0, 0.0], [0.0, 1.0]], 0.4375, (0, 1), False),
+        ([[0.25, 0.0], [0.0, 0.5]], [[1.0, 0.0], [0.0, 1.0]], 0.4375, (0, 1), False),
+        ([[0.5, 0.25], [0.0, 0.5]], [[1.0, 0.0], [0.0, 1.0]], 0.625, (0, 1), False),  # each row alone would do
+        ([[0.5, 0.25], [0.0, 0.5]], [[1.0, 0.0], [0.0, 1.0]], 0.75, (0, 1), True),
+        ([[0.5, 0.0], [0.0, 0.5]], [[1.0, 0.0], [0.0, nextafter(1.0, 0.0)]], 0.5, (0,), True),
+        ([[0.5, 0.0], [0.0, 0.5]], [[1.0, 0.0], [0.0, nextafter(1.0, 0.0)]], 0.5, (1,), False),
+        ([[0.5, 0.0], [0.0, 0.5]], [[nextafter(1.0, 0.0), 0.0], [0.0, 1.0]], 0.5, (0, 1), False),
+    ],
+)
+def test_what_a_proof_needs_of_a_norm_is_told_to_the_last_bit(
+    a: list[list[float]], forms: list[list[float]], fade: float, rows: tuple[int, ...], so: bool
+) -> None:
+    assert is_proven(a, forms, fade, rows) == so
 
 
 @pytest.mark.parametrize("period", [1, 2, 7, 64])

@@ -14,7 +14,7 @@ from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.jit import compiled
 from hknob_cli.engine.sets.search import Box
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.laws import CONTROLLERS
+from tests.controllers.laws import EVERY
 from tests.controllers.reference import Rig, law_of
 from tests.engine.general.law_runs import states_with_law
 from tests.engine.general.sets.test_law_search import SCENE
@@ -31,11 +31,14 @@ CELLS = [
     ("damping, differenced", 1000.0, 360, 600),
     ("phase, both", 464.2, 1024, 2500),
     ("half sample", 215.4, 2048, 250),
+    ("speed, timed, filtered", 464.2, 360, 600),
+    ("speed, adaptive", 1000.0, 1024, 600),
+    ("speed and angle, tracked", 1000.0, 360, 900),
+    ("speed, Kalman", 464.2, 1024, 500),
+    ("phase, Kalman", 464.2, 1024, 4000),
 ]
-# Controllers whose memory is a function of the counts alone, and piecewise affine.
-COUNTING = [
-    name for name, one in CONTROLLERS.items() if one.get("velocity") != "sensor" and one.get("estimate") != "kalman"
-]
+# Controllers whose memory is a function of the counts alone.
+COUNTING = [name for name, one in EVERY.items() if one.get("velocity") != "sensor"]
 Orbits = list[NDArray[np.float64]]
 
 
@@ -44,7 +47,7 @@ def followed(name: str, rate: float, counts: int, *, boxed: bool, quick: bool) -
 
     ``quick``: in the interpreter.
     """
-    scene: dict[str, Any] = {**SCENE, "controller": CONTROLLERS[name]}
+    scene: dict[str, Any] = {**SCENE, "controller": EVERY[name]}
     made = make_law(SceneSpec.model_validate(scene).plain(), sample_rate_hz=rate, counts_per_rev=counts)
     functions = None if quick else compiled("friction sets")
     patience = Patience(samples=10**9, seconds=300.0)
@@ -68,7 +71,7 @@ def followed(name: str, rate: float, counts: int, *, boxed: bool, quick: bool) -
 def number_of(orbits: Orbits, rig: Rig, name: str, start: tuple[float, float, float], samples: int) -> int:
     """Which of the orbits a motion is on after so many samples; -1 for none."""
     longest = max(map(len, orbits))
-    trial = rig.trial(law_of(rig, CONTROLLERS[name]), *start)
+    trial = rig.trial(law_of(rig, EVERY[name]), *start)
     xs = np.array([theta for theta, _, _ in islice(trial, samples, samples + longest)]) / rig.quantum - rig.offset
     for k, orbit in enumerate(orbits):
         if np.abs(np.sort(xs[-len(orbit) :]) - orbit).max() < SAME:

@@ -4,11 +4,20 @@ The same as `engine.sets.known`, with what the general loop has more: states of 
 last reading. Reaches are bounds on a distance from the centre in `body.norm`, in which the free plant never grows.
 """
 
+from hknob_cli.engine.certificate import PROVEN
 from hknob_cli.engine.follow import CYCLE_PROVEN, GREW, REST_PROVEN, UNSETTLED
 from hknob_cli.engine.general.body import distance
 from hknob_cli.engine.general.controller import command, inside, read
 from hknob_cli.engine.general.follow import FIELDS, KNOWN
-from hknob_cli.engine.general.sets.memory import advance_memory, enter_end, find_end, memory_apart, store_memory
+from hknob_cli.engine.general.sets.memory import (
+    advance_memory,
+    certify_again,
+    counted_alike,
+    enter_end,
+    find_end,
+    memory_apart,
+    store_memory,
+)
 from hknob_cli.engine.general.standstill import rest_rounding, settles
 from hknob_cli.engine.rest import AT_REST
 
@@ -17,15 +26,14 @@ FULL, UNPROVEN_END = -2, -1  # instead of a row
 NO_ROOM = 12  # beside the fates of `general.follow`: more ends, or more pieces, than a cell keeps
 
 
-def add_points(row, known, body, wall):
-    """Enter the samples of a proven orbit at which the wall steps deeper, as far as there is room."""
+def walk_points(row, before, known, body, wall):
+    """Enter the samples of a proven orbit at which the wall steps deeper, as far as there is room.
+
+    The orbit, which is that of ``row``, goes through ``known.z`` with what ``known.ring`` remembers, oldest first.
+    """
     n, delay = body.order, len(known.ring)
     width = n + delay + 2
-    for j in range(n):
-        known.z[j] = known.states[row * n + j]
-    for j in range(delay):
-        known.ring[j] = known.lines[row * delay + j]
-    period, before, head = int(known.table[row * FIELDS + 1]), known.table[row * FIELDS + 9], 0 * delay
+    period, head = int(known.table[row * FIELDS + 1]), 0 * delay
     count, entered, last = int(known.counts[1]), 0, 0.0
     for i in range(2 * period):
         shown = read(known.z[0], wall)
@@ -43,6 +51,56 @@ def add_points(row, known, body, wall):
     known.counts[1] = count
 
 
+def add_points(row, known, body, wall):
+    """Enter these samples of the orbit of a row that is new."""
+    n, delay = body.order, len(known.ring)
+    for j in range(n):
+        known.z[j] = known.states[row * n + j]
+    for j in range(delay):
+        known.ring[j] = known.lines[row * delay + j]
+    walk_points(row, known.table[row * FIELDS + 9], known, body, wall)
+
+
+def has_points(row, known, body):
+    """Whether samples of the orbit of ``row`` are entered that count as ``known.ring`` does near ``known.z``."""
+    n, delay = body.order, len(known.ring)
+    width = n + delay + 2
+    for k in range(int(known.counts[1])):
+        base = k * width
+        near = abs(known.z[0] - known.points[base + 2]) < known.table[row * FIELDS + 2]
+        if known.points[base] == row and near and counted_alike(known.law, known.ring, known.points, base + 2 + n):
+            return True
+    return False
+
+
+def add_memory(row, known, body, wall):
+    """Enter the samples of a known orbit that is at ``known.z``, deepest, with what ``known.ring`` remembers there.
+
+    From other starts an average may come to a number that differs by a unit in the last place, and stay there. The
+    orbit is proven with it, too, and has the smaller margin of the two and the larger error.
+    """
+    base = row * FIELDS
+    if counted_alike(known.law, known.ring, known.lines, row * len(known.ring)):
+        return
+    period = int(known.table[base + 1])
+    status, margin, bound, room = certify_again(known.law, period, known, body, wall)
+    if status != PROVEN:
+        return
+    last = inside(read(known.z[0], wall), wall)
+    for _ in range(period):  # to a sample at which points are entered
+        advance_memory(known.law, known.z, 0.0, known.ring, 0 * len(known.ring), body, wall, known.space.pad)
+        shown = inside(read(known.z[0], wall), wall)
+        if shown < last:
+            break
+        last = shown
+    if has_points(row, known, body):
+        return
+    known.table[base + 2] = min(known.table[base + 2], margin)
+    known.table[base + 5] = max(known.table[base + 5], bound)
+    known.table[base + 9] = min(known.table[base + 9], room)
+    walk_points(row, 0.0, known, body, wall)
+
+
 def add_end(fate, period, before, head, known, body, wall):
     """Row of an end whose state is in ``known.z`` and ``known.ring``, entered where it is new; `FULL` without room."""
     rows = int(known.counts[0])
@@ -51,6 +109,8 @@ def add_end(fate, period, before, head, known, body, wall):
         return FULL
     if row == rows and known.table[row * FIELDS] == CYCLE_PROVEN:
         add_points(row, known, body, wall)
+    elif row < rows and fate == CYCLE_PROVEN and known.table[row * FIELDS] == CYCLE_PROVEN:
+        add_memory(row, known, body, wall)
     return row
 
 

@@ -5,14 +5,16 @@ memory are what they are in double precision: they have no error. Each function 
 and then `general.controller` commands. Memory is one array, the commands under way or `laws.law.Law`'s ``past``.
 """
 
+from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, PROVEN
 from hknob_cli.engine.general.controller import command, read
 from hknob_cli.engine.general.ensemble import enter
 from hknob_cli.engine.general.follow import FIELDS, follow_trial
 from hknob_cli.engine.general.interval import advance
 from hknob_cli.engine.general.laws.cascade import faded, pushed_apart, same_count, sums_agree, torques_apart
 from hknob_cli.engine.general.laws.follow import follow_with_law
+from hknob_cli.engine.general.laws.period import certify_with_law
 from hknob_cli.engine.general.laws.rest import settled_torque
-from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, decide
+from hknob_cli.engine.general.laws.step import advance_with_law, begin_past, copy_to, decide
 from hknob_cli.engine.general.laws.trials import enter_with_law
 from hknob_cli.engine.general.sets.readings import acting
 from hknob_cli.engine.general.standstill import steady
@@ -112,6 +114,30 @@ def memory_apart(law, before, ring, head, points, base, room, body, wall):
     if law.guarded and not faded(ring, law.beside, law) < room:
         return float("inf")
     return pushed_apart(torques_apart(ring, law.beside, law), body)
+
+
+def counted_alike(law, ring, points, at):
+    """Whether all that a law counts, readings apart, is the same in ``ring`` and from ``points[at:]`` on."""
+    if law is None:
+        return True
+    for j in range(len(ring)):
+        law.beside[j] = points[at + j] if j < law.rows else ring[j]
+    return same_count(ring, law.beside, law)
+
+
+def certify_again(law, period, known, body, wall):
+    """Prove the orbit through ``known.z`` with what ``known.ring`` remembers: ``(status, margin, bound, room)``.
+
+    Both are moved to the orbit. Without a law that proof was the first, and is not done again.
+    """
+    if law is None:
+        return DIFFERENT, 0.0, 0.0, 0.0
+    status, margin, _, _, bound = certify_with_law(known.z, known.ring, period, body, wall, law, known.space)
+    if status == PROVEN or status == NOT_CAPTURED:
+        copy_to(known.z, known.space.orbit)
+        copy_to(known.ring, law.periodic)
+        return PROVEN, margin, bound, law.room[0]
+    return DIFFERENT, 0.0, 0.0, 0.0
 
 
 def settle_memory(law, x, level, before, ring, wall):

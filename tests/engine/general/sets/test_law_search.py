@@ -19,7 +19,7 @@ from hknob_cli.engine.general.sets.friction_room import can_rub, plane_of
 from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.outcome import Outcome, Reason
 from hknob_cli.specs.scene import SceneSpec
-from tests.controllers.laws import CONTROLLERS
+from tests.controllers.laws import EVERY
 from tests.engine.general.law_runs import states_with_law
 
 LONG = Patience(samples=10**9, seconds=300.0)
@@ -48,11 +48,60 @@ CASES: list[tuple[str, dict[str, Any]]] = [
     ("damping, differenced", RUBS | {"actuator": {"time_constant": 1e-3, "torque_limit": 4e-3}}),
     ("impulse, short", RUBS | {"actuator": {"time_constant": 1e-4}}),
 ]
+# What estimates: differences over samples, times between counts, lines, a tracking filter, Kalman's, low-passes.
+ESTIMATES: list[tuple[str, dict[str, Any]]] = [
+    ("velocity, windowed", RUBS | LATE),
+    ("velocity, filtered", RUBS),
+    ("velocity, filtered, cut off", {}),
+    ("speed, timed", LAGS),
+    ("speed, timed, filtered", RUBS | LATE),
+    ("speed, adaptive", RUBS),
+    ("speed, adaptive", LATE),
+    ("speed, adaptive, filtered", RUBS | LAGS),
+    ("speed, tracked", LATE),
+    ("speed and angle, tracked", {}),
+    ("speed and angle, tracked", RUBS | {"actuator": {"torque_limit": 4e-3}}),
+    ("speed, Kalman", RUBS),
+    ("speed, Kalman", {"actuator": {"time_constant": 2e-4, "torque_step": 2e-4}}),
+    ("angle, filtered", {"actuator": {"dead_band": 6e-4}}),
+    ("speed and angle, filtered", RUBS),
+    ("speed and angle, filtered", {"encoder": {"rounding": "nearest", "offset_counts": 0.3}}),
+    ("phase, Kalman", RUBS),
+    ("phase, Kalman", {"actuator": {"delay_samples": 0.4}}),
+]
+# Gains beyond what is stable, against limits, dead bands and steps.
+HOSTILE: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+    "timed, ten times too much": (
+        {"velocity": "timed", "damping": 3e-3, "time_out": 0.02, "detections": 3},
+        {"actuator": {"torque_limit": 3e-3}},
+    ),
+    "adaptive, drives": (
+        {"velocity": "adaptive", "damping": -1.5e-4, "window": 6},
+        RUBS | {"actuator": {"delay_samples": 1.0, "torque_limit": 4e-3}},
+    ),
+    "tracked, everywhere, dead band": (
+        {"velocity": "tracking", "damping": 2e-3, "bandwidth": 220.0, "everywhere": True, "angle": "filtered"},
+        RUBS | {"actuator": {"delay_samples": 1.0, "dead_band": 5e-4, "torque_limit": 5e-3}},
+    ),
+    "Kalman, steps, cut off": (
+        {"velocity": "kalman", "damping": 1e-3, "acceleration": 3000.0, "cut_off": 1.5},
+        {"actuator": {"delay_samples": 0.4, "torque_step": 5e-4, "torque_limit": 6e-3}},
+    ),
+    "filtered, late, dead band": (
+        {"damping": 1e-3, "low_pass": 0.01, "angle": "filtered", "cut_off": 2.0},
+        RUBS | {"actuator": {"delay_samples": 2.0, "dead_band": 4e-4, "torque_limit": 4e-3}},
+    ),
+}
 
 
 def cell(name: str, rate: float = 464.2, counts: int = 256, **parts: Any) -> tuple[LawKnob, Law, int]:
     """A cell under a controller, its law in lists, and how much is remembered."""
-    plain = SceneSpec.model_validate({**SCENE, **parts, "controller": CONTROLLERS[name]}).plain()
+    return cell_of(EVERY[name], rate, counts, **parts)
+
+
+def cell_of(controller: dict[str, Any], rate: float, counts: int, **parts: Any) -> tuple[LawKnob, Law, int]:
+    """The same of a controller as a spec has it."""
+    plain = SceneSpec.model_validate({**SCENE, **parts, "controller": controller}).plain()
     made = make_law(plain, sample_rate_hz=rate, counts_per_rev=counts)
     engine = LawEngine(made.law, patience=LONG)
     return made, engine.law, engine.past_length
@@ -82,10 +131,8 @@ def on_list(found: tuple[Attractor, ...], made: LawKnob, law: Law, z: list[float
     return numbers
 
 
-@pytest.mark.parametrize(("name", "parts"), CASES)
-def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
-    """No trial of 24 ends elsewhere, and shares agree as far as so many can tell."""
-    made, law, length = cell(name, **parts)
+def follow_trials(made: LawKnob, law: Law, length: int, trials: int) -> None:
+    """Find all phases, whose list must be complete; no trial ends elsewhere, and shares agree as so many can tell."""
     found = search(made, law, length)
     assert found is not None
     assert found.complete
@@ -93,19 +140,36 @@ def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
     assert all(one.certified for one in found.attractors)
     assert sum(one.trials for one in found.attractors) == pytest.approx(1.0, abs=1e-6)
     knob, counted = made.knob, [0] * len(found.attractors)
-    for trial in range(24):
-        z = first_state(made, (trial + 0.5) / 24)
+    for trial in range(trials):
+        z = first_state(made, (trial + 0.5) / trials)
         past = [0.0] * length
         begin_past(past, read(z[0], knob.wall), law)
         states_with_law(made.knob, law, z, past, int(45.0 / made.rate) + 200)
         (number,) = on_list(found.attractors, made, law, z)
         counted[number] += 1
     for one, count in zip(found.attractors, counted, strict=True):
-        assert abs(one.trials - count / 24) < 6 / 24
+        assert abs(one.trials - count / trials) < 6 / 24
+
+
+@pytest.mark.parametrize(("name", "parts"), CASES + ESTIMATES)
+def test_phases_end_where_trials_end(name: str, parts: dict[str, Any]) -> None:
+    """Of 24 trials, each on an orbit or in a rest that is listed."""
+    follow_trials(*cell(name, **parts), trials=24)
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_phases_end_where_trials_end_however_hostile_the_gains(name: str) -> None:
+    """Of 24 trials."""
+    controller, parts = HOSTILE[name]
+    made = cell_of({"kind": "velocity_damping", **controller}, 464.2, 256, **parts)
+    follow_trials(*made, trials=24)
 
 
 def test_what_is_not_followed() -> None:
-    """What reads a velocity sensor; and without a hand's spring."""
+    """What reads a velocity sensor; a filter that no norm is known for; and without a hand's spring."""
+    made, law, length = cell("speed, tracked", rate=215.0)  # its bandwidth is half the sample rate
+    assert not law.provable
+    assert search(made, law, length) is None
     made, law, length = cell("half sample, sensor")
     assert not can_rub(made.knob.body, made.knob.wall, law)
     assert search(made, law, length) is None

@@ -9,15 +9,18 @@ import pytest
 from hknob_cli.engine.follow import CYCLE_PROVEN
 from hknob_cli.engine.general.controller import Controller, read
 from hknob_cli.engine.general.follow import FIELDS
-from hknob_cli.engine.general.laws.cascade import torques_apart
+from hknob_cli.engine.general.laws.cascade import faded, same_count, torques_apart
+from hknob_cli.engine.general.laws.step import begin_past, decide
 from hknob_cli.engine.general.sets import known, memory
 from hknob_cli.engine.general.sets.friction_rest import resting_piece
 from hknob_cli.engine.general.sets.law_search import LawSetEngine
 from hknob_cli.engine.general.sets.piece import largest_norm
 from hknob_cli.engine.general.sets.readings import acting
+from tests.controllers.laws import EVERY
+from tests.engine.general.law_runs import states_with_law
 from tests.engine.sets.test_polygon import states_of
 
-from .test_law_search import LONG, RUBS, cell, run
+from .test_law_search import LATE, LONG, RUBS, cell
 
 WALL = Controller(1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)
 
@@ -82,6 +85,81 @@ def test_a_set_is_captured_below_the_margin_less_what_its_memory_pushes(parts: d
         late[law.line + law.parts] += 0.5 * margin / body.reach
         assert known.captor(z, 0.0, late, 0, 0.49 * margin / body.reach, ends, body, wall) == 0
         assert known.captor(z, 0.0, late, 0, 0.51 * margin / body.reach, ends, body, wall) == -1
+
+
+COUNTING = [name for name, given in EVERY.items() if given.get("velocity") != "sensor"]
+
+
+@pytest.mark.parametrize("name", COUNTING)
+def test_what_is_remembered_follows_from_the_readings(name: str) -> None:
+    """Bit for bit, whatever the speed: all states of a set, which had the same readings, remember the same."""
+    made, law, length = cell(name, **RUBS)
+    chance = np.random.default_rng(4)
+    one, other = [0.0] * length, [0.0] * length
+    begin_past(one, 3.0, law)
+    begin_past(other, 3.0, law)
+    for _ in range(400):
+        shown = float(chance.integers(-9, 4))
+        for look in range(law.looks):
+            one[law.rows + 1 + look] = other[law.rows + 1 + look] = float(chance.integers(-9, 4))
+        guards = decide(shown, 0.0, one, made.knob.wall, law), decide(shown, inf, other, made.knob.wall, law)
+        assert guards[0] == guards[1]
+        assert one == other
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in COUNTING if EVERY[name]["kind"] == "velocity_damping" and "detections" not in EVERY[name]]
+)
+def test_an_estimate_forgets_what_was_before(name: str) -> None:
+    """After thirteen readings two motions count the same to the last bit; after a hundred more what fades has faded."""
+    made, law, length = cell(name)
+    chance = np.random.default_rng(5)
+    pasts = [[0.0] * length, [0.0] * length]
+    for past, first in zip(pasts, (3.0, -8.0), strict=True):
+        begin_past(past, first, law)
+        for _ in range(50):
+            decide(float(chance.integers(-9, 4)), 0.0, past, made.knob.wall, law)
+    assert not same_count(*pasts, law)
+    before = 0.0
+    for sample in range(113):
+        if sample == 13:  # the longest window is of twelve samples
+            assert same_count(*pasts, law)
+            before = faded(*pasts, law)
+        shown = float(chance.integers(-9, 4))
+        for past in pasts:
+            decide(shown, 0.0, past, made.knob.wall, law)
+    assert same_count(*pasts, law)
+    rounding = 100.0 * 2.0**-52 * 20.0 / (1.0 - law.fade)
+    assert faded(*pasts, law) <= law.fade**100 * before + rounding
+
+
+def test_an_average_that_stays_a_unit_in_the_last_place_away_is_proven_too() -> None:
+    """A Kalman filter's: of the times that it averages the two come to different numbers, for ever."""
+    made, law, ends, _, z, past = settled("phase, Kalman", **LATE)
+    body, wall, entered = made.knob.body, made.knob.wall, ends.counts[1]
+    period = int(ends.table[1])
+    for row in (3, 4):
+        for to in (-inf, inf):
+            other = list(past)
+            other[row] = nextafter(other[row], to)
+            ring = list(other)
+            states_with_law(made.knob, law, list(z), ring, period)
+            if ring[3:7] == other[3:7] and other[3:7] != past[3:7]:
+                break
+        else:
+            continue
+        break
+    else:
+        pytest.fail("no other average stays")
+    margin, bound = ends.table[2], ends.table[5]
+    assert known.captor(z, 0.0, other, 0, 0.0, ends, body, wall) == -1
+    for _ in range(2):
+        assert known.seek(z, 0.0, other, 0, 100_000, 1e9, ends, body, wall)[0] == 0
+        assert (ends.counts[0], ends.counts[1]) == (1.0, 2.0 * entered)
+        assert known.captor(z, 0.0, other, 0, 0.0, ends, body, wall) == 0
+        assert known.captor(z, 0.0, past, 0, 0.0, ends, body, wall) == 0
+    assert ends.table[2] <= margin
+    assert ends.table[5] >= bound
 
 
 def test_a_guard_must_clear_what_fades() -> None:
@@ -150,7 +228,7 @@ def test_what_is_said_to_rest_under_a_law_rests_in_that_reading(seed: int, frict
             continue
         captured += 1
         for dx, dv in states_of(corners, 4, seed):
-            states = run(made, law, [x + dx, v + dv], list(past), 800)
+            states = states_with_law(made.knob, law, [x + dx, v + dv], list(past), 800)
             assert {read(float(one), wall) for one in states[:, 0]} == {level}
             assert abs(states[-1, 1]) < 1e-6
             if friction == 0.0:
