@@ -32,6 +32,7 @@ PAIR = [0.5, 0.25, -0.25, 0.5, 1.0, 0.5, -0.25, 2.0, 3.0]
 
 def law_of(**more: Any) -> Any:
     one = {
+        "unit": 1.0,
         "provable": True, "senses": False, "line": LINE, "parts": PARTS, "ages": AGES, "pieces": 2, "fading": -1,
         "fade": 0.0, "weight": 0.0, "coarse": 2.0, "guarded": False, "anchor": -1, "drifts": -1, "pair": [],
         "watch": WALL, "room": [7.0], "beside": [7.0] * len(PAST), "periodic": [7.0] * len(PAST), "sched": [],
@@ -151,8 +152,8 @@ def wrong_of(stage: Stage, law: Any, wall: Any = WALL, period: int = 4) -> tuple
         if len(law.pair):
             size, swell = size + abs(law.periodic[FADES + 1]), law.pair[8]
         worn = abs(stage.missed or 0.0) / (1.0 - law.fade**period)
-        worn += 16.0 * UNIT * (size + stage.strength / wall.kappa + stage.reach) * swell / (1.0 - law.fade)
-    terms = law.coarse * (stage.strength + wall.kappa * (1.0 + stage.reach))
+        worn += 16.0 * UNIT * (size + stage.strength / law.unit + stage.reach) * swell / (1.0 - law.fade)
+    terms = law.coarse * (stage.strength + law.unit * (1.0 + stage.reach))
     wrong = law.weight * worn + max(abs(x) for x in stage.late[PARTS:]) + 16.0 * UNIT * terms
     if law.anchor >= 0 and stage.anchored:
         wrong += 16.0 * UNIT * terms * period**2 * (1.0 + stage.pace)
@@ -200,7 +201,7 @@ BODIES = {
 @pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("form", BODIES)
 def test_the_bound_is_of_every_error_through_the_inverse(form: str, name: str, period: int) -> None:
-    one, law, wall = BODIES[form], LAWS[name], WALL._replace(kappa=0.25)
+    one, law, wall = BODIES[form], SimpleNamespace(**(vars(LAWS[name]) | {"unit": 0.25})), WALL
     n = one.order
     numbers = np.random.default_rng(n)
     matrix = QUICK if n == 2 else 0.3 * numbers.normal(size=(n, n))
@@ -432,7 +433,7 @@ def test_a_sum_must_come_back_or_sink() -> None:
 def test_the_room_of_a_sum_is_what_it_may_rise_by() -> None:
     law = law_of(drifts=SUM)
     prove(Stage(anchored=False, sinks=0.5, guard=3.0), law)
-    settled, spare = proof.drift_of(3.0, 5.0, 0.5, 4, WALL, law)
+    settled, spare = proof.drift_of(3.0, 5.0, 0.5, 4, law)
     assert settled
     assert law.room == [spare]
     for above, status in ((0.999, PROVEN), (1.001, NOT_CAPTURED)):
@@ -446,25 +447,24 @@ def test_the_room_of_a_sum_is_what_it_may_rise_by() -> None:
 @pytest.mark.parametrize("signs", list(product((1.0, -1.0), repeat=2)))
 def test_a_sum_sinks_by_more_than_its_roundings(signs: tuple[float, float]) -> None:
     """16 of them a sample, of 1, of what it was and is, and of torques times ways; and SURE of that is left free."""
-    law = law_of(drifts=SUM)
+    law = law_of(drifts=SUM, unit=0.5)
     before, after = sorted((signs[0] * 3.0, signs[1] * 2.0), reverse=True)
     size = 1.0 + 5.0 + 6.0 / 0.5 * 0.25
-    wall = WALL._replace(kappa=0.5)
     for unit, sinks in (((before - after) / (16.0 * 7 * size), False), ((before - after) / (16.1 * 7 * size), True)):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(proof, "EPSILON", unit)
             patch.setattr(proof, "SURE", 2.0**-4)
             law.periodic[SUM], law.beside[SUM] = before, after
             for guard in (size / 16.0, nextafter(size / 16.0, inf), 2.0):
-                found, spare = proof.drift_of(guard, 6.0, 0.25, 7, wall, law)
+                found, spare = proof.drift_of(guard, 6.0, 0.25, 7, law)
                 assert spare == guard - size / 16.0
                 assert found is (sinks and spare > 0.0)
             law.periodic[SUM], law.beside[SUM] = after, before
-            assert not proof.drift_of(2.0, 6.0, 0.25, 7, wall, law)[0]
-    assert proof.drift_of(2.0, 6.0, 0.25, 7, wall, law_of()) == (False, -inf)
+            assert not proof.drift_of(2.0, 6.0, 0.25, 7, law)[0]
+    assert proof.drift_of(2.0, 6.0, 0.25, 7, law_of()) == (False, -inf)
     first = law_of(drifts=0)
     first.periodic[0], first.beside[0] = 2.0, 1.0
-    assert proof.drift_of(2.0, 6.0, 0.25, 7, wall, first)[0]
+    assert proof.drift_of(2.0, 6.0, 0.25, 7, first)[0]
 
 
 # What is captured.

@@ -241,7 +241,8 @@ def test_torques_of_an_interval_must_be_one() -> None:
                 return 0.375
 
             law = SimpleNamespace(
-                act=act, fixed=[], rows=2, line=3, parts=2, ages=ages, fading=-1, fade=0.0, weight=0.0,
+                act=act, cuts=False, unit=1.0,
+                fixed=[], rows=2, line=3, parts=2, ages=ages, fading=-1, fade=0.0, weight=0.0,
                 pair=[], drifts=-1, senses=False, out=[0.0, 0.0], periodic=[0.0] * (3 + 2 * ages),
             )  # fmt: skip
             past = [5.0, 6.0, -1.0, *[0.5, 0.5] * ages]

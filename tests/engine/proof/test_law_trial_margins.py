@@ -47,6 +47,7 @@ OUTSIDE = WALL._replace(damping=1.0)  # readings outside matter
 def law_of(**more: Any) -> Any:
     """Memory of two numbers, of which the second fades by a half; two torques under way of one part each."""
     one = {
+        "unit": 1.0,
         "provable": True, "unproven": CYCLE_NOT_AFFINE, "watch": WALL, "fading": -1, "fade": 0.0, "weight": 0.0,
         "pair": [], "drifts": -1, "senses": False, "line": 1, "parts": 1, "ages": 1,
         "guarded": False, "beside": [0.0] * 9,

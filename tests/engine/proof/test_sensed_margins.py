@@ -36,6 +36,7 @@ PLACE = (-2.5, 0.25, 0.75, -1.25)
 
 def law_of(m: int = 4, **more: Any) -> Any:
     one = {
+        "unit": 1.0,
         "line": LINE, "parts": 1, "ages": AGES, "pieces": 2, "coarse": 2.0, "fading": -1, "drifts": -1, "pair": [],
         "watch": WALL, "out": [7.0, 7.0], "beside": [7.0] * len(PAST), "periodic": [7.0] * len(PAST),
         "affine": [7.0] * ((m + 1) * m), "slopes": [7.0] * sensed.BLOCK, "noise": [7.0] * (3 * m), "sched": [],
@@ -375,10 +376,10 @@ def of_order(n: int, ages: int = AGES) -> tuple[Stage, Any]:
 @pytest.mark.parametrize("name", BODIES)
 def test_an_interval_rounds_its_torque_and_every_entry_of_the_state(name: str) -> None:
     """In full: a torque by its size, the depth and all springs; places by reach and pace, speeds by twice the pace."""
-    one, wall = BODIES[name], WALL._replace(kappa=0.25)
+    one, wall = BODIES[name], WALL
     for reach, pace, strength, coarse, pieces in ((3.0, 0.5, 5.0, 2.0, 2), (0.25, 1.5, 0.5, 64.0, 3)):
         stage, law = of_order(one.order)
-        law.coarse, law.pieces = coarse, pieces
+        law.coarse, law.pieces, law.unit = coarse, pieces, 0.25
         prove(stage._replace(reach=reach, pace=pace, strength=strength), law, one=one, wall=wall)
         pull = abs(one.drive) + (one.beta + one.pad_stiffness) * reach
         wrong = 16.0 * UNIT * (coarse * (strength + 0.25 * (1.0 + reach + pace)) + pull)
