@@ -167,8 +167,9 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
 
 
 # What sets are followed with.
-BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag", "detents", "dead_zone")
+BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag", "detents")
 FEW_STARTS = [(part, "phases") for part in BESIDE]
+FEW_STARTS += [(part, "phases") for part in ("profile", "end_stops", "dead_zone")]
 FEW_STARTS += [("finger", starts) for starts in ("phases", "one", "ranges")]
 
 
