@@ -10,7 +10,7 @@ class Plant(NamedTuple):
     """What a controller may know of a cell, dimensionless as in `engine.propagator`: counts and sample periods.
 
     ``alpha``, ``beta``, ``kappa``: damping, hand and wall stiffness; ``offset`` of the encoder, counts; ``period_s``;
-    ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad; ``walled``: False where there is none, and
+    ``quantum_rad`` of a count; ``stiffness`` of the wall, N·m/rad. ``walled``: whether there is a wall. Without one
     ``kappa`` and ``stiffness`` are those of a unit of torque.
     """
 

@@ -163,7 +163,7 @@ def _nearest(rows: Rows, at: Row) -> Rows:
 
 
 def _two_axes(result: Result, rows: Rows, axes: list[str], across: str | None, down: str | None) -> tuple[str, str]:
-    """The axes across and down: those asked for, else the first that vary, else the first; empty where there is none.
+    """The axes across and down: those asked for, else the first that vary, else the first; none without an axis.
 
     Raises `MissingError` for a design, and where a third axis varies.
     """

@@ -28,7 +28,7 @@ class Squeeze(NamedTuple):
     rising; ``overshoot``: share; ``reaction_s`` before the squeeze, and from the first sample of the pulse to letting
     go, with the time constant ``relax_s``; ``strength_n``: the firmest grip; ``sines`` of shares. ``hands``: rows of
     grip (N), inertia, damping and stiffness of knob and hand, rising, between which the hand at the pulse lies.
-    ``sensors``: rms noise of a torque sensor (N·m) and of an accelerometer (rad/s²), None where there is none; and
+    ``sensors``: rms noise of a torque sensor (N·m) and of an accelerometer (rad/s²), None without one; and
     whether the torque sensor carries the motor, and so does not read what friction takes.
     """
 

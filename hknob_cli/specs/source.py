@@ -133,10 +133,7 @@ def read(path: Path) -> Source:
             data = given(limit.bytes)
         elif path.is_dir():
             raise UsageError(f"{path}: is a folder, where a YAML file is wanted")
-        elif path.is_fifo() and path.parts[1:2] not in (
-            ("dev",),
-            ("proc",),
-        ):  # it would be waited for, perhaps for ever
+        elif path.is_fifo() and path.parts[1:2] not in (("dev",), ("proc",)):  # one might wait for it forever
             raise UsageError(f"{path}: is a pipe, where a YAML file is wanted")
         else:
             with path.open("rb") as stream:

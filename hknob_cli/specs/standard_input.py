@@ -21,7 +21,7 @@ def named(path: Path | None) -> Path | None:
 
 def all_named(paths: list[Path]) -> list[Path]:
     """The files that a command names."""
-    return [Path(STDIN) if str(path) == "-" else path for path in paths]
+    return [named(path) or path for path in paths]
 
 
 def is_stdin(path: Path) -> bool:

@@ -42,8 +42,8 @@ COLUMNS = (
         "readings",
         pa.list_(READING),
         "",
-        "every reading tried: name, computed value (null where there is none), verdict, why it is missing, and why the "
-        "print excludes it (null where it does not); empty where the claim has one reading only",
+        "every reading tried: name, computed value (null if none), verdict, why it is missing, why the print excludes "
+        "it (null if it does not). Empty if the claim has one reading only",
     ),
     Column("finding", _TEXT, "", "what is known beside the number"),
     Column("check", _TEXT, "", "computation that checks it"),
