@@ -59,11 +59,13 @@ def find_extrema(x, v, drive, count, parts, kinds, alpha, beta, reference):
         span = parts[base + LENGTH]
         base = other - base
         odd = 1 if following != going else 0
-        if odd == 1 or spacing < span:
+        # One that stays where it is does not ring.
+        apart = float("inf") if direction(x[i], v[i], drive[i], beta) == 0 else spacing
+        if odd == 1 or apart < span:
             y = drive[i] - beta * x[i]
             at = first_zero(v[i], y, alpha, beta)
             up = going > 0
-            for turn in range(turns_within(at, span, spacing, odd)):
+            for turn in range(turns_within(at, span, apart, odd)):
                 # Not ``turn * spacing`` alone: an infinite spacing times 0 is no number.
                 t = min(at + turn * spacing, span) if turn > 0 else min(at, span)
                 s, g, _ = hold_coefficients(alpha, beta, t)

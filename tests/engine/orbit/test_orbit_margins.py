@@ -250,6 +250,22 @@ def test_a_knob_that_stands_still_goes_on_as_before() -> None:
     assert extremes([3.0] * 3, [0.0] * 3, [1.5] * 2, beta=0.5) == (0, 0.0, -inf, 0, 0.0, inf)
 
 
+def test_a_knob_that_stands_still_does_not_ring() -> None:
+    """However long the hold is: its only turn there is where it comes to rest and goes back."""
+    beta = (3.0 * pi) ** 2  # three turns in a hold
+    for x in (0.0, 3.0):
+        assert extremes([x] * 3, [0.0] * 3, [beta * x] * 2, beta=beta) == (0, 0.0, -inf, 0, 0.0, inf)
+    top = 2.0 / beta
+    # Up and to rest at the top in a hold, a hold there, down as it came, a hold at 0.
+    x, drive = [0.0, top, top, 0.0], [1.0, beta * top, 1.0, 0.0]
+    for first in range(4):
+        turned, push = x[first:] + x[:first], drive[first:] + drive[:first]
+        found = extremes([*turned, turned[0]], [0.0] * 5, push, beta=beta)
+        assert found[::3] == (3, 3)
+        assert (found[1], found[2]) == pytest.approx((3.0 * top, top), rel=1e-12)
+        assert (found[4], found[5]) == pytest.approx((0.0, 0.0), abs=1e-15)
+
+
 def test_a_knob_that_turns_too_often_is_not_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     """By turns of the whole period, of one kind of holds or of two."""
     beta = (4.0 * pi) ** 2
