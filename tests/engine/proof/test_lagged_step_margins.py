@@ -5,7 +5,7 @@ off by at first.
 """
 
 import random
-from itertools import product
+from itertools import permutations, product
 from math import inf, nextafter, sqrt
 from types import SimpleNamespace
 from typing import Any
@@ -28,7 +28,6 @@ from hknob_cli.engine.general.sets.friction_step import (
 from hknob_cli.engine.general.sets.lagged_step import (
     COARSE,
     LATER,
-    STEADY,
     depth_at,
     move_lagged,
     slides_all_along,
@@ -191,20 +190,20 @@ class Stops:
 
     def __init__(
         self, *states: State, torque: tuple[float, float] = FALLS, slack: float = 0.0, drive: float = 0.5,
-        centre: State = (1.0, 0.5), part: list[float] = PART,
+        centre: State = (1.0, 0.5), part: list[float] = PART, friction: float = FRICTION,
     ) -> None:  # fmt: skip
         a, u = torque
         to_a, self.drive, self.centre = u + (a - u) * LEFT, drive, centre
         self.free, self.late = u + drive, part[5] * (a - u)
-        self.low = min(a, to_a) + drive - FRICTION
+        self.low = min(a, to_a) + drive - friction
         found = []
         for way in (1.0, -1.0):
             jac, line = list(NONE), [9.0, 9.0, 9.0]
             x, v = way * centre[0], way * centre[1]
             corners = [value for y, pv in states for value in (way * (self.low - y) / BETA - x, way * pv - v)]
             smooth, spread, later = take_in_stops(
-                way, x, v, way * a, way * to_a, way * u, part, slack, corners, len(states), pushed(way * drive), jac,
-                line,
+                way, x, v, way * a, way * to_a, way * u, part, slack, corners, len(states),
+                pushed(way * drive, friction), jac, line,
             )  # fmt: skip
             if line[1:] != [0.0, 0.0]:  # else it halves the set's width, in both
                 line = [way * line[0], way * line[1], line[2]]
@@ -289,7 +288,7 @@ def test_what_stops_and_is_held() -> None:
         assert found.spread == pytest.approx(last - first)
         assert found.is_cut_at(0.5 * (first + last))
     # One that the greatest torque would just bring to the end may stop until then.
-    for pv, last in ((1.25, T), (1.25 - 2.0**-8, stop(-1.25, 1.25 - 2.0**-8))):
+    for pv, last in ((1.25, T), (1.25 - 2.0**-8, stop(-1.25, 1.25 - 2.0**-8)), (1.3125, T)):
         found = Stops((-1.5, pv))
         assert found.jac == near(stuck(stop(-1.5, pv), last))
     # So may one that stands, where it leaves.
@@ -330,6 +329,51 @@ def test_what_stops_and_turns_round() -> None:
     back = -4.0 + CHANGE + FRICTION + BETA * (T + T * T * (-FRICTION - least))
     assert back < -FRICTION
     assert found.jac == near(turned(0.125, stop(-3.75, 1.0), jump(least), jump(back)))
+
+
+def test_a_pull_of_just_friction_turns_nothing_round() -> None:
+    """Not surely. And of one that holds it, all of a difference in speed goes."""
+    at = (-17.0 * 1.125 / 8.0, 0.875)
+    least, _, back = pulls(*at)
+    assert back == -FRICTION
+    assert Stops(at).jac == pytest.approx(any_of(stop(*at), stop(at[0] + CHANGE, at[1]), 1.0 - jump(least)), rel=1e-14)
+    below = (at[0] - 2.0**-20, at[1])
+    least, _, back = pulls(*below)
+    assert Stops(below).jac == near(turned(stop(*below), stop(below[0] + CHANGE, below[1]), jump(least), jump(back)))
+
+
+def test_jumps_are_of_friction_as_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 2: a pull of -6 turns a state by less than one of -3."""
+    y, pv, friction = -6.0, 0.5, 2.0
+    found = Stops((y, pv), friction=friction)
+    first, last = stop(y, pv), stop(y + CHANGE, pv)
+    least, most = y + friction - BETA * T * pv, y + CHANGE + friction
+    back = most + BETA * (T * pv + T * T * (-friction - least))
+    jumps = [2.0 * friction / (friction - pull) for pull in (least, back)]
+    assert found.jac == near(turned(first, last, *jumps))
+    for steady, later in ((CHANGE / friction, False), (nextafter(CHANGE / friction, 0.0), True)):
+        monkeypatch.setattr(lagged_step, "STEADY", steady)
+        assert Stops((y, pv), friction=friction).later == later
+
+
+def test_what_is_left_with_the_jumps_of_rates() -> None:
+    """Where some may turn round and some are held, the spring moves the former on, too."""
+    for y, pv, both in ((-2.0, 0.5, True), (-2.25, 0.5, True), (-1.9375, 0.5, False), (-1.5, 0.5, False)):
+        least, most, back = pulls(y, pv)
+        assert back >= -FRICTION
+        assert both == (least < -FRICTION <= most)
+        small = jump(min(least, -FRICTION))
+        times, jumps = stop(y + CHANGE, pv) - stop(y, pv), (1.0 - small + (BETA if both else 0.0)) * T
+        assert Stops((y, pv)).spread == pytest.approx(max(times, jumps), rel=1e-14)
+        assert (jumps > times) == both
+
+
+def test_the_line_is_told_from_any_centre() -> None:
+    for centre in ((3.0, 0.5), (-2.0, 1.5), (0.5, -0.25)):
+        for states, at in ((((-1.5, 0.5), (-1.5, 0.75)), None), (((-2.0, 0.5), (3.0, 1.0)), T)):
+            found = Stops(*states, centre=centre)
+            first, last = min(stop(y, pv) for y, pv in states), max(stop(y + CHANGE, pv) for y, pv in states)
+            assert found.is_cut_at(0.5 * (first + last) if at is None else at)
 
 
 def test_what_may_do_anything() -> None:
@@ -425,6 +469,20 @@ def test_some_slide_while_others_stop() -> None:
     assert found.is_cut_at(T)
 
 
+def test_one_that_just_slides_hides_none_that_does() -> None:
+    """Nor one that stops at the end, in any order. One just as fast as a rounding is none of all times."""
+    slack, stops = 2.0**-6, (-1.5, 0.5)
+    slides, fast, slow = (1.0, 1.0), (-1.125, 1.0), (-0.125 - slack, slack)
+    for states in permutations((slides, fast, stops)):
+        found = Stops(*states, slack=slack)
+        assert (found.jac, found.smooth, found.later) == (union(any_of(0.25, T, 0.0), slid()), False, False)
+    for states in permutations((fast, slow, stops)):
+        found = Stops(*states, slack=slack)
+        assert (found.jac, found.smooth, found.later) == (any_of(0.25, T, 0.0), True, True)
+    found = Stops(slow, stops, slack=slack)
+    assert found.jac == any_of(0.25, stop(-1.25, 0.5), 0.0)
+
+
 def test_a_set_through_a_speed_of_0_has_stops_at_once() -> None:
     stops, back = (-1.5, 0.5), (-1.5, -0.5)
     found = Stops(stops, back)
@@ -439,6 +497,18 @@ def test_a_set_through_a_speed_of_0_has_stops_at_once() -> None:
     found = Stops((-9.0, 1.0), (-9.0, -1.0))
     assert not found.smooth
     assert found.is_cut_at(0.0)
+    # So it is where the jumps of rates are more than the times.
+    found = Stops((-9.0, 2.0**-6), (-3.0, -1.0))
+    assert found.spread > stop(-9.0 + CHANGE, 2.0**-6)
+    assert found.is_cut_at(0.0)
+    # What stands where friction does not hold it may go on: then there are stops until the end.
+    found = Stops(stops, (1.0, -0.5))
+    least, _, _ = pulls(-1.5, 0.5, 1.0 + CHANGE)
+    assert found.jac == union(any_of(0.0, T, 1.0 - jump(min(least, -FRICTION))), slid())
+    # One that slides by its speed alone does so, whatever the others would.
+    found = Stops((-1.0, 4.0), back)
+    assert not found.smooth
+    assert (found.jac[5], found.jac[7]) == (0.0, F)
     found = Stops((-2.0, 0.0), (-2.0, -1.0))
     assert (found.jac, found.smooth) == (near(stuck(0.0, 0.0)), True)
     found = Stops(back)
@@ -467,7 +537,16 @@ def test_half_the_time_tells_more_where_the_torque_changes_by_much(monkeypatch: 
     # A quarter apart: one that stands, and one that stops then, is not.
     for pv, later in ((0.5 - 2.0**-6, True), (0.5, False), (0.5 + 2.0**-6, False)):
         assert Stops((-1.625, 0.0), (-1.625, pv)).later == later
-    assert (STEADY, COARSE) == (0.05, 4.0)
+    # One that would not stop under the middle of the torques does so at the end, at the latest.
+    for pv, later in ((0.75, True), (0.7, False)):
+        states = (-1.0625, 1.0), (-2.25, pv)
+        assert stop(-1.0625 + 0.5 * CHANGE, 1.0) == T
+        found = Stops(*states, torque=RISES)
+        assert found.later == later == (about(*states) < 0.5 * T)
+
+
+def test_what_is_a_choice() -> None:
+    assert (lagged_step.STEADY, lagged_step.COARSE) == (0.05, 4.0)
 
 
 # A set over a part of a hold.
@@ -545,6 +624,18 @@ def test_what_slides_one_way_moves_as_one(monkeypatch: pytest.MonkeyPatch) -> No
             count = widen(wider, 4, 0.5 * 0.0625, 0.0625, zeros(200)) if apart else 4
             assert corners == wider[: 2 * count]
     assert one.asked == []
+
+
+def test_what_is_not_widened_keeps_its_corners_in_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = Sides(monkeypatch)
+    turned = [*SQUARE[4:], *SQUARE[:4]]
+    expected = list(turned)
+    slide_corners(expected, 4, S, G, F, BETA)
+    assert moved(1.0, 8.0, turned)[1] == expected
+    _, corners, _ = moved(1.0, 0.125, turned)
+    assert len(one.asked) == 2
+    middle = [value for k in range(4) for value in (0.5 * turned[2 * k], 0.25 * turned[2 * k + 1])]
+    assert corners == middle
 
 
 def fate(x: float, v: float, corners: list[float], **given: Any) -> int:
@@ -713,6 +804,13 @@ def test_a_set_is_cut_unless_its_enclosure_is_narrow(monkeypatch: pytest.MonkeyP
                     one = Sides(monkeypatch, (up, 0.0, False), (down, 0.0, False))
                     one.excess = (0.0, 0.0, wider, grown)
                     assert (fate(1.0, 0.125, square, least=least) == CUT) == (cut and not small)
+
+
+def test_a_set_as_wide_as_coarse_is_not_coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    for radius, cut in ((COARSE, True), (nextafter(COARSE, inf), False)):
+        one = Sides(monkeypatch, (False, 0.0, False))
+        one.excess = (0.0, 0.0, inf, GROWN * radius)
+        assert (fate(9.0, 0.125, [-radius, 0.0, radius, 0.0]) == CUT) == cut
 
 
 def test_an_enclosure_is_about_the_motion_of_its_centre(monkeypatch: pytest.MonkeyPatch) -> None:

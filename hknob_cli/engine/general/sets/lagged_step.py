@@ -79,6 +79,7 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
     """
     beta, friction, span = body.beta, body.friction, part[SPAN]
     s, g, f = part[S], part[G], part[F]
+    mid_x, mid_v = sign * x, sign * v
     low_a, high_a = min(sign * a, sign * to_a), max(sign * a, sign * to_a)
     rises = sign * to_a > sign * a
     drive, late = sign * body.drive, part[LATE_V] * (sign * (a - u))
@@ -102,11 +103,11 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
         stops = True
         if rises and f * pv + s * high >= -slack:
             slides, sure = True, False  # it may stop, or not, or stop and go on
-        first = min(first, min(first_zero(pv, low, body.alpha, beta), span) if pv > 0.0 else 0.0)
-        if f * pv + s * high >= 0.0:
-            last = span
-        elif pv > 0.0:
+        first = min(first, first_zero(pv, low, body.alpha, beta) if pv > 0.0 else 0.0)
+        if pv > 0.0:
             last = max(last, min(first_zero(pv, high, body.alpha, beta), span))
+        elif high >= 0.0:
+            last = span
         about = min(first_zero(pv, 0.5 * (low + high), body.alpha, beta), span) if pv > 0.0 else 0.0
         sooner, latest = min(sooner, about), max(latest, about)
     if crosses:
@@ -123,18 +124,17 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
     # Pulls where they stop, and on the way back.
     way = span * (fastest + span * max(0.0, high_y))
     least, most = low_a + drive - beta * (high_x + way), high_a + drive - beta * low_x
-    way += span * span * max(0.0, -friction - least)
+    turning = min(least, -friction)
+    way += span * span * (-friction - turning)
     back = most + beta * way
-    small_jump, jump, unsure = 1.0, 1.0, False
-    if least < -friction:
-        small_jump = 2.0 * friction / (friction - least)
+    small_jump, jump, unsure = 2.0 * friction / (friction - turning), 1.0, False
     if sure and back < -friction:
         jump = 2.0 * friction / (friction - back)
         take_in_turn(s, g, f, first, last, span, small_jump, jump, body, jac)
     elif sure and least >= -friction and most <= friction:
         take_in_hold(sa, ga, sb, gb, beta, jac)
     else:
-        take_in_any(beta, span, sa, sb, ga, gb, fa, 1.0 - small_jump if least < -friction else 0.0, jac)
+        take_in_any(beta, span, sa, sb, ga, gb, fa, 1.0 - small_jump, jac)
         unsure = True
     # Halves of the time tell more of a set that stops in one of them. One that stops in both, or in part, is cut.
     later = (unsure or high_a - low_a > STEADY * friction) and latest - sooner < 0.5 * span and not (crosses or passes)
@@ -147,7 +147,7 @@ def take_in_stops(sign, x, v, a, to_a, u, part, slack, corners, count, body, jac
     if slides or crosses or times >= jumps:
         sm, _, fm = coefficients(at, body)
         line[0], line[1] = -sign * beta * sm, sign * fm
-        line[2] = -(fm * sign * v + sm * (sign * u + drive - friction - beta * sign * x) + late * at / span)
+        line[2] = -(fm * mid_v + sm * (sign * u + drive - friction - beta * mid_x) + late * at / span)
     else:
         line[0], line[1], line[2] = 1.0, 0.0, 0.0
     return not (slides or (crosses and least < -friction)), max(times, jumps), later
@@ -206,9 +206,7 @@ def move_lagged(x, v, a, apart, u, part, halve, corners, count, least, body, who
     if held and friction > 0.0:
         return HELD, x, v, to_a, count
     if up or down or friction == 0.0:
-        y = u + body.drive - beta * x
-        if friction > 0.0:
-            y -= friction if up else -friction
+        y = u + body.drive - beta * x - (friction if up else -friction)
         slide_corners(corners, count, s, g, f, beta)
         if apart > 0.0:
             added = apart * (1.0 - part[LEFT]) / whole.lag
