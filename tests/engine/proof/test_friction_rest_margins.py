@@ -88,17 +88,18 @@ class Entered:
 
 def held(
     low: float, high: float, zone: tuple[float, float], *, shift: float = 0.0, level: float = -2.0, reach: float = 0.0,
-    bottom: float = -inf, sense: float = 1.0,
+    bottom: float = -inf, sense: float = 1.0, blur: float = 0.0,
 ) -> list[tuple[float, float]] | int:  # fmt: skip
     """Places and readings of the rests that states from ``low`` to ``high`` stay at; the row where there are none."""
     given, wall = Entered(), wall_of(sense=sense)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", given)
         known: Any = SimpleNamespace(law=None)
-        row = held_rest(low, high, *zone, shift, level, reach, 7.0, [], known, drift_of(bottom=bottom), None, wall)
+        row = held_rest(
+            low, high, *zone, blur, shift, level, reach, 7.0, [], known, drift_of(bottom=bottom), None, wall
+        )
     assert all(u == 7.0 for _, _, u in given.at)
-    if not given.at:
-        assert row == UNKNOWN
+    if row == UNKNOWN:
         return int(row)
     assert row == len(given.at) - 1
     return [(x, shown) for x, shown, _ in given.at]
@@ -164,6 +165,50 @@ def test_one_state_beside_the_zone_rests_in_a_reading_that_is_entered(x: float) 
     assert read(z[0], wall) in readings
 
 
+def test_no_rest_is_entered_in_a_count_that_acts_otherwise() -> None:
+    """What stands in the zone near an edge stays, however far others come: held to 2, say, and down to -2."""
+    assert held(-1.9375, -1.25, (-3.0, -1.375)) == [(0.5 * (-1.9375 - 0.125 - 1.375), -2.0)]
+    assert held(-1.75, -1.0625, (-1.625, 5.0)) == [(0.5 * (-1.625 - 1.0625 + 0.125), -2.0)]
+    assert [shown for _, shown in held(0.0625, 1.25, (-3.0, 1.125), level=0.0)] == [0.0, 1.0]  # type: ignore[union-attr]
+    body, ends = body_of(0.40625, beta=0.5)._replace(drive=-3.09375), ends_of()
+    assert hold_zone(2.0, -2.0, body, wall_of())[1:] == pytest.approx((-3.0, -1.375))
+    corners = [-0.4375, 0.0, 0.25, 0.0]
+    assert resting_piece([-1.5, 0.0], 0.0, [], 0.0, 1.0, -2.0, corners, 2, ends, drift_of(), body, wall_of()) == 0
+    assert (ends.counts[0], ends.table[FIELDS - 1]) == (1.0, -2.0)
+
+
+def test_a_count_that_the_zone_may_reach_is_not_left_out() -> None:
+    """Within roundings of its end: whether friction holds a state there is not known, where one may come there."""
+    assert held(1.0, 1.0, (0.25, 0.9375), level=0.0, blur=0.0625) == UNKNOWN
+    assert held(1.0, 1.0, (0.25, 0.9375), level=0.0, blur=0.03125) == [(0.90625, 0.0)]
+    assert held(0.5, 1.25, (0.25, 0.9375), level=0.0, blur=0.0625) == UNKNOWN
+    assert held(0.5, 0.75, (0.25, 0.9375), level=0.0, blur=0.0625) == [(0.625, 0.0)]
+    assert held(0.25, 0.25, (0.3125, 9.0), level=0.0, blur=0.0625)
+    assert held(0.75, 0.875, (1.0625, 9.0), level=0.0, blur=0.0625) == [(1.21875, 1.0)]
+    assert held(0.75, 0.875, (1.0625, 9.0), level=0.0, blur=0.125) == UNKNOWN
+    assert held(1.0, 1.5, (1.0625, 9.0), level=0.0, blur=0.125) == [(1.3125, 1.0)]
+    # No state acts so beyond the ends of the level.
+    assert held(-1.5, -1.25, (-1.9375, -1.0625), blur=0.125) == [(-1.375, -2.0)]
+    assert held(-1.96875, -1.03125, (-1.9375, -1.0625), blur=0.125) == [(-1.5, -2.0)]
+    # Nor where the zone reaches into it by less than a rounding.
+    assert held(0.75, 1.0, (0.5, 1.0 + 0.5 * ROUNDED), level=0.0) == UNKNOWN
+    assert held(0.75, 1.0, (0.5, 1.0 + ROUNDED), level=0.0) == [(0.875, 0.0), (1.0 + ROUNDED, 1.0)]
+
+
+def test_a_state_that_the_very_end_of_the_zone_holds_is_not_said_to_rest_elsewhere() -> None:
+    """Friction of 1/2 just holds it at 2, where the count 2 begins."""
+    body, wall = body_of(0.5, beta=0.5)._replace(drive=0.5), wall_of()
+    assert hold_zone(0.0, 0.0, body, wall)[2] < 2.0
+    assert step_with_friction(2.0, 0.0, 0.0, 1.0, *coefficients(1.0, body), body) == (2.0, 0.0)
+    for corners in ([0.0, 0.0], [-0.5, 0.0, 0.0, 0.0]):
+        count, ends = len(corners) // 2, ends_of()
+        assert (
+            resting_piece([2.0, 0.0], 0.0, [], 0.0, 0.5, 0.0, corners, count, ends, drift_of(), body, wall) == UNKNOWN
+        )
+    ends = ends_of()
+    assert resting_piece([1.5, 0.0], 0.0, [], 0.0, 0.0, 0.0, [0.0, 0.0], 1, ends, drift_of(), body, wall) == 0
+
+
 def test_a_count_that_the_zone_does_not_hold_has_no_rest() -> None:
     """Within a rounding of its edge nothing is said: its place there is no place of the zone."""
     thin = 0.5 * ROUNDED
@@ -216,7 +261,7 @@ def test_no_room_for_a_reading_is_said() -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(friction_rest, "enter_rest", entered)
         known: Any = SimpleNamespace(law=None)
-        row = held_rest(0.125, 2.375, 0.0, 9.0, 0.0, 0.0, 0.0, 7.0, [], known, drift_of(), None, wall_of())
+        row = held_rest(0.125, 2.375, 0.0, 9.0, 0.0, 0.0, 0.0, 0.0, 7.0, [], known, drift_of(), None, wall_of())
     assert (row, len(entered.at)) == (FULL, 2)
 
 
@@ -479,7 +524,7 @@ def test_a_piece_that_stands_is_held_from_its_least_to_its_greatest_place(asked:
             one.row["held_rest"] = row
             assert one.row_of(HOLDS, error=0.25, radius=0.5, corners=corners) == (5 if row == UNKNOWN else row)
             assert one.calls[-1][0] == last
-            low, high, *zone, shift, level, reach, u = one.calls[0][1][:8]
+            low, high, *zone, _, shift, level, reach, u = one.calls[0][1][:9]
             assert (low, high, zone, shift, level, u) == (-0.75, -0.375, [-0.75, -0.25], 0.0, -1.0, 1.0)
             assert reach == 0.125 + 8.0 * EPSILON * 0.5
     one = asked()
@@ -496,7 +541,16 @@ def test_the_zone_of_what_stands_moves_with_its_torque(asked: Any) -> None:
         one = asked(left=1.0)
         one.row_of(body, z=z)
         assert one.calls[0][0] == "held_rest"
-        assert one.calls[0][1][4] == shift
+        assert one.calls[0][1][5] == shift
+
+
+def test_the_zone_may_go_on_by_all_that_it_is_narrower(asked: Any) -> None:
+    """On either side: friction of 1/4 over a stiffness of 4 holds an eighth of a count."""
+    for wrong, narrow in ((0.0, 0.0), (0.0, 2.0**-10), (0.125, 0.0), (0.125, 2.0**-10)):
+        one = asked(wrong=wrong, zone=(4.0, -0.5625 + narrow, -0.4375 - narrow))
+        one.row_of(HOLDS)
+        by = narrow + wrong / 4.0
+        assert one.calls[0][1][2:5] == (-0.5625 + by, -0.4375 - by, 2.0 * by)
 
 
 def test_the_norm_of_these_tests() -> None:

@@ -28,13 +28,14 @@ def enter_rest(x, shown, u, ring, known, body, wall):
     return add_end(REST_PROVEN, 1, shown, 0 * len(ring), known, body, wall)
 
 
-def held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, known, drift, body, wall):
+def held_rest(low, high, zone_low, zone_high, blur, shift, level, reach, u, ring, known, drift, body, wall):
     """Row of a rest where states that stand from ``low`` to ``high`` stay; all readings that it can have are entered.
 
     ``reach``: by which true positions may lie beyond. Those that truly act as ``level`` count. What is not held never
-    gets farther from the end of the zone than it is: it ends there, or as far into the zone. ``shift``: by which a
-    torque that has not come to its end may still move the zone; where it does, all must stand inside what is left of
-    the zone at any time.
+    gets farther from the end of the zone than it is: it ends there, or as far into the zone. ``blur``: by which the
+    zone may truly go on beyond either end; a count that is reached only there is not known to have a rest or to have
+    none. ``shift``: by which a torque that has not come to its end may still move the zone; where it does, all must
+    stand inside what is left of the zone at any time.
     """
     watch = watched(known.law, wall)
     bottom, top = lowest(level, drift.bottom, watch), highest(level, watch)
@@ -48,14 +49,17 @@ def held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, know
         return UNKNOWN
     inside = 2.0 * reach + 8.0 * EPSILON
     first, last = min(max(low, bottom + inside), top - inside), max(min(high, top - inside), bottom + inside)
-    first, last = max(min(first, zone_high) - over, zone_low), min(max(last, zone_low) + under, zone_high)
-    shown, end, row = read(first, wall), read(last, wall), UNKNOWN
+    first, last = min(first, zone_high) - over, max(last, zone_low) + under
+    shown = read(max(first, zone_low - blur, bottom + inside), wall)
+    end, row = read(min(last, zone_high + blur, top - inside), wall), UNKNOWN
+    middle = 0.5 * (max(first, zone_low) + min(last, zone_high))
     while shown <= end:
-        at = min(max(0.5 * (first + last), lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
-        if zone_low <= at and at <= zone_high:
-            row = enter_rest(at, shown, u, ring, known, body, wall)
-            if row == FULL:
-                return row
+        at = min(max(middle, lower_edge(shown, wall) + inside), upper_edge(shown, wall) - inside)
+        if not (zone_low <= at and at <= zone_high):
+            return UNKNOWN
+        row = enter_rest(at, shown, u, ring, known, body, wall)
+        if row == FULL:
+            return row
         shown += 1.0
     return row
 
@@ -122,7 +126,8 @@ def resting_piece(z, before, ring, error, radius, level, corners, count, known, 
             least, most = min(least, corners[2 * k]), max(most, corners[2 * k])
         reach = body.reach * error + 8.0 * EPSILON * abs(z[0])
         low, high, shift = z[0] + least, z[0] + most, (left + late) / body.beta
-        row = held_rest(low, high, zone_low, zone_high, shift, level, reach, u, ring, known, drift, body, wall)
+        blur = 2.0 * body.friction / stiffness - (zone_high - zone_low)
+        row = held_rest(low, high, zone_low, zone_high, blur, shift, level, reach, u, ring, known, drift, body, wall)
         if row != UNKNOWN:
             return row
     return near_rest(z, u, away, zone_low, zone_high, level, ring, known, body, wall)
