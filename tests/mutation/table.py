@@ -74,7 +74,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": (f"{PROOF}test_law_rest_margins.py", f"{PROOF}test_law_settling_margins.py"),
     "general/laws/follow.py": LAWS,
-    "general/sets/known.py": GENERAL_CAPTURE,
+    "general/sets/known.py": (f"{PROOF}test_known_margins.py", *GENERAL_CAPTURE),
     "general/sets/memory.py": (f"{PROOF}test_memory_margins.py", *GENERAL_CAPTURE, f"{GENERAL_SETS}test_memory.py"),
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,

@@ -107,10 +107,11 @@ def add_end(fate, period, before, head, known, body, wall):
     row = enter_end(known.law, fate, period, before, head, known, body, wall)
     if row < 0 or row >= len(known.table) // FIELDS:
         return FULL
-    if row == rows and known.table[row * FIELDS] == CYCLE_PROVEN:
-        add_points(row, known, body, wall)
-    elif row < rows and fate == CYCLE_PROVEN and known.table[row * FIELDS] == CYCLE_PROVEN:
-        add_memory(row, known, body, wall)
+    if known.table[row * FIELDS] == CYCLE_PROVEN:
+        if row == rows:
+            add_points(row, known, body, wall)
+        elif fate == CYCLE_PROVEN:
+            add_memory(row, known, body, wall)
     return row
 
 
