@@ -560,16 +560,20 @@ def filled(low: float, high: float, pieces: int = 32, **more: float) -> list[tup
 
 
 def test_with_virtual_damping_a_box_is_a_piece_for_each_reading() -> None:
-    """With the part of the starts that reads so. A side on an edge has a piece of no width beyond it."""
+    """With the part of the starts that reads so. A side on an edge has a piece of no width beyond it, which counts."""
     for low, high, found in (
         (-1.5, 2.5, [(-2.0, -1.5, -1.0, 0.125), (-1.0, -1.0, 0.0, 0.25), (0.0, 0.0, 1.0, 0.25), (1.0, 1.0, 2.0, 0.25),
                      (2.0, 2.0, 2.5, 0.125)]),
         (0.25, 0.75, [(0.0, 0.25, 0.75, 1.0)]),
-        (-2.0, -1.0, [(-2.0, -2.0, -1.0, 1.0), (-1.0, -1.0, -1.0, 0.0)]),
+        (-2.0, -1.0, [(-2.0, -2.0, -1.0, 1.0), (-1.0, -1.0, -1.0, EPSILON)]),
         (-1.25, -0.25, [(-2.0, -1.25, -1.0, 0.25), (-1.0, -1.0, -0.25, 0.75)]),
     ):  # fmt: skip
         assert filled(low, high) == found
-    assert filled(-1.0, 0.5, sense=-1.0) == [(-1.0, -1.0, -1.0, 0.0), (0.0, -1.0, 0.0, 2 / 3), (1.0, 0.0, 0.5, 1 / 3)]
+    assert filled(-1.0, 0.5, sense=-1.0) == [
+        (-1.0, -1.0, -1.0, EPSILON),
+        (0.0, -1.0, 0.0, 2 / 3),
+        (1.0, 0.0, 0.5, 1 / 3),
+    ]
     assert filled(-1.5, 2.5, damping=0.0) == [(0.0, -1.5, 2.5, 1.0)]
 
 

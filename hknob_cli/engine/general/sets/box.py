@@ -109,6 +109,7 @@ def fill_box(low_x, high_x, low_v, high_v, delay, room, drift, body, wall):
         if wall.damping > 0.0:
             kept = within(room, room.corners, 4, lowest(low, drift.bottom, wall), highest(low, wall), n)
             weight = (room.halves[n] - room.halves[0]) / (high_x - low_x)  # a rectangle again, in the same order
+            weight = max(weight, EPSILON)  # a line has none, but its states are starts
         put(
             room.stack,
             waiting * size,
