@@ -55,6 +55,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "sets/arc_cut.py": ARCS,
     "sets/box.py": (f"{PROOF}test_box_margins.py",),
     "sets/cells.py": (f"{PROOF}test_cells_margins.py",),
+    "sets/search.py": (f"{PROOF}test_set_search_margins.py",),
     "sets/region.py": (f"{PROOF}test_convex_region_margins.py",),
     "sets/absorbing.py": (f"{PROOF}test_absorbing_margins.py", f"{PROOF}test_no_region_margins.py"),
     **{f"orbit/{name}.py": ORBIT for name in ("cycle", "extrema", "forms", "holds", "integrals", "leak")},
