@@ -73,7 +73,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/hysteresis.py": (f"{PROOF}test_hysteresis_margins.py",),
     "general/laws/period.py": (f"{PROOF}test_law_period_margins.py",),
     "general/laws/cascade.py": LAWS,
-    "general/laws/rest.py": (f"{PROOF}test_law_rest_margins.py", f"{PROOF}test_law_settling_margins.py"),
+    "general/laws/rest.py": tuple(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
     "general/laws/follow.py": LAWS,
     "general/sets/known.py": (f"{PROOF}test_known_margins.py", *GENERAL_CAPTURE),
     "general/sets/memory.py": (f"{PROOF}test_memory_margins.py", *GENERAL_CAPTURE, f"{GENERAL_SETS}test_memory.py"),

@@ -88,6 +88,8 @@ def test_a_guard_must_clear_what_still_fades_and_what_is_worn(stage: Any) -> Non
     for weight in (0.03125, 0.0625):
         assert stage(guard=0.0).fate([-0.5, 0.0], HELD, weight=weight) == MOVING
     assert stage().fate([-0.5, 0.0], HELD, provable=False) == MOVING
+    assert stage().fate([-0.5, 0.0], HELD, senses=True) == MOVING
+    assert stage().fate([-0.5, 0.0], HELD, senses=True, provable=False) == MOVING
 
 
 def test_the_place_of_a_rest_is_moved_by_what_a_torque_may_be_wrong_by(stage: Any) -> None:
