@@ -100,6 +100,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     ),
     **{f"general/sets/{name}.py": (f"{PROOF}test_set_room_margins.py",) for name in ("ends", "room", "scope")},
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
+    "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")

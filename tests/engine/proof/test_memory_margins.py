@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.engine.certificate import DIFFERENT, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.sets import memory
 
 from .test_law_trial_margins import law_of
@@ -52,6 +53,48 @@ def test_what_fades_must_be_within_the_room_of_a_guard() -> None:
 def test_a_sum_must_be_the_same_or_within_the_room_in_which_it_decides_nothing() -> None:
     for off, room, found in ((0.0, -inf, 0.0), (1.0, 1.0, inf), (1.0, nextafter(1.0, 2.0), 0.0), (-1.0, -inf, inf)):
         assert pushed({0: off}, room, drifts=0, fading=-1, weight=0.0, fade=0.0) == found
+
+
+def test_looks_into_an_interval_are_those_of_a_law() -> None:
+    """They are remembered after the last reading."""
+    assert (memory.looks_of(None), memory.first_look(None)) == (0, 0)
+    assert (memory.looks_of(law(looks=3)), memory.first_look(law(looks=3))) == (3, 3)
+
+
+def test_what_is_counted_is_told_apart_by_what_a_law_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Neither by the last reading nor by the torques under way; without a law there is nothing."""
+    told: list[Any] = []
+    monkeypatch.setattr(memory, "same_count", lambda *given: told.append((*given[:1], list(given[1]))) or "same")
+    ring = [value + 100.0 for value in PAST]
+    assert memory.counted_alike(law(), ring, POINTS, 7) == "same"
+    assert told == [(ring, [*PAST[:2], *ring[2:]])]
+    assert memory.counted_alike(None, ring, POINTS, 7) is True
+
+
+def test_an_orbit_is_proven_again_with_another_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It need not capture the motion that came to it; the motion is moved to the orbit."""
+    one = body()
+    for status in (PROVEN, NOT_CAPTURED, DIFFERENT, ON_EDGE, NEUTRAL):
+        told: list[Any] = []
+
+        def certify(*given: Any, status: int = status, told: list[Any] = told) -> Any:
+            told.append(given)
+            return status, 0.5, 9.0, 9.0, 0.125
+
+        monkeypatch.setattr(memory, "certify_with_law", certify)
+        known: Any = SimpleNamespace(z=[1.0, 2.0], ring=list(PAST), space=SimpleNamespace(orbit=[3.0, 4.0]))
+        chosen = law(periodic=[7.0] * 6, room=[0.25])
+        found = memory.certify_again(chosen, 5, known, one, WALL)
+        assert told == [(known.z, known.ring, 5, one, WALL, chosen, known.space)]
+        if status in (PROVEN, NOT_CAPTURED):
+            assert found == (PROVEN, 0.5, 0.125, 0.25)
+            assert (known.z, known.ring) == ([3.0, 4.0], [7.0] * 6)
+        else:
+            assert found == (DIFFERENT, 0.0, 0.0, 0.0)
+            assert (known.z, known.ring) == ([1.0, 2.0], PAST)
+        told.clear()
+        assert memory.certify_again(None, 5, known, one, WALL) == (DIFFERENT, 0.0, 0.0, 0.0)
+        assert told == []
 
 
 @pytest.mark.parametrize("damping", [0.0, 1e-9, 0.5, 2.0])

@@ -159,7 +159,7 @@ class GeneralSetEngine:
             why = given_up.reason
         if totals[1] > 0.0 and lost > 1e-9:
             found.append(whole(Outcome.UNDECIDED, why_not(known), lost))
-        complete = bool(totals[1] == 0.0 and left == 0.0)
+        complete = bool(totals[1] == 0.0 and waiting == 0)
         return Search(
             ranked(found),
             taken,
