@@ -75,6 +75,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/laws/cascade.py": LAWS,
     "general/laws/rest.py": tuple(f"{PROOF}test_law_{name}_margins.py" for name in ("rest", "settling", "over_angle")),
     "general/laws/follow.py": LAWS,
+    "general/laws/step.py": (f"{PROOF}test_law_over_angle_margins.py", f"{PROOF}test_law_step_margins.py"),
     "general/sets/known.py": (f"{PROOF}test_known_margins.py", *GENERAL_CAPTURE),
     "general/sets/memory.py": (f"{PROOF}test_memory_margins.py", *GENERAL_CAPTURE, f"{GENERAL_SETS}test_memory.py"),
     "general/sets/ball.py": GENERAL_CAPTURE,

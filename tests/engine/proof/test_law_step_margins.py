@@ -1,0 +1,230 @@
+"""One sample interval under a law, by hand: what is sensed, decided and remembered, and which motion that makes."""
+
+from math import inf
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from hknob_cli.engine.general.controller import Controller
+from hknob_cli.engine.general.laws import step
+from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
+from hknob_cli.engine.general.laws.step import (
+    FREE,
+    advance_with_law,
+    begin_past,
+    chart_with_law,
+    decide,
+    depth_of,
+    driven_slope,
+    move_piece,
+)
+
+
+def wall_of(**more: float) -> Controller:
+    return Controller(0.25, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, inf, 0.0)._replace(**more)
+
+
+def law_of(guard: float = 9.0, out: tuple[float, ...] = (1.0, -2.0, 0.5, -0.25), **more: Any) -> Any:
+    """Two numbers, the last reading, one look; then two torques each of three samples."""
+    told: list[Any] = []
+
+    def act(*given: Any) -> float:
+        told.append((*given[:2], list(given[2]), given[3]))
+        given[4][:] = out
+        return guard
+
+    one = {
+        "act": act, "told": told, "unit": 0.5, "fixed": [0.25], "rows": 2, "line": 4, "parts": 2, "ages": 3,
+        "senses": False, "cuts": False, "weight": 0.0, "out": [0.0] * 4, "pieces": 2, "sched": [0.0] * (2 * PIECE),
+    }  # fmt: skip
+    return SimpleNamespace(**(one | more))
+
+
+PAST = [7.0, 8.0, -5.0, -4.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]
+
+
+def test_how_deep_a_count_is() -> None:
+    assert [depth_of(count, 0.25) for count in (-3.0, -1.0, 0.0, 2.0)] == [2.75, 0.75, 0.0, 0.0]
+
+
+# Slopes by the speed.
+
+
+def test_a_slope_holds_until_what_is_sent_changes_its_kind() -> None:
+    """At a limit, in a dead band and between two steps nothing is sent of it."""
+    for u, slope, wall, found in (
+        (0.25, 0.0, wall_of(band=0.5, step=0.5, limit=4.0), (0.0, FREE)), (0.25, 1.0, wall_of(), (1.0, FREE)),
+        (1.0, -0.5, wall_of(limit=4.0), (-0.5, 6.0)), (-1.0, 0.5, wall_of(limit=4.0), (0.5, 6.0)),
+        (5.0, 0.5, wall_of(limit=4.0), (0.0, 2.0)), (-5.0, 0.5, wall_of(limit=4.0), (0.0, 2.0)),
+        (4.0, 0.5, wall_of(limit=4.0), (0.0, 0.0)), (0.25, -0.5, wall_of(band=0.5), (0.0, 0.5)),
+        (-0.25, 0.5, wall_of(band=0.5), (0.0, 0.5)), (0.5, 0.5, wall_of(band=0.5), (0.5, 0.0)),
+        (2.0, -0.5, wall_of(band=0.5), (-0.5, 3.0)), (2.0, 0.5, wall_of(band=0.5, limit=4.0), (0.5, 3.0)),
+        (3.0, 0.5, wall_of(band=0.5, limit=4.0), (0.5, 2.0)), (0.3125, 0.25, wall_of(step=0.5), (0.0, 0.25)),
+        (0.3125, -0.25, wall_of(step=0.5, limit=4.0), (0.0, 0.25)), (-0.3125, 0.25, wall_of(step=0.5), (0.0, 0.25)),
+        (0.3125, 0.25, wall_of(step=0.5, band=0.125), (0.0, 0.25)),
+        (0.5, 0.25, wall_of(step=0.5, band=0.375), (0.0, 0.5)),
+        (0.0625, 0.25, wall_of(step=0.5, band=0.125), (0.0, 0.25)), (1.5, 0.25, wall_of(step=2.0), (0.0, 2.0)),
+    ):  # fmt: skip
+        assert driven_slope(u, slope, wall) == found
+
+
+# What a law decides.
+
+
+def test_a_law_acts_and_what_it_remembers_moves_on() -> None:
+    """The oldest torques go, the newest come; the look is left alone."""
+    for guard in (9.0, -9.0):
+        law, past = law_of(guard), list(PAST)
+        assert decide(-3.0, 0.125, past, wall_of(), law) == guard
+        assert law.told == [(-3.0, 0.125, PAST, [0.25])]
+        assert past == [7.0, 8.0, -3.0, -4.0, 3.0, 4.0, 5.0, 6.0, 0.5, -1.0]
+        assert law.out == [1.0, -2.0, 0.5, -0.25]
+
+
+def test_virtual_damping_acts_beside_a_law_inside_the_wall() -> None:
+    """On the way since the last reading, -5."""
+    for shown, brake in ((-3.0, 0.5), (-7.0, -0.5), (-5.0, 0.0), (0.0, 0.0), (1.0, 0.0), (-1.0, 1.0)):
+        past = list(PAST)
+        decide(shown, 0.0, past, wall_of(damping=0.25), law_of())
+        assert past[8:] == [0.5 - brake, -1.0 - brake]
+
+
+def test_what_is_sent_goes_through_converter_and_amplifier() -> None:
+    for wall, sent in (
+        (wall_of(limit=0.75), [0.5, -0.75]), (wall_of(step=0.75), [0.75, -0.75]), (wall_of(band=0.625), [0.0, -1.0])
+    ):  # fmt: skip
+        past = list(PAST)
+        decide(-3.0, 0.0, past, wall, law_of())
+        assert past[8:] == sent
+
+
+def test_a_guard_is_the_least_of_all_changes() -> None:
+    """In a number that fades, of which a difference of 1 moves a torque by its weight: to a dead band, to a step."""
+    # Torques of 1/2 and -1.
+    for wall, weight, guard in (
+        (wall_of(), 0.5, 9.0), (wall_of(band=0.375), 0.5, 0.25), (wall_of(band=0.875), 0.5, 0.25),
+        (wall_of(band=0.375), 0.25, 0.5), (wall_of(band=0.375), 0.0, 9.0), (wall_of(band=0.375), -0.5, 9.0),
+        (wall_of(step=0.375), 0.5, 0.125), (wall_of(step=0.375), 0.25, 0.25), (wall_of(step=0.375), 0.0, 9.0),
+        # What the band takes away is 0, half a step from any edge.
+        (wall_of(step=0.75, band=0.625), 0.5, 0.25), (wall_of(step=1.0, band=0.75), 0.25, 1.0),
+        (wall_of(step=2.0, band=0.5), 0.25, 0.0), (wall_of(step=1.0), 0.25, 0.0),
+    ):  # fmt: skip
+        assert decide(-3.0, 0.0, list(PAST), wall, law_of(weight=weight)) == pytest.approx(guard, rel=1e-14)
+        assert decide(-3.0, 0.0, list(PAST), wall, law_of(-1.0, weight=weight)) == -1.0
+
+
+def test_slopes_of_a_law_that_senses_are_those_of_what_is_driven() -> None:
+    """Each by its own torque: 1/2 and -1 with slopes of 1/4 and -1/8."""
+    for wall, slopes, guard in (
+        (wall_of(), [0.25, -0.125], 9.0), (wall_of(limit=0.75), [0.25, 0.0], 1.0),
+        (wall_of(band=0.625), [0.0, -0.125], 0.5), (wall_of(step=0.375), [0.0, 0.0], 0.25),
+    ):  # fmt: skip
+        law = law_of(senses=True)
+        assert decide(-3.0, 0.0, list(PAST), wall, law) == pytest.approx(guard, rel=1e-14)
+        assert law.out == [1.0, -2.0, *slopes]
+
+
+def test_a_law_that_cuts_off_commands_nothing_where_its_guard_is_negative() -> None:
+    """Which is told without its sign; the wall's own damping goes on."""
+    for guard, cuts, told in ((-2.0, True, 2.0), (2.0, True, 2.0), (-2.0, False, -2.0), (0.0, True, 0.0)):
+        past = list(PAST)
+        assert decide(-3.0, 0.0, past, wall_of(damping=0.25), law_of(guard, cuts=cuts)) == told
+        assert past[8:] == [0.0, -1.5]
+
+
+# How it moves.
+
+
+def pieces() -> list[float]:
+    """Of a whole interval: numbers that tell each apart."""
+    sched = [0.0] * (2 * PIECE)
+    for piece in range(2):
+        at = piece * PIECE
+        sched[at + SPAN], sched[at + S], sched[at + G], sched[at + F] = 0.5 + piece, 0.25, 0.125, 0.75
+        sched[at + TORQUE], sched[at + LOOK], sched[at + MATRIX] = 6.0 + piece, -1.0, 3.0 + piece
+    return sched
+
+
+@pytest.mark.parametrize("order", [2, 3])
+@pytest.mark.parametrize("friction", [0.0, 0.5])
+def test_a_piece_moves_under_its_own_torque(monkeypatch: pytest.MonkeyPatch, order: int, friction: float) -> None:
+    """In closed form without friction; else from event to event, or by the matrix of its length."""
+    told: list[Any] = []
+    monkeypatch.setattr(step, "step_with_friction", lambda *given: told.append(("two", *given)) or (8.0, 9.0))
+    monkeypatch.setattr(step, "rub_many", lambda *given: told.append(("many", *given)))
+    monkeypatch.setattr(step, "advance_hold", lambda *given: told.append(("hold", *given)))
+    body: Any = SimpleNamespace(order=order, friction=friction, drive=0.5, beta=2.0)
+    for piece, u in ((0, 3.0), (1, 4.0)):
+        z, law = [1.0, -2.0], law_of(sched=pieces())
+        move_piece(z, PAST, piece, body, law, "pad")
+        if order == 2 and friction:
+            assert told.pop() == ("two", 1.0, -2.0, u, 0.5 + piece, 0.25, 0.125, 0.75, body)
+            assert z == [8.0, 9.0]
+        elif order == 2:
+            y = u + 0.5 - 2.0
+            assert z == [1.0 - 0.5 + 0.125 * y, -1.5 + 0.25 * y]
+        elif friction:
+            assert told.pop() == ("many", z, u, 0.5 + piece, body, "pad")
+        else:
+            assert told.pop() == ("hold", z, u, 3 + piece, body, "pad")
+        assert told == []
+
+
+@pytest.mark.parametrize("look", [-1, 0, 3])
+def test_an_interval_is_a_decision_and_all_its_pieces(monkeypatch: pytest.MonkeyPatch, look: int) -> None:
+    """A look at the end of one is remembered where the law has it."""
+    told: list[Any] = []
+
+    def move(z: Any, past: Any, piece: int, *rest: Any) -> None:
+        told.append(("move", piece, *rest))
+        z[0] -= 1.0
+
+    monkeypatch.setattr(step, "decide", lambda *given: told.append(given) or 7.0)
+    monkeypatch.setattr(step, "move_piece", move)
+    law, z, past = law_of(sched=pieces()), [-2.5, 0.125], list(PAST)
+    law.sched[PIECE + LOOK] = float(look)
+    assert advance_with_law(z, past, "body", wall_of(), law, "pad") == 7.0
+    assert told == [
+        (-3.0, 0.125, past, wall_of(), law), ("move", 0, "body", law, "pad"), ("move", 1, "body", law, "pad")
+    ]  # fmt: skip
+    expected = list(PAST)
+    if look >= 0:
+        expected[look] = -5.0
+    assert (z[0], past) == (-4.5, expected)
+
+
+@pytest.mark.parametrize("look", [-1, 0, 3])
+def test_a_chart_is_that_of_all_pieces(monkeypatch: pytest.MonkeyPatch, look: int) -> None:
+    told: list[Any] = []
+
+    def chart(z: Any, u: float, span: float, *rest: Any) -> int:
+        told.append((u, span, *rest))
+        z[0] -= 1.0
+        return int(rest[2]) + 2
+
+    monkeypatch.setattr(step, "decide", lambda *given: told.append(given))
+    monkeypatch.setattr(step, "chart", chart)
+    law, z, past = law_of(sched=pieces()), [-2.5, 0.125], list(PAST)
+    law.sched[LOOK] = float(look)
+    assert chart_with_law(z, past, 2, "body", wall_of(), law, "pad", "pieces") == 8
+    assert told == [
+        (-3.0, 0.125, past, wall_of(), law),
+        (3.0, 0.5, "body", "pad", 0, "pieces"), (4.0, 1.5, "body", "pad", 2, "pieces"),
+        (-5.0, 0.125, past, wall_of(), law),
+        (3.0, 0.5, "body", "pad", 4, "pieces"), (4.0, 1.5, "body", "pad", 6, "pieces"),
+    ]  # fmt: skip
+    expected = list(PAST)
+    if look >= 0:
+        expected[look] = -6.0
+    assert past == expected
+
+
+def test_before_the_first_sample_no_torque_is_under_way() -> None:
+    """Places begin where the encoder shows the knob, and so do the readings."""
+    law = law_of(first=[5.0, 6.0], places=1)
+    past = [9.0] * 10
+    begin_past(past, -3.0, law)
+    assert past == [-2.75, 6.0, -3.0, -3.0, *[0.0] * 6]
+    begin_past(past, -3.0, law_of(first=[5.0, 6.0], places=0))
+    assert past == [5.0, 6.0, -3.0, -3.0, *[0.0] * 6]
