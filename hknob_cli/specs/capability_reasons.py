@@ -17,7 +17,6 @@ WHY = {
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",
     ("unsampled", "pulse"): "a pulse is not built without a sample clock",
-    ("controller", "pulse"): "a pulse is not built beside controllers",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
     **{
@@ -59,7 +58,7 @@ WHY = {
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
     **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},
-    **{(part, "pulse"): ("record", "pulse") for part in ("unsampled", "controller")},
+    ("unsampled", "pulse"): ("record", "pulse"),
     ("unsampled", "perceive"): ("perceive",),
     ("handless", "anywhere"): ("starts",),
 }  # fmt: skip
