@@ -60,7 +60,7 @@ COLUMNS = {
         "without a clock", "{what} is not in a continuous controller", "where sampling is continuous", "unsampled"
     ),
     "laws": Column(
-        "general loop, controllers", "{what} is not built beside controllers", "where a controller is given", "laws"
+        "general loop, controllers", "{what} is not followed under a controller", "where a controller is given", "laws"
     ),
     "phases": Column("sets: all phases", _SETS, group="sets"),
     "ranges": Column("sets: ranges", _SETS, group="sets"),
@@ -78,13 +78,18 @@ COLUMNS = {
         "where starts are anywhere",
         "general sets",
     ),
-    "basins": Column("basins", "a map tells starts by angle and velocity alone", "where basins are mapped"),
+    "basins": Column("basins", "a map is made with the plain loop, which has no such part", "where basins are mapped"),
     "record": Column("record", ""),
-    "pulse": Column("pulse", "{what} is not built for pulses"),
+    "pulse": Column("pulse", ""),
     "perceive": Column("perceive", ""),
-    "describing": Column("dfa: dfN, tsypkin", "{what} is not in dfa"),
-    "relay": Column("dfa: sampled", "{what} is not in dfa's method sampled"),
-    "formulas": Column("predict", "{what} is not in predict"),
+    "describing": Column(
+        "dfa: dfN, tsypkin", "{what} is not in dfa, whose describing functions are of a plain wall, knob and hand"
+    ),
+    "relay": Column(
+        "dfa: sampled",
+        "{what} is not in dfa's method sampled, which is of a plain wall and a linear plant of second order",
+    ),
+    "formulas": Column("predict", "{what} is not in predict, none of whose formulas has it"),
     "bench": Column("bench", "bench has no rival with {what}"),
     "device": Column("hw-run", "the spec of a device has no such key"),
     "explore": Column("explore", "the engine of its page has no such part"),
@@ -168,13 +173,13 @@ _TABLE = {
     "backlash":        "--P-- ------ -EE~ ~----",
     "bare":            "--PP- ------ -EE~ ---E-",
     "unsampled":       "---P- ------ -E-- ---E-",
-    "controller":      "----P ----P- -E-~ ----~",
-    "speed_sensor":    "----P ------ -E-~ -----",
-    "estimated_speed": "----P ----P- -E-~ ----~",
-    "kalman":          "----P ----P- -E-~ ----~",
-    "several_readings": "----P ----P- -E-~ -----",
-    "pulses":          "----P ----P- -E-~ ----~",
-    "knob_model":      "----P ----P- -E-~ ----~",
+    "controller":      "----P ----P- -EE~ ----~",
+    "speed_sensor":    "----P ------ -EE~ -----",
+    "estimated_speed": "----P ----P- -EE~ ----~",
+    "kalman":          "----P ----P- -EE~ ----~",
+    "several_readings": "----P ----P- -EE~ -----",
+    "pulses":          "----P ----P- -EE~ ----~",
+    "knob_model":      "----P ----P- -EE~ ----~",
     "profile":         "--P-P ---PPP -EE~ ----~",
     "detents":         "--P-P ---PPP -EE~ ----~",
     "end_stops":       "--P-P ---PPP -EE~ ----~",
@@ -221,7 +226,10 @@ VERDICTS = _rows()
 # Pairs of parts whose verdict in a column is lower than that of each of them.
 EXCEPTIONS = {
     **{
-        (part, "virtual_damping", "general"): (REFUSED, "the last reading is not kept beside the count before it")
+        (part, "virtual_damping", "general"): (
+            REFUSED,
+            "it needs the counts of the last turning point and of the last sample, and this loop has one",
+        )
         for part in ("hysteresis", "backlash")
     },
     **{
@@ -235,8 +243,8 @@ EXCEPTIONS = {
     },
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
-    ("bare", "dead_band", "general"): (REFUSED, "the angle at which the torque jumps is not that of a count"),
-    **{("bare", name, "general"): (REFUSED, "its torque is a table over counts") for name in OVER_ANGLE},
+    ("bare", "dead_band", "general"): (REFUSED, "where the torque jumps is watched at count edges alone"),
+    **{("bare", name, "general"): (REFUSED, "its torque is a table with a row for each count") for name in OVER_ANGLE},
 }
 # What a sweep is asked for and does not go together: which, beside which starts or request, when, and why.
 APART = (

@@ -2,7 +2,27 @@
 
 from hknob_cli.specs.over_angle import OVER_ANGLE
 
-_SETS_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets")
+_OF_ONE_START_OR_RANGES = ("phases", "ranges", "general_sets", "friction_sets")
+_GENERAL_SETS = ("general_sets", "friction_sets")
+_NOT_IN_A_MAP = {
+    "a map tells starts by angle and velocity alone": ("finger", "coil", "mesh", "play"),
+    "what is under way, or was read before, is not told by a map's starts": (
+        *("virtual_damping", "delay", "lag", "current_loop", "hysteresis", "backlash"),
+    ),
+    "what it remembers is not told by a map's starts": ("controller",),
+}
+_NOT_A_BALL = {
+    "its torque is held from sample to sample": ("lag", "current_loop"),
+    "its torque is the plain wall's": ("torque_limit", "torque_step", "dead_band", "supply"),
+    "its count has no memory": ("hysteresis", "backlash"),
+    "it is of one body": ("mesh", "play"),
+}
+_STATE_BY_STATE = (
+    ("hysteresis", "the count goes by turning points, which differ within a set"),
+    ("backlash", "the count goes by turning points, which differ within a set"),
+    ("bare", "the torque differs within a set"),
+    ("play", "teeth part at different times within a set"),
+)
 # Why a part is refused, where its column's own reason does not say it.
 WHY = {
     ("virtual_damping", "unsampled"): "virtual damping needs samples to difference",
@@ -11,13 +31,14 @@ WHY = {
     **{(name, "bounces"): "the ball bounces on a wall" for name in OVER_ANGLE},
     **{(name, "unsampled"): "its events are those of a wall" for name in OVER_ANGLE},
     ("unsampled", "bounces"): "energy does not grow",
-    ("unsampled", "laws"): "it has a sample clock",
-    ("bare", "laws"): "it reads counts",
+    ("unsampled", "laws"): "it acts at samples",
+    ("bare", "laws"): "what it remembers is followed from count to count",
+    ("play", "laws"): "its torques are bounded only while teeth stay on one flank",
     ("bare", "bounces"): "its engine reads counts",
     ("controller", "bounces"): "growth is of the plain wall",
     ("unsampled", "ranges"): "states in ranges are those at a sample",
-    ("unsampled", "pulse"): "a pulse is not built without a sample clock",
-    ("controller", "pulse"): "a pulse is not built beside controllers",
+    ("unsampled", "pulse"): "without a sample clock motions go from edge to edge, and the end of a pulse is none",
+    ("play", "pulse"): "the push of a pulse is not split between motor and knob while their teeth part",
     ("unpushed", "bounces"): "nothing brings the knob back to it",
     ("handless", "anywhere"): "nothing draws the knob back",
     **{
@@ -41,6 +62,10 @@ WHY = {
     ("unsampled", "describing"): "dfa is about a sampled wall",
     ("unsampled", "relay"): "dfa is about a sampled wall",
     ("unsampled", "formulas"): "predict is about a sampled wall",
+    **{(part, "basins"): why for why, parts in _NOT_IN_A_MAP.items() for part in parts},
+    ("handless", "basins"): "nothing bounds how far motions part",
+    ("unsampled", "basins"): "a map's starts are states at a sample",
+    **{(part, "bounces"): why for why, parts in _NOT_A_BALL.items() for part in parts},
     ("gear", "basins"): "its map is of the counts of a knob without a gear",
     ("people", "bounces"): "its hands damp",
     ("people", "describing"): "its spec has no population",
@@ -53,13 +78,15 @@ WHY = {
     ("hysteresis", "device"): "that is an encoder's own",
     ("backlash", "device"): "that is an encoder's own",
     ("several_readings", "device"): "a target reads its encoder once a sample",
-    **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
-    **{("unheld", column): "no energy bounds how far motions part" for column in _SETS_OF_ONE_START_OR_RANGES},
+    **{(part, column): why for column in _GENERAL_SETS for part, why in _STATE_BY_STATE},
+    **{("handless", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
+    **{("undamped", column): "nothing contracts" for column in _OF_ONE_START_OR_RANGES},
+    **{("unheld", column): "no energy bounds how far motions part" for column in _OF_ONE_START_OR_RANGES},
 }  # fmt: skip
 # Refusals whose fault stands at what is asked for, not at the part of the scene.
 AT = {
     **{(part, "bounces"): ("growth",) for part in ("unsampled", "bare", "controller", "unpushed", "people")},
-    **{(part, "pulse"): ("record", "pulse") for part in ("unsampled", "controller")},
+    ("unsampled", "pulse"): ("record", "pulse"),
     ("unsampled", "perceive"): ("perceive",),
     ("handless", "anywhere"): ("starts",),
 }  # fmt: skip

@@ -6,6 +6,7 @@ time is kept as one waveform, of which each hold is a piece.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 from tests import digits as mp
@@ -86,14 +87,47 @@ def move(motion: Friction, pieces: Pieces, control: Control, detections: int) ->
     return looks
 
 
+@dataclass
+class Pushed(Friction):
+    """Motion whose bodies become ``after`` at ``release`` [s]: those without the pulse."""
+
+    after: Any = None
+    release: Any = 0
+    time: Any = 0
+
+    def hold(self, command: Any, duration: Any) -> None:
+        """Move through one hold, in two parts where the pulse ends within it."""
+        end = self.time + duration
+        if self.bodies is not self.after and self.release <= end:
+            if self.release > self.time:
+                super().hold(command, self.release - self.time)
+            self.bodies, self.time = self.after, self.release
+        if end > self.time:
+            super().hold(command, end - self.time)
+        self.time = end
+
+
 def simulate_law(
-    scene: dict[str, Any], rate_hz: float, counts: int, *, angle: float, velocity: float, phase: float
+    scene: dict[str, Any],
+    rate_hz: float,
+    counts: int,
+    *,
+    angle: float,
+    velocity: float,
+    phase: float,
+    pulse: dict[str, float] | None = None,
 ) -> Iterator[tuple[Any, Any, Any]]:
-    """Angle and velocity at every sample, and the least distance so far to where rounding could change a command."""
+    """Angle and velocity at every sample, and the least distance so far to where rounding could change a command.
+
+    ``pulse``: its torque on the knob, away from the wall, and its duration from the start, as a recording has it.
+    """
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     at = mp.mpf(angle), mp.mpf(velocity)
     start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one, mp.zero)
     motion = Friction(bodies, control.period, start)
+    if pulse:
+        pushed = replace(bodies, bias=bodies.bias - mp.mpf(pulse["torque"]), _kept={})
+        motion = Pushed(pushed, control.period, start, after=bodies, release=mp.mpf(pulse["duration"]))
     motion.hold(mp.zero, mp.mpf(phase) * control.period)
     firmware = Firmware(scene, rate_hz, counts, control)
     detections = firmware.law.detections

@@ -7,9 +7,12 @@ from typing import NamedTuple
 
 from hknob_cli.controllers.scalar_law import LawKnob
 from hknob_cli.engine.general.advance import advance_span
+from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import read
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
 from hknob_cli.engine.general.laws.step import begin_past, decide
+
+DUE, RELEASE = -1, -2  # beside the pieces of an interval: a point that was asked for, and the end of a pulse
 
 
 class LawPoint(NamedTuple):
@@ -21,23 +24,34 @@ class LawPoint(NamedTuple):
     torque: float
 
 
-def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float, every: float) -> Iterator[LawPoint]:
+def follow_law(
+    made: LawKnob,
+    start: list[float],
+    *,
+    phase: float,
+    until: float,
+    every: float,
+    pulse: tuple[Body, float] | None = None,
+) -> Iterator[LawPoint]:
     """A motion from ``start`` (state): every sample, every change of torque, and points ``every`` so many periods.
 
-    The first sample comes ``phase`` of a period after the start; ``until``: length, in periods.
+    The first sample comes ``phase`` of a period after the start; ``until``: length, in periods. ``pulse``: the body
+    while a torque pulse acts on it, and when that ends, in periods; the end is a point, too.
     """
     knob, law = made.knob, made.law
-    body, wall = knob.body, knob.wall
+    wall = knob.wall
+    body, release = pulse or (knob.body, until + 1.0)
     numbers = [law.sched[i * PIECE : (i + 1) * PIECE] for i in range(law.pieces)]
     begins = [0.0, *accumulate(piece[SPAN] for piece in numbers)]
     # A piece that has the torque of the one before it begins with a look of the encoder alone.
     events = ["sample", *("command" if k[TORQUE] != j[TORQUE] else "" for j, k in pairwise(numbers))]
     stops = [(phase + i + begins[k], k) for i in range(ceil(until) + 1) for k in range(law.pieces)]
-    named = {time for time, piece in stops if events[piece]}
-    stops += [(min(i * every, until), -1) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
+    stops.append((release, RELEASE))
+    named = {time for time, piece in stops if piece == RELEASE or events[piece]}
+    stops += [(min(i * every, until), DUE) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
     z, pad, past = list(start), [0.0] * (2 * body.order), [0.0] * len(law.beside)
     acting, time, begun = 0.0, 0.0, False
-    for at, piece in sorted(one for one in stops if one[0] <= until and (one[1] >= 0 or one[0] not in named)):
+    for at, piece in sorted(one for one in stops if one[0] <= until and (one[1] != DUE or one[0] not in named)):
         while time < at:
             step = min(at - time, 1.0)
             advance_span(z, acting, step, body, pad)
@@ -53,6 +67,8 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
                     begun = True
                 decide(shown, z[1], past, wall, law)
             acting = past[int(numbers[piece][TORQUE])]
-        event = events[piece] if piece >= 0 else ""
+        elif piece == RELEASE:
+            body = knob.body
+        event = events[piece] if piece >= 0 else "pulse ends" if piece == RELEASE else ""
         if event or piece < 0:
             yield LawPoint(at, event, list(z), z[-1] if body.lag > 0.0 else acting)

@@ -166,6 +166,13 @@ def pulsed(body: Body, torque: float) -> Body:
     return body._replace(vectors=vectors, drive=body.drive + torque)
 
 
+def _pulse_on(knob: GeneralKnob, record: Record) -> tuple[Body, float] | None:
+    """The body while the recording's pulse acts on it, and when that ends, in sample periods; None without one."""
+    if not record.pulse:
+        return None
+    return pulsed(knob.body, record.pulse.torque / knob.torque_nm), record.pulse.duration / knob.period_s
+
+
 def record_trial(
     knob: GeneralKnob, record: Record, *, angle: float, velocity: float, phase: float
 ) -> Iterator[Instant]:
@@ -175,8 +182,7 @@ def record_trial(
     """
     wall, n = as_list(knob.wall), knob.body.order
     end, interval = record.duration / knob.period_s, record.interval / knob.period_s
-    until = record.pulse.duration / knob.period_s if record.pulse else 0.0
-    body = pulsed(knob.body, record.pulse.torque / knob.torque_nm) if record.pulse else knob.body
+    body, until = _pulse_on(knob, record) or (knob.body, 0.0)
     stops = [(phase + i, "sample") for i in range(ceil(end) + 1)]
     stops += [(min(i * interval, end), "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
     if wall.split > 0.0:
@@ -225,8 +231,9 @@ def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iter
     made = make_law(scene_at(plan.scene, cell), sample_rate_hz=cell[RATE], counts_per_rev=int(cell[COUNTS]))
     knob = made.knob
     start, phase = knob.start(angle_rad, plan.starts.velocity), (trial + 0.5) / plan.starts.phases
-    every = plan.record.interval / knob.period_s
-    for one in follow_law(made, start, phase=phase, until=plan.record.duration / knob.period_s, every=every):
+    every, pulse = plan.record.interval / knob.period_s, _pulse_on(knob, plan.record)
+    until = plan.record.duration / knob.period_s
+    for one in follow_law(made, start, phase=phase, until=until, every=every, pulse=pulse):
         yield _instant(knob, one.time, one.event, one.state, one.torque)
 
 
