@@ -12,17 +12,31 @@ from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs import cells
 from hknob_cli.specs.campaign import HwRunPlan
 from hknob_cli.specs.conditions import BEST_ESTIMATOR, ChoiceError, narrowed
+from hknob_cli.specs.find_people import _drawn
 from hknob_cli.specs.load import load, load_text, validate
 from hknob_cli.specs.over_angle import ways_round
 from hknob_cli.specs.parquet import opened
 from hknob_cli.specs.parts import Bias
 from hknob_cli.specs.parts_there import parts_of
-from hknob_cli.specs.plan import Controller, Encoder, Knob, Points, Scene, Wall
+from hknob_cli.specs.people import Spread
+from hknob_cli.specs.plan import (
+    Actuator,
+    Controller,
+    Encoder,
+    Finger,
+    Fingerpad,
+    Hand,
+    Knob,
+    Points,
+    Scene,
+    Wall,
+)
+from hknob_cli.specs.population import PopulationSpec
 from hknob_cli.specs.remedies import RemediesPlan
 from hknob_cli.specs.size_limit import VARIABLE, size_limit
 from hknob_cli.specs.source import parse
 from hknob_cli.specs.sysid import MOST_TRIALS
-from tests.conftest import SPEC
+from tests.conftest import ROOT, SPEC
 from tests.hardware.campaigns import SPEC as BENCH
 from tests.specs.test_remedies import TRIAL
 
@@ -64,7 +78,16 @@ def test_the_best_estimator_is_chosen_among_estimators_alone() -> None:
         narrowed([{"estimator": "a"}, {"estimator": "b"}], {}, ["estimator"])
 
 
+def test_a_mean_hand_without_damping_or_stiffness_is_not_drawn() -> None:
+    spec = PopulationSpec(table=1, grip_n=0.71, people=3, seed=1)
+    for damping, stiffness in ((0.0, 0.04), (3e-4, 0.0)):
+        with pytest.raises(ChoiceError, match="has a mean damping of"):
+            _drawn(Spread((3e-7, damping, stiffness), (1e-7, 1e-4, 0.01)), spec, 0.0)
+
+
 def test_what_is_missing_at_the_end_of_a_list_has_its_place() -> None:
+    detents = "{stiffness: 0.27}\n  profile: {points: [[0.1], [1, 2]]}"
+    assert wrong(SPEC.replace("{stiffness: 0.27}", detents))[0].startswith("scene.profile.points[0][1]: missing")
     assert wrong(SPEC.replace("[1000]", "{log: [1, 10]}"))[0].startswith("grid.sample_rate_hz.log[2]: missing")
 
 
@@ -81,24 +104,30 @@ def test_nuisances_and_person_are_kept() -> None:
 
 
 SERIAL = BENCH.replace("kind: hw-run\n", "kind: hw-run\ndevice: {driver: serial, url: socket://localhost:1}\n")
-# A campaign's spec with one change: the key at fault, if any.
+# A campaign's spec with one change, and what is wrong with it, if anything.
 CAMPAIGNS: dict[str, tuple[str, str]] = {
-    "grip as wide as its target": (BENCH + "grip: {target: 0.7, band: 0.7}\n", "grip.band"),
+    "grip as wide as its target": (BENCH + "grip: {target: 0.7, band: 0.7}\n", "grip.band: must be < the target of"),
     "a grip less wide": (BENCH + "grip: {target: 0.7, band: 0.69}\n", ""),
+    "no grip": (BENCH + "grip: none\n", ""),
     "the slowest rate": (BENCH.replace("[1000, 2000]", "[1]"), ""),
-    "slower": (BENCH.replace("[1000, 2000]", "[0.5]"), "grid.sample_rate_hz[0]"),
+    "slower": (BENCH.replace("[1000, 2000]", "[0.5]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz, got 0.5"),
     "the fastest rate": (BENCH.replace("[1000, 2000]", "[1000000]"), ""),
-    "faster": (BENCH.replace("[1000, 2000]", "[1000001]"), "grid.sample_rate_hz[0]"),
+    "faster": (BENCH.replace("[1000, 2000]", "[1000001]"), "grid.sample_rate_hz[0]: must be 1 to 1000000 Hz"),
     "a watchdog of two samples": (SERIAL + "limits: {watchdog: 0.002}\n", ""),
-    "a watchdog of less": (SERIAL + "limits: {watchdog: 0.0019}\n", "limits.watchdog"),
-    "the port of another driver": (BENCH + "device: {url: /dev/x}\n", "device.url"),
+    "a watchdog of less": (
+        SERIAL + "limits: {watchdog: 0.0019}\n",
+        "limits.watchdog: must be two samples at least, 0.002 s at 1000 Hz, got 0.0019",
+    ),
+    "the port of another driver": (BENCH + "device: {url: /dev/x}\n", "device.url: "),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_limits_of_a_campaign(name: str) -> None:
-    text, key = CAMPAIGNS[name]
-    assert [one.split(":")[0] for one in wrong(text)] == ([key] if key else [])
+    text, said = CAMPAIGNS[name]
+    found = wrong(text)
+    assert len(found) == bool(said)
+    assert not said or found[0].startswith(said)
 
 
 def test_the_longest_trial_of_a_campaign() -> None:
@@ -112,10 +141,16 @@ def test_the_most_trials_of_a_campaign_count_its_remedies() -> None:
     remedies = "remedies: {plain wall: {}, soft: {change: {wall: {stiffness: 0.1}}}}\n"
     five = BENCH.replace("[1000, 2000]", "[1000, 1001, 1002, 1003, 1004]").replace("[256, 512]", "[256]")
     six = five.replace("1004", "1004, 1005")
+    eleven = six.replace("1005", "1005, 1006, 1007, 1008, 1009, 1010")
+    assert wrong(f"{eleven}repeats: 100\n") == ["grid: must be at most 1000 trials with repeats, got 1100"]
     assert wrong(f"{five}{remedies}repeats: 100\n") == []
     assert wrong(f"{six}{remedies}repeats: 100\n") == [
         "grid: must be at most 1000 trials with repeats and remedies, got 1200"
     ]
+
+
+def test_a_stage_is_read_by_its_kind() -> None:
+    assert load(ROOT / "experiments" / "smoke_grid.yaml", kind="sweep").name == "smoke-grid"
 
 
 def test_a_pipeline_is_no_stage() -> None:
@@ -125,6 +160,12 @@ def test_a_pipeline_is_no_stage() -> None:
     assert "one of: sysid, sweep, " in str(raised.value)
 
 
+def test_a_grid_may_fill_the_limit_of_cells() -> None:
+    text = SPEC + "limits: {max_cells: 2}\n"
+    assert wrong(text.replace("[1024]", "[512, 1024]")) == []
+    assert [one.split(":")[0] for one in wrong(text.replace("[1024]", "[512, 1024, 2048]"))] == ["grid"]
+
+
 def test_a_population_may_fill_the_limit_of_cells() -> None:
     people = "population: {table: 1, grip_n: 0.71, people: PEOPLE, seed: 1}\nlimits: {max_cells: 100}\n"
     text = SPEC.replace(HAND, "") + people
@@ -132,10 +173,12 @@ def test_a_population_may_fill_the_limit_of_cells() -> None:
     assert [one.split(":")[0] for one in wrong(text.replace("PEOPLE", "101"))] == ["population"]
 
 
-@pytest.mark.parametrize(("text", "key"), [("grid", ""), ("scene.knob.inertia.x=1", "scene.knob.inertia.x")])
+@pytest.mark.parametrize(
+    ("text", "key"), [("grid", ""), ("scene.knob.inertia.x=1", "scene.knob.inertia.x"), ("scne.knob=1", "scne.knob")]
+)
 def test_a_fault_of_an_override_has_no_line(text: str, key: str) -> None:
     with pytest.raises(SpecError) as raised:
-        load(Path(__file__).parents[2] / "experiments" / "smoke_grid.yaml", (text,))
+        load(ROOT / "experiments" / "smoke_grid.yaml", (text,))
     (fault,) = raised.value.faults
     assert (fault.where, fault.line, fault.column, fault.key) == (f"--set {text}", 0, 0, key)
 
@@ -176,6 +219,11 @@ IMPULSE = Controller("impulse_damping")
 PARTS: dict[str, tuple[Scene, set[str], set[str]]] = {
     "nothing": (SCENE, {"handless", "unpushed", "undamped", "unheld"}, {"friction", "pulses", "knob_model", "delay"}),
     "friction": (SCENE._replace(knob=Knob(1.9e-6, coulomb_torque=1e-4)), {"friction"}, {"undamped"}),
+    "a delay": (SCENE._replace(actuator=Actuator(delay_samples=1.0)), {"delay"}, {"lag"}),
+    "a finger held through its pad": (
+        SCENE._replace(hand=Hand(finger=Finger(1e-6, stiffness=0.1), fingerpad=Fingerpad(stiffness=0.2))),
+        {"finger"}, {"unheld", "handless"},
+    ),
     "a whole pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=1.0)), {"controller"}, {"pulses", "knob_model"}),
     "a short pulse": (SCENE._replace(controller=IMPULSE._replace(pulse=0.9)), {"pulses"}, {"knob_model"}),
     "a short pulse of another kind": (
@@ -237,8 +285,10 @@ def test_the_most_virtual_trials() -> None:
     assert wrong(most.replace("INPUT", ", input: {kind: step, duration: 0.13}")) == [
         "virtual: must make at most 25000 trials with these subjects, blocks and grips, got 50000"
     ]
-    more = text.replace("GRIPS", "[0]").replace("BLOCKS", str(MOST_TRIALS // 1000 + 1))
-    assert wrong(more.replace("INPUT", ""))[0].startswith("virtual: must make at most 50000 trials")
+    more = text.replace("GRIPS", "[0]").replace("BLOCKS", str(MOST_TRIALS // 1000 + 1)) + "excitation: continuous\n"
+    for given in ("0.065", "0.02"):
+        found = wrong(more.replace("INPUT", f", input: {{kind: step, duration: {given}}}"))
+        assert found[0].startswith("virtual: must make at most 50000 trials with these ")
 
 
 def velocity(text: str, **axes: str) -> list[str]:
