@@ -112,12 +112,11 @@ def _drawn(spread: Spread, spec: PopulationSpec, apparatus: float) -> tuple[list
     A mean inertia that is not above 0 is drawn with that of the apparatus (kg·m²) it was measured with.
     """
     inertia, damping, stiffness = spread.means
-    place = "grip_n" if spec.table else "from"
     if min(damping, stiffness) <= 0.0:
-        raise ChoiceError(place, f"has a mean damping of {damping:g} and stiffness of {stiffness:g}; must be > 0")
+        raise ChoiceError("from", f"has a mean damping of {damping:g} and stiffness of {stiffness:g}; must be > 0")
     beside = apparatus if inertia <= 0.0 else 0.0
     if inertia + beside <= 0.0:
-        raise ChoiceError(place, f"has a mean inertia of {inertia:g} kg*m^2, which must be > 0")
+        raise ChoiceError("from", f"has a mean inertia of {inertia:g} kg*m^2, which must be > 0")
     spread = spread._replace(means=(inertia + beside, damping, stiffness))
     hands = [(j - beside, b, k) for j, b, k in draw(spread, people=spec.people, seed=spec.seed)]
     text = f"population: the hand's mean inertia is {inertia:g} kg*m^2; it is drawn with the apparatus' {apparatus:g}"

@@ -119,7 +119,8 @@ def validate(source: Source, *, kind: str | None = None, presets: bool = True) -
         raise SpecError([source.fault(("kind",), _kind_fault(None, SPECS))])
     known = isinstance(given, str) and given in KINDS
     if not known or (kind is not None and given != kind):
-        raise SpecError([source.fault(("kind",), _kind_fault(given, (kind,) if kind else SPECS))])
+        allowed = (kind,) if kind else KINDS if given == PIPELINE else SPECS
+        raise SpecError([source.fault(("kind",), _kind_fault(given, allowed))])
     preset = take_preset(source) if presets else None
     make_plan = STAGES[given].validate
     made: Any = loaded(make_plan)(source) if make_plan else _validated(source, given)

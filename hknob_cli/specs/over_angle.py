@@ -20,7 +20,7 @@ def ways_round(span: float) -> tuple[int, int] | None:
     """How often a pattern goes into how many revolutions, one of the two being 1; None where it goes into none."""
     often = 2.0 * pi / span
     for times, turns in ((round(often) if often <= MOST_TIMES else 0, 1), (1, round(span / (2.0 * pi)))):
-        if times > 0 and turns > 0 and isclose(span * times, 2.0 * pi * turns, rel_tol=1e-9):
+        if isclose(span * times, 2.0 * pi * turns, rel_tol=1e-9):
             return times, turns
     return None
 

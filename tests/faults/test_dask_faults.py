@@ -5,6 +5,8 @@ import platform
 import random
 import shutil
 import signal
+import socketserver
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -131,6 +133,30 @@ def test_no_scheduler(undisturbed, tmp_path: Path) -> None:
     )
     assert (code, errors.count("\n")) == (1, 1)
     assert errors.startswith("no Dask scheduler at tcp://127.0.0.1:9")
+
+
+WORDS = {
+    "a web server": b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\nConnection: close\r\n\r\n",
+    "noise": random.Random(5).randbytes(4096),
+    "a length of 2 ** 62": (2**62).to_bytes(8, "little") * 8,
+    "nothing": b"",
+}
+
+
+@pytest.mark.parametrize("words", WORDS.values(), ids=WORDS)
+def test_an_address_at_which_something_else_answers(undisturbed, tmp_path: Path, words: bytes) -> None:
+    class Other(socketserver.BaseRequestHandler):
+        def handle(self) -> None:
+            self.request.sendall(words)
+
+    spec, _ = undisturbed
+    with socketserver.ThreadingTCPServer(("127.0.0.1", 0), Other) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        address = f"tcp://127.0.0.1:{server.server_address[1]}"
+        code, errors = run(spec, tmp_path / "out", "--executor", "dask", "--scheduler", address, fault=IMPATIENT)
+        server.shutdown()
+    said = f"no Dask scheduler at {address}; what is finished is kept, run the same command again\n"
+    assert (code, errors, (tmp_path / "out").exists()) == (1, said, False)
 
 
 def test_workers_that_come_later(cluster, undisturbed, tmp_path: Path) -> None:

@@ -88,7 +88,7 @@ def test_a_changed_function_does_what_the_change_says(tmp_path: Path) -> None:
 def test_accepted_changes_are_changes_of_the_source_and_have_a_reason() -> None:
     """A list that has fallen behind would let anything through that looks alike."""
     listed = tomllib.loads((ROOT / "tests/mutation/accepted.toml").read_text())
-    assert listed.keys() <= WATCHED.keys()
+    assert all(path_of(name).exists() for name in listed)
     for name, entries in listed.items():
         known = [(one.name, one.text, one.change) for one in mutants(path_of(name))]
         for entry in entries:
