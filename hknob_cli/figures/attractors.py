@@ -182,7 +182,7 @@ def draw_map(panel: Any, one: BasinMap) -> None:
     panel.set_ylim(bottom, top)
     panel.set_xlabel("angle at a sample, mrad (the wall is left of 0)")
     panel.set_ylabel("velocity, rad/s")
-    panel.legend(fontsize=8, loc="upper right", framealpha=0.9)
+    panel.legend(fontsize=8, loc="upper right", frameon=True, framealpha=0.9)
 
 
 def _draw_edges(panel: Any, orbits: list[dict[str, Any]], left: float, right: float) -> None:

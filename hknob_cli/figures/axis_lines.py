@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import axes_of, axis_label, column_label
-from hknob_cli.figures.numbers import is_geometric, tick_labels
+from hknob_cli.figures.numbers import mark_values
 from hknob_cli.report.table import short
 from hknob_cli.results.means import WORST, differs
 from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
@@ -162,9 +162,5 @@ def _finish(panels: "list[Axes]", cells: Cells, over: str, label: str, *, signed
             panel.set_yticks([])
         elif not signed:
             panel.set_ylim(0.0, max(panel.get_ylim()[1], 1e-12))
-    if values[0] > 0 and is_geometric(values):
-        panels[-1].set_xscale("log")
-    if len(values) <= _FEW:
-        panels[-1].set_xticks(values, tick_labels(values))
-        panels[-1].set_xticks([], minor=True)
+    mark_values(panels[-1], values, few=_FEW)
     panels[-1].set_xlabel(label)

@@ -65,7 +65,7 @@ def error_time(
     """
     result = evidence[of]
     rows = [row for row in result.rows("bench") if methods is None or row["method"] in methods]
-    names = [name for name in dict.fromkeys(row["scene"] for row in rows) if scenes is None or name in scenes]
+    names = _asked(rows, "scene", scenes)
     if not names:
         raise MissingError(f"'{of}' has no run of these scenes and methods")
     verdicts = result.provenance["spec"].get("verdicts") or {}
@@ -85,6 +85,11 @@ def error_time(
     figure.supylabel("largest error / swing", fontsize=9)
     _key(figure, [row for row in rows if row["scene"] in names])
     return figure
+
+
+def _asked(rows: Rows, column: str, names: list[str] | None) -> list[str]:
+    """Values of a column in their order; with ``names`` those among them."""
+    return [one for one in dict.fromkeys(row[column] for row in rows) if names is None or one in names]
 
 
 def _panel(axes: "Axes", rows: Rows, *, accurate: float) -> None:
@@ -148,11 +153,10 @@ def stability_table(
 
     A second line of symbols is of smoothed or soft friction. Raises `MissingError`.
     """
-    from matplotlib.patches import Patch, Rectangle
+    from matplotlib.patches import Patch
 
     rows = evidence[of].rows("bench")
-    down = [name for name in dict.fromkeys(row["scene"] for row in rows) if scenes is None or name in scenes]
-    across = [name for name in dict.fromkeys(row["method"] for row in rows) if methods is None or name in methods]
+    down, across = _asked(rows, "scene", scenes), _asked(rows, "method", methods)
     if not down or not across:
         raise MissingError(f"'{of}' has no run of these scenes and methods")
     words = len(across) <= 8
@@ -160,40 +164,50 @@ def stability_table(
     axes = figure.subplots()
     for i, scene in enumerate(reversed(down)):
         for j, method in enumerate(across):
-            own = [row for row in rows if row["scene"] == scene and row["method"] == method]
-            if not own:
-                continue
-            best = min((row["verdict"] for row in own), key=list(VERDICTS).index)
-            axes.add_patch(Rectangle((j + 0.02, i + 0.03), 0.96, 0.94, facecolor=_COLOURS[best], edgecolor="none"))
-            inked = theme.ON_DARK if best == "accurate" else theme.ON_LIGHT
-            text = _symbols(own)
-            if words:
-                text = f"{best}\n{text.replace(chr(10), ' | ')}"
-            axes.text(j + 0.5, i + 0.5, text, ha="center", va="center", fontsize=8, color=inked, linespacing=1.1)
+            if own := [row for row in rows if row["scene"] == scene and row["method"] == method]:
+                _verdicts(axes, own, (j, i), words=words)
     axes.set_xlim(0, len(across))
     axes.set_ylim(0, len(down))
     axes.grid(visible=False)
-    labels = [STYLES[name].label if name in STYLES else name for name in across]
-    names = [fill(label, 13) for label in labels] if words else [name.replace("_", " ") for name in across]
-    turned: dict[str, Any] = {} if words else {"rotation": 50, "ha": "left", "rotation_mode": "anchor"}
-    axes.set_xticks([j + 0.5 for j in range(len(across))], names, fontsize=8, **turned)
-    axes.xaxis.tick_top()
+    _name_methods(axes, across, words=words)
     axes.set_yticks(
         [i + 0.5 for i in range(len(down))], [name.replace("_", " ") for name in reversed(down)], fontsize=8
     )
     axes.tick_params(length=0)
     for spine in axes.spines.values():
         spine.set_visible(False)
-    there = [verdict for verdict in VERDICTS if any(row["verdict"] == verdict for row in rows)]
-    handles = [Patch(facecolor=_COLOURS[verdict], label=f"{_SYMBOLS[verdict]}  {verdict}") for verdict in there]
+    there = {row["verdict"] for row in rows}
+    handles = [Patch(facecolor=_COLOURS[one], label=f"{_SYMBOLS[one]}  {one}") for one in VERDICTS if one in there]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), columnspacing=1.2)
-    bar = " after the bar" if words else " in the second line"
     note = "a cell has the colour of its best verdict;  a symbol a setting, the coarsest first"
     if any(row["friction"] in _OTHER_FRICTION for row in rows):
-        note += f",\n{bar.strip()}: with smoothed or soft friction"
+        note += f",\n{'after the bar' if words else 'in the second line'}: with smoothed or soft friction"
     axes.xaxis.set_label_position("bottom")
     axes.set_xlabel(note, fontsize=8)
     return figure
+
+
+def _verdicts(axes: "Axes", rows: Rows, place: tuple[int, int], *, words: bool) -> None:
+    """The cell of a method and scene at its column and row: the best verdict's colour, and symbols."""
+    from matplotlib.patches import Rectangle
+
+    x, y = place
+    best = min((row["verdict"] for row in rows), key=list(VERDICTS).index)
+    axes.add_patch(Rectangle((x + 0.02, y + 0.03), 0.96, 0.94, facecolor=_COLOURS[best], edgecolor="none"))
+    inked = theme.ON_DARK if best == "accurate" else theme.ON_LIGHT
+    text = _symbols(rows)
+    if words:
+        text = f"{best}\n{text.replace(chr(10), ' | ')}"
+    axes.text(x + 0.5, y + 0.5, text, ha="center", va="center", fontsize=8, color=inked, linespacing=1.1)
+
+
+def _name_methods(axes: "Axes", methods: list[str], *, words: bool) -> None:
+    """Names of methods above their columns: broken into lines, or turned where the columns are narrow."""
+    labels = [STYLES[name].label if name in STYLES else name for name in methods]
+    names = [fill(label, 13) for label in labels] if words else [name.replace("_", " ") for name in methods]
+    turned: dict[str, Any] = {} if words else {"rotation": 50, "ha": "left", "rotation_mode": "anchor"}
+    axes.set_xticks([j + 0.5 for j in range(len(methods))], names, fontsize=8, **turned)
+    axes.xaxis.tick_top()
 
 
 def _symbols(rows: Rows) -> str:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.axis_lines import Cells, Point, cells_of, place_of
-from hknob_cli.figures.grid import Row, axes_of, axis_label, rows_of
+from hknob_cli.figures.grid import Row, axes_of, axis_label, nearest_rows, rows_of
 from hknob_cli.figures.numbers import tick_labels
 from hknob_cli.report.population import by_cell, pitches, sizes
 from hknob_cli.results.result_set import MissingError, ResultSet
@@ -36,11 +36,10 @@ def population(evidence: ResultSet, of: str, *, at: Row | None = None, height: f
     axes = axes_of(result, rows)
     if PERSON not in axes:
         raise MissingError(f"'{of}' is a sweep of one hand, not of a population")
-    for axis, value in (at or {}).items():
+    for axis in at or {}:
         if axis not in axes:
             raise MissingError(f"'{of}' has no axis {axis}; it has {', '.join(axes)}")
-        nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
-        rows = [row for row in rows if row[axis] == nearest]
+    rows = nearest_rows(rows, at)
     wide = [axis for axis in axes if axis != PERSON and len({row[axis] for row in rows}) > 1]
     cells = thinned(by_cell(rows, axes))
     names = [tick_labels([cell[axis] for cell, _ in cells]) for axis in wide]
@@ -112,21 +111,34 @@ def _rows(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Figu
         rest = None if signed else _scale(panel, cells, number)
         for i, one in enumerate(cells.series):
             shift = (0.5 * (len(cells.series) - 1) - i) * lift
-            shown = [(point.values[number], at[_place(point, cells)] + shift) for point in one.points]
-            shown = [(x, y) for x, y in shown if x is not None and (x or number == 0 or signed)]
-            xs = [x if x or rest is None else rest for x, _ in shown]
-            panel.plot(xs, [y for _, y in shown], label=one.name or None, **theme.points(i), markersize=5.0)
+            shown = _valued(one.points, number, signed=signed)
+            xs = [value or rest or 0.0 for _, value in shown]
+            ys = [at[_place(point, cells)] + shift for point, _ in shown]
+            panel.plot(xs, ys, label=one.name or None, **theme.points(i), markersize=5.0)
         if signed and all(value >= 0.0 for one in cells.series for point in one.points if (value := point.values[0])):
             panel.set_xlim(left=0.0)
         panel.set_xlabel(cells.panels[number] + ("\n(left of the line: at rest)" if rest is not None else ""))
         panel.set_ylim(-0.7, len(places) - 0.3)
-        if not any(line.get_xdata().size for line in panel.lines[: len(cells.series)]):
-            panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
+        if _say_none(panel, len(cells.series)):
             panel.set_xticks([])
     first = {_place(point, cells): point.row for one in cells.series for point in one.points}
     names = [place_of(first[place], cells.wide or cells.axes[:2]) for place in places]
     panels[0].set_yticks([at[place] for place in places], names, fontsize=7.5)
     return figure
+
+
+def _valued(points: list[Point], number: int, *, signed: bool) -> list[tuple[Point, float]]:
+    """Points that have a value on the panel of a number; the pitch of a cell at rest, which is 0, is none."""
+    found = [(point, point.values[number]) for point in points]
+    return [(point, value) for point, value in found if value is not None and (value or number == 0 or signed)]
+
+
+def _say_none(panel: "Axes", series: int) -> bool:
+    """Write "none" into a panel whose series are empty, and tell whether it is one."""
+    empty = not any(line.get_xdata().size for line in panel.lines[:series])  # type: ignore[union-attr]
+    if empty:
+        panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
+    return empty
 
 
 def _scale(panel: "Axes", cells: Cells, number: int) -> float | None:
@@ -157,13 +169,11 @@ def _shares(cells: Cells, places: list[tuple[Any, ...]], *, signed: bool) -> "Fi
     panels = figure.subplots(1, len(cells.panels), sharey=True, squeeze=False)[0]
     for number, panel in enumerate(panels):
         for i, one in enumerate(cells.series):
-            known = [point.values[number] for point in one.points if point.values[number] is not None]
-            values = sorted(value for value in known if value is not None and (value or number == 0 or signed))
+            values = sorted(value for _, value in _valued(one.points, number, signed=signed))
             xs, ys = cumulative(values, 1.0) if values else ([], [])
             panel.step(xs, ys, where="post", label=one.name or None, **theme.series(i))
         panel.set_xlabel(cells.panels[number])
         panel.set_ylim(0.0, 101.0)
-        if not any(line.get_xdata().size for line in panel.lines):
-            panel.text(0.5, 0.5, "none", ha="center", va="center", transform=panel.transAxes)
+        _say_none(panel, len(cells.series))
     panels[0].set_ylabel(f"of the {len(places):,} cells at most this, %")
     return figure

@@ -4,7 +4,7 @@ A search for a design: what every design costs, and how far above threshold it i
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.sheet import save
@@ -23,6 +23,26 @@ Row = dict[str, Any]
 MARKS = "osD^vPX<>"
 
 
+class _Heights(NamedTuple):
+    """Where designs stand, dB: at their levels, those at rest below them all, those without a known level above."""
+
+    rest: float
+    unknown: float
+    room: float  # from these to the next level
+
+    def of(self, row: Row) -> float:
+        """The height of a design."""
+        level: float | None = row["touch_db"]
+        return level if level is not None else self.unknown if row["unknown"] else self.rest
+
+
+def _heights(rows: Rows, part: float) -> _Heights:
+    """Heights of ends that are a ``part`` of the levels' range away from them."""
+    known = [row["touch_db"] for row in rows if row["touch_db"] is not None] or [0.0]
+    room = part * max(1.0, max(known) - min(known))
+    return _Heights(min(known) - room, max(known) + room, room)
+
+
 @drawing
 def design_costs(evidence: ResultSet, of: str) -> "Figure":
     """Touch (dB above threshold) over cost, a marker a remedy: filled where every limit is met, hollow where not.
@@ -37,15 +57,8 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     shown = _thinned(rows)
     figure = theme.figure(4.0)
     panel = figure.subplots()
-    known = [row["touch_db"] for row in rows if row["touch_db"] is not None]
-    low, high = min(known, default=0.0), max(known, default=0.0)
-    room = 0.09 * max(1.0, high - low)
-    rest, unknown = low - room, high + room
-
-    def height(row: dict[str, float | None]) -> float:
-        level = row["touch_db"]
-        return level if level is not None else unknown if row["unknown"] else rest
-
+    heights = _heights(rows, 0.09)
+    height = heights.of
     for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
         for feasible in (False, True):
             mine = [row for row in shown if row["remedy"] == name and row["feasible"] == feasible]
@@ -59,7 +72,7 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
         for row in (row for row in rows if row[flag]):
             panel.plot([row["cost"]], [height(row)], marker=marker, markersize=size, fillstyle="none", color="black",
                        linestyle="none", label=text)  # fmt: skip
-    _label_ends(panel, rows, rest, unknown)
+    _label_ends(panel, rows, heights)
     panel.margins(x=0.06, y=0.1)
     panel.set_xlabel("cost (filled: meets every limit)")
     panel.set_ylabel("touch, dB above threshold")
@@ -69,13 +82,13 @@ def design_costs(evidence: ResultSet, of: str) -> "Figure":
     return figure
 
 
-def _label_ends(panel: "Axes", rows: Rows, rest: float, unknown: float) -> None:
+def _label_ends(panel: "Axes", rows: Rows, heights: _Heights) -> None:
     """Ticks in words for designs at rest, and for those of which no level is known."""
     named = []
     if any(row["touch_db"] is None and not row["unknown"] for row in rows):
-        named.append((rest, "rest "))
+        named.append((heights.rest, "rest "))
     if any(row["touch_db"] is None and row["unknown"] for row in rows):
-        named.append((unknown, "not known "))
+        named.append((heights.unknown, "not known "))
     for place, text in named:
         panel.text(0.99, place, text, ha="right", va="center", fontsize=8, transform=panel.get_yaxis_transform())
         panel.axhline(place, color="black", linewidth=0.5, alpha=0.3, linestyle=(0, (1, 2)))
@@ -121,57 +134,17 @@ def _one(rows: list[Row], flag: str) -> Row | None:
 
 
 def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
-    known = [row["touch_db"] for row in rows if row["touch_db"] is not None]
-    low, high = min(known, default=0.0), max(known, default=1.0)
-    room = 0.08 * max(1.0, high - low)
-    rest, unknown = low - room, high + room
-
-    def height(row: Row) -> float:
-        return row["touch_db"] if row["touch_db"] is not None else unknown if row["unknown"] else rest
-
-    for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
-        for good in (False, True):
-            mine = [row for row in rows if row["remedy"] == name and row["feasible"] == good]
-            fill = f"C{i}" if good else "none"
-            axes.scatter(
-                [row["cost"] for row in mine],
-                [height(row) for row in mine],
-                marker=MARKS[i % len(MARKS)],
-                s=34,
-                edgecolors=f"C{i}",
-                facecolors=fill,
-                linewidths=0.9,
-                alpha=0.85,
-            )
-        axes.scatter([], [], marker=MARKS[i % len(MARKS)], color=f"C{i}", label=name)
-    front = sorted((row for row in rows if row["front"]), key=lambda row: row["cost"])
-    axes.step([row["cost"] for row in front], [height(row) for row in front], where="post", color="0.4", zorder=0)
-    for flag, mark, size, text in (("present", "s", 190, "present"), ("chosen", "*", 420, "chosen")):
-        row = _one(rows, flag)
-        if row is None:
-            continue
-        colour = "crimson" if flag == "chosen" else "black"
-        face = colour if flag == "chosen" else "none"
-        axes.scatter([row["cost"]], [height(row)], marker=mark, s=size, edgecolors=colour, facecolors=face, zorder=3)
-        said = name_of(plan, row).replace(", ", "\n")
-        unproven = "" if row["certified"] else " (not proven for all)"
-        axes.annotate(
-            f"{text}{unproven}: cost {row['cost']:g}\n{said}",
-            (row["cost"], height(row)),
-            xytext=(14, 12),
-            textcoords="offset points",
-            fontsize=8,
-            va="bottom",
-            bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
-            zorder=4,
-        )
+    heights = _heights(rows, 0.08)
+    _mark_designs(axes, rows, heights)
+    for flag in ("present", "chosen"):
+        if row := _one(rows, flag):
+            _mark_one(axes, plan, row, heights.of(row), flag)
+    text: dict[str, Any] = {"ha": "right", "transform": axes.get_yaxis_transform(), "color": "0.4"}
     if any(row["touch_db"] is None and not row["unknown"] for row in rows):
-        axes.axhspan(low - 2 * room, low - 0.5 * room, color="0.93", zorder=-1)
-        axes.text(0.99, rest, "at rest ", ha="right", va="center", transform=axes.get_yaxis_transform(), color="0.4")
+        axes.axhspan(heights.rest - heights.room, heights.rest + 0.5 * heights.room, color="0.93", zorder=-1)
+        axes.text(0.99, heights.rest, "at rest ", va="center", **text)
     if any(row["unknown"] for row in rows):
-        axes.text(
-            0.99, unknown, "not known ", ha="right", va="bottom", transform=axes.get_yaxis_transform(), color="0.4"
-        )
+        axes.text(0.99, heights.unknown, "not known ", va="bottom", **text)
     if plan.touch:
         limit, off = _touch_limit(plan, rows), plan.uncertainty_db
         axes.axhspan(limit - off, limit + off, color="C3", alpha=0.1, linewidth=0.0, zorder=-1)
@@ -183,6 +156,46 @@ def _scatter(axes: "Axes", plan: DesignPlan, rows: list[Row]) -> None:
     )
     axes.grid(alpha=0.3)
     axes.legend(loc="best", fontsize=8, frameon=True)
+
+
+def _mark_designs(axes: "Axes", rows: Rows, heights: _Heights) -> None:
+    """A marker a remedy, filled where every limit is met, and the line of the front."""
+    for i, name in enumerate(dict.fromkeys(row["remedy"] for row in rows)):
+        marker, colour = MARKS[i % len(MARKS)], f"C{i}"
+        for good in (False, True):
+            mine = [row for row in rows if row["remedy"] == name and row["feasible"] == good]
+            axes.scatter(
+                [row["cost"] for row in mine],
+                [heights.of(row) for row in mine],
+                marker=marker,
+                s=34,
+                edgecolors=colour,
+                facecolors=colour if good else "none",
+                linewidths=0.9,
+                alpha=0.85,
+            )
+        axes.scatter([], [], marker=marker, color=colour, label=name)
+    front = sorted((row for row in rows if row["front"]), key=lambda row: float(row["cost"]))
+    axes.step([row["cost"] for row in front], [heights.of(row) for row in front], where="post", color="0.4", zorder=0)
+
+
+def _mark_one(axes: "Axes", plan: DesignPlan, row: Row, height: float, flag: str) -> None:
+    """The present design, or the chosen one, with what it is."""
+    chosen = flag == "chosen"
+    mark, size, colour, face = ("*", 420, "crimson", "crimson") if chosen else ("s", 190, "black", "none")
+    axes.scatter([row["cost"]], [height], marker=mark, s=size, edgecolors=colour, facecolors=face, zorder=3)
+    said = name_of(plan, row).replace(", ", "\n")
+    unproven = "" if row["certified"] else " (not proven for all)"
+    axes.annotate(
+        f"{flag}{unproven}: cost {row['cost']:g}\n{said}",
+        (row["cost"], height),
+        xytext=(14, 12),
+        textcoords="offset points",
+        fontsize=8,
+        va="bottom",
+        bbox={"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.5},
+        zorder=4,
+    )
 
 
 def _touch_limit(plan: DesignPlan, rows: list[Row]) -> float:

@@ -140,7 +140,7 @@ def grid(
             raise MissingError(f"'{result.name}' has no axis {name}; it has {', '.join(axes) or 'none'}")
     for column in columns:
         _known(rows, column, result)
-    rows = _nearest(rows, at or {})
+    rows = nearest_rows(rows, at)
     across, down = _two_axes(result, rows, axes, across, down)
     whole = [sorted({row[axis] for row in rows}) if axis else [None] for axis in (across, down)]
     acrosses, downs = map(_thin, whole)
@@ -154,9 +154,9 @@ def grid(
     return Grid(across, down, acrosses, downs, cells, names, fixed)
 
 
-def _nearest(rows: Rows, at: Row) -> Rows:
+def nearest_rows(rows: Rows, at: Row | None) -> Rows:
     """Rows at the values of axes that are nearest to those asked for."""
-    for axis, value in at.items():
+    for axis, value in (at or {}).items():
         nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
         rows = [row for row in rows if row[axis] == nearest]
     return rows

@@ -8,6 +8,7 @@ from hknob_cli.report.table import short
 from hknob_cli.results.result_set import MissingError, ResultSet, Rows
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST = 30  # rows
@@ -57,22 +58,7 @@ def identified_values(evidence: ResultSet, of: str) -> "Figure":
     figure = theme.figure((0.22 * len(shown) + 1.0) * lines + 0.2)
     panels = figure.subplots(lines, across, sharey=True, squeeze=False).ravel()
     for panel, one in zip(panels, parameters, strict=False):
-        known = [(y, row) for y, row in enumerate(reversed(shown)) if row.get(one.column) is not None]
-        panel.errorbar(
-            [one.factor * row[one.column] for _, row in known],
-            [y for y, _ in known],
-            xerr=[one.factor * (row[f"{one.column}_std"] or 0.0) for _, row in known],
-            capsize=2.0,
-            elinewidth=0.8,
-            **theme.points(0) | {"markersize": 4.5},
-        )
-        panel.set_xlabel(one.label)
-        panel.locator_params(axis="x", nbins=4)
-        panel.tick_params(axis="x", labelsize=7.5)
-        panel.margins(x=0.15)
-        if all(row[one.column] >= 0.0 for _, row in known):
-            most = max(row[one.column] + (row[f"{one.column}_std"] or 0.0) for _, row in known)
-            panel.set_xlim(0.0, 1.12 * one.factor * most or 1.0)
+        _draw(panel, one, shown)
     for panel in panels[len(parameters) :]:
         panel.set_axis_off()
     names = [_name(row, chosen) for row in reversed(shown)]
@@ -81,6 +67,21 @@ def identified_values(evidence: ResultSet, of: str) -> "Figure":
     if len(shown) < len(chosen):
         figure.supxlabel(f"the first {len(shown)} of {len(chosen)} conditions", fontsize=8)
     return figure
+
+
+def _draw(panel: "Axes", one: _Parameter, rows: Rows) -> None:
+    """A parameter of each row, the first uppermost, with its error."""
+    known = [(y, row) for y, row in enumerate(reversed(rows)) if row.get(one.column) is not None]
+    values = [one.factor * row[one.column] for _, row in known]
+    errors = [one.factor * (row[f"{one.column}_std"] or 0.0) for _, row in known]
+    style = theme.points(0) | {"markersize": 4.5}
+    panel.errorbar(values, [y for y, _ in known], xerr=errors, capsize=2.0, elinewidth=0.8, **style)
+    panel.set_xlabel(one.label)
+    panel.locator_params(axis="x", nbins=4)
+    panel.tick_params(axis="x", labelsize=7.5)
+    panel.margins(x=0.15)
+    if values and all(value >= 0.0 for value in values):
+        panel.set_xlim(0.0, 1.12 * max(map(sum, zip(values, errors, strict=True))) or 1.0)
 
 
 def _name(row: dict[str, str | float | None], rows: Rows) -> str:

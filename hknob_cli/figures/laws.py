@@ -5,10 +5,11 @@ from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
 from hknob_cli.figures.grid import Grid, Row, column_label, grid
-from hknob_cli.figures.numbers import is_geometric, log_ticks, tick_labels
+from hknob_cli.figures.numbers import log_ticks, mark_values, tick_labels
 from hknob_cli.results.result_set import MissingError, ResultSet
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _LAWS = {"quantum_period": "the law C \u0394\u03b8 T"}
@@ -43,29 +44,18 @@ def law_lines(
     name, factor = column_label(result, column)
     figure = theme.figure(height)
     axes = figure.subplots()
-    found = False
-    for i, (line, text) in enumerate(zip(cells.values(column, factor), tick_labels(cells.downs), strict=True)):
-        style = theme.series(i)
-        found |= any(value == value for value in line)
-        inside = [
-            value if cell is not None and cell["in_domain"] else float("nan")
-            for value, cell in zip(line, cells.cells[i], strict=True)
-        ]
-        axes.plot(cells.acrosses, line, **{**style, "linewidth": 0.8, "alpha": 0.6})
-        axes.plot(cells.acrosses, inside, **style)
-        axes.plot([], [], **style, marker=theme.points(i)["marker"], markersize=5, label=text)
-    if not found:
+    computed = cells.values(column, factor)
+    if not any(value == value for line in computed for value in line):
         raise MissingError(f"'{names[0]}' has no value of {column} by the law {law}")
+    for i, (line, text) in enumerate(zip(computed, tick_labels(cells.downs), strict=True)):
+        _line(axes, cells, i, line)
+        axes.plot([], [], **theme.series(i), marker=theme.points(i)["marker"], markersize=5, label=text)
     if there is not None:
         for i, line in enumerate(there.values(beside, factor)):
             shown = [(x, y) for x, y in zip(there.acrosses, line, strict=True) if y == y and y > 0]
             axes.plot(*zip(*shown, strict=True) if shown else ([], []), markersize=5, **theme.points(i))
     values = [value for value in cells.acrosses if value is not None]
-    if values and values[0] > 0 and is_geometric(values):
-        axes.set_xscale("log")
-    if len(values) <= 10:
-        axes.set_xticks(values, tick_labels(values))
-        axes.set_xticks([], minor=True)
+    mark_values(axes, values, few=10)
     axes.set_yscale("log")
     axes.set_yticks(*log_ticks(*axes.get_ylim()))
     axes.set_yticks([], minor=True)
@@ -76,3 +66,14 @@ def law_lines(
     if cells.down:
         figure.legend(title=fill(cells.names[1], 20), loc="outside right upper", handlelength=3.4)
     return figure
+
+
+def _line(axes: "Axes", cells: Grid, index: int, values: list[float]) -> None:
+    """A row of the grid as a line, faint outside the law's domain."""
+    style = theme.series(index)
+    inside = [
+        value if cell is not None and cell["in_domain"] else float("nan")
+        for value, cell in zip(values, cells.cells[index], strict=True)
+    ]
+    axes.plot(cells.acrosses, values, **{**style, "linewidth": 0.8, "alpha": 0.6})
+    axes.plot(cells.acrosses, inside, **style)

@@ -1,9 +1,12 @@
 """How figures and pages write numbers: along axes, in the cells of maps, in tables, with a true minus sign."""
 
 from math import ceil, floor, isinf, isnan, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hknob_cli.report.table import labels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _RAISED = str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
 
@@ -54,6 +57,15 @@ def tick_labels(values: list[Any]) -> list[str]:
     """Values of an axis in a few digits; empty for none."""
     texts = [""] if values == [None] else labels([float(value) for value in values])
     return [text.replace("e-0", "e\u2212").replace("e-", "e\u2212").replace("-", "\u2212") for text in texts]
+
+
+def mark_values(axes: "Axes", values: list[float], *, few: int) -> None:
+    """The scale of an axis across, logarithmic where its ordered values are, and a tick each of up to ``few``."""
+    if values and values[0] > 0 and is_geometric(values):
+        axes.set_xscale("log")
+    if len(values) <= few:
+        axes.set_xticks(values, tick_labels(values))
+        axes.set_xticks([], minor=True)
 
 
 def number(value: float, digits: int = 3, *, sign: bool = False, short: bool = False) -> str:

@@ -7,11 +7,11 @@ from math import inf, pi
 from typing import TYPE_CHECKING
 
 from hknob_cli.figures import drawing, theme
-from hknob_cli.figures.grid import Row, axes_of, axis_label
-from hknob_cli.figures.numbers import is_geometric, number, tick_labels
+from hknob_cli.figures.grid import Row, axes_of, axis_label, nearest_rows
+from hknob_cli.figures.numbers import mark_values, number
 from hknob_cli.report.table import short
 from hknob_cli.results.means import MEANS
-from hknob_cli.results.result_set import MissingError, ResultSet, Rows
+from hknob_cli.results.result_set import MissingError, Result, ResultSet, Rows
 from hknob_cli.specs.plan import COUNTS, RATE, Scene
 
 if TYPE_CHECKING:
@@ -106,34 +106,32 @@ def staircase(
     rows = [row for row in result.rows("orbits") if row["outcome"] == "cycle" and row["p2p_rad"] is not None]
     if not rows:
         raise MissingError(f"'{of}' has no limit cycle")
-    for axis, value in (at or {}).items():
-        nearest = min((row[axis] for row in rows), key=lambda found: abs(found - value))
-        rows = [row for row in rows if row[axis] == nearest]
-    names = axes_of(result, rows)
-    varying = [name for name in names if len({row[name] for row in rows}) > 1]
-    over = over or (varying[0] if varying else names[0])
-    further = [name for name in varying if name != over]
-    if over not in names or further:
-        raise MissingError(f"'{of}' varies over {', '.join(varying) or 'nothing'}: give 'over' and 'at'")
+    rows = nearest_rows(rows, at)
+    over = _one_axis(result, rows, over)
     steps = _steps(result.scene, rows, over) if unit_of_step else None
     factor, label = steps or (1.0, axis_label(result, over))
     figure = theme.figure(1.9 * len(panels) + 0.7)
     places = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
     for axes, column in zip(places, panels, strict=True):
         _dots(axes, rows, over, column, factor)
-    if "period_samples" in rows[0]:
-        for axes in (axes for axes, column in zip(places, panels, strict=True) if column == "frequency_hz"):
+        if column == "frequency_hz" and "period_samples" in rows[0]:
             _ratios(axes, rows)
     places[-1].set_xlabel(label)
     values = sorted({row[over] for row in rows})
-    if values[0] > 0 and is_geometric(values):
-        places[-1].set_xscale("log")
-    if len(values) <= _FEW and not steps:
-        places[-1].set_xticks(values, tick_labels(values))
-        places[-1].set_xticks([], minor=True)
+    mark_values(places[-1], values, few=0 if steps else _FEW)
     handles, texts = places[0].get_legend_handles_labels()
     figure.legend(handles, texts, loc="outside lower center", ncols=3, title="share of the trials that reach the orbit")
     return figure
+
+
+def _one_axis(result: Result, rows: Rows, over: str | None) -> str:
+    """The axis asked for, else the one that varies, else the first. Raises `MissingError` where another varies, too."""
+    names = axes_of(result, rows)
+    varying = [name for name in names if len({row[name] for row in rows}) > 1]
+    chosen = over or (varying or names)[0]
+    if chosen not in names or set(varying) - {chosen}:
+        raise MissingError(f"'{result.name}' varies over {', '.join(varying) or 'nothing'}: give 'over' and 'at'")
+    return chosen
 
 
 def _value(row: Row, column: str) -> float:

@@ -9,6 +9,7 @@ observation whose error is as large as the whole residual: one standard error mo
 misfit itself. What in the residuals is white, by the differences of neighbours, is noise and no misfit.
 """
 
+from collections.abc import Sequence
 from math import sqrt
 from typing import NamedTuple
 
@@ -137,6 +138,15 @@ def widen(covariance: Array, slopes: Array, residuals: Array, white: float | Non
     low, high = float(factors.min()), float(factors.max())
     times = f"{high:.2g}" if high < 1.1 * low else f"{low:.2g} to {high:.2g}"
     return Widened(total, part, (f"standard errors are {times} times wider: they allow for the misfit",))
+
+
+def of_all(covariance: Array, names: Sequence[str], searched: Sequence[str]) -> Array:
+    """Covariance (n, n) of all ``names`` in their order, from that (p, p) of those ``searched``; 0 of the others."""
+    found = np.zeros((len(names), len(names)))
+    there = [i for i, one in enumerate(names) if one in searched]
+    of = [searched.index(names[i]) for i in there]
+    found[np.ix_(there, there)] = covariance[np.ix_(of, of)]
+    return found
 
 
 def share_of(part: Array, index: int) -> float:

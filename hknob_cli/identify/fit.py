@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from hknob_cli.identify.covariance import share_of
 from hknob_cli.identify.motion import Motion
 from hknob_cli.recordings.trial import Array
 
@@ -84,6 +85,18 @@ def whiteness(residuals: Array, fitted: int = 0, lags: int = LAGS) -> float | No
 def judged(value: float, std: float, misfit: float = 0.0) -> Estimate:
     """An estimate, not identifiable where its standard error is not below its size."""
     return Estimate(float(value), float(std), bool(isfinite(std) and std < abs(value)), float(misfit))
+
+
+def estimated(
+    names: Sequence[str], values: Mapping[str, float], known: Mapping[str, float], covariance: Array, part: Array
+) -> dict[str, Estimate]:
+    """Estimates of ``names``: values with their covariance (n, n), and the misfit's ``part`` of it; or as ``known``."""
+    with np.errstate(invalid="ignore"):
+        spread = np.sqrt(np.diagonal(covariance))
+    return {
+        one: Estimate(known[one], 0.0) if one in known else judged(values[one], spread[i], share_of(part, i))
+        for i, one in enumerate(names)
+    }
 
 
 def blank(motion: Motion) -> str | None:

@@ -6,21 +6,20 @@ residuals are correlated, so that the usual standard errors are too small. Those
 (`covariance.cautious`), which is cheap; nothing allows for the bias.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
 from hknob_cli.errors import UsageError
-from hknob_cli.identify.covariance import cautious, share_of, widen
+from hknob_cli.identify.covariance import cautious, of_all, widen
 from hknob_cli.identify.fit import (
     PARAMETERS,
-    Estimate,
     Fit,
     blank,
     doubts,
-    judged,
+    estimated,
     misfit,
     unidentified,
     vaf,
@@ -83,14 +82,11 @@ def _solve(
     """``felt``: a measured acceleration (n,), and the torque (n,) that goes with it."""
     if motion.velocity_rad_s is None or motion.acceleration_rad_s2 is None:
         raise UsageError(f"{name}: the motion has no velocity and acceleration; differentiate it first")
-    names = ("inertia", "damping", "stiffness", *(("coulomb",) if friction else ()))
-    why = blank(motion)
-    if why:
+    names = PARAMETERS if friction else PARAMETERS[:3]
+    if why := blank(motion):
         return unidentified(name, names, why)
-    acceleration, velocity = motion.acceleration_rad_s2, motion.velocity_rad_s
-    acts = motion.torque_nm
-    if felt is not None:
-        acceleration, acts = felt
+    velocity = motion.velocity_rad_s
+    acceleration, acts = felt or (motion.acceleration_rad_s2, motion.torque_nm)
     columns = {"inertia": acceleration, "damping": velocity, "stiffness": motion.angle_rad}
     rows = np.isfinite(acceleration) & np.isfinite(velocity)
     if friction:
@@ -117,18 +113,13 @@ def _solve(
     moved = _moved(motion, found)
     white = whiteness(left)
     flags = misfit(white, moved.vaf, moved.rms_rad, motion)
-    total, part = (_whole(one, names, searched) for one in (covariance, np.zeros_like(covariance)))
+    total, part = (of_all(one, names, searched) for one in (covariance, np.zeros_like(covariance)))
     if flags and moved.slopes is not None:
-        own = [names.index(one) for one in names if one not in fixed]
+        own = [i for i, one in enumerate(names) if one not in fixed]
         more = widen(total[np.ix_(own, own)], moved.slopes[:, [*own, -1]], moved.left, white)
         total[np.ix_(own, own)], part[np.ix_(own, own)] = more.covariance, more.part
         flags = (*flags, *more.flags)
-    with np.errstate(invalid="ignore"):
-        spread = np.sqrt(np.diagonal(total))
-    estimates = {
-        one: Estimate(fixed[one], 0.0) if one in fixed else judged(found[one], spread[i], share_of(part, i))
-        for i, one in enumerate(names)
-    }
+    estimates = estimated(names, found, fixed, total, part)
     doubtful = doubts(estimates, motion)
     if friction and inflation(table[:, searched.index("coulomb")], torque) > ALIKE:
         estimates["coulomb"] = estimates["coulomb"]._replace(identifiable=False)
@@ -144,15 +135,6 @@ def _solve(
         covariance=tuple(map(tuple, total.tolist())),
         misfit=tuple(map(tuple, part.tolist())) if np.any(part) else None,
     )
-
-
-def _whole(covariance: Array, names: Sequence[str], searched: Sequence[str]) -> Array:
-    """Covariance of all ``names`` in their order; nothing of those that are known."""
-    found = np.zeros((len(names), len(names)))
-    there = [i for i, one in enumerate(names) if one in searched]
-    of = [searched.index(names[i]) for i in there]
-    found[np.ix_(there, there)] = covariance[np.ix_(of, of)]
-    return found
 
 
 def inflation(column: Array, other: Array) -> float:

@@ -8,12 +8,12 @@ honest interval there.
 
 from collections.abc import Mapping, Sequence
 from math import exp, log
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from hknob_cli.identify.covariance import share_of, widen
-from hknob_cli.identify.fit import Estimate, Fit, blank, doubts, judged, misfit, unidentified, vaf, whiteness
+from hknob_cli.identify.covariance import of_all, widen
+from hknob_cli.identify.fit import PARAMETERS, Fit, blank, doubts, estimated, misfit, unidentified, vaf, whiteness
 from hknob_cli.identify.levenberg import Minimum
 from hknob_cli.identify.motion import Motion
 from hknob_cli.identify.nearest import cost, nearest
@@ -48,9 +48,8 @@ def output_error(
     flagged, never raised.
     """
     name = FRICTION_NAME if fit_coulomb else NAME
-    names = ("inertia", "damping", "stiffness", *(("coulomb",) if fit_coulomb else ()))
-    why = blank(motion)
-    if why:
+    names = PARAMETERS if fit_coulomb else PARAMETERS[:3]
+    if why := blank(motion):
         return unidentified(name, names, why)
     known = {**fixed, **({} if fit_coulomb else {"coulomb": coulomb_nm})}
     searched = [one for one in names if one not in known]
@@ -60,26 +59,11 @@ def output_error(
     if not searched:
         return unidentified(name, names, "every parameter is fixed: nothing is left to identify")
     friction = coulomb_nm or (FIRST_FRICTION * float(np.max(np.abs(motion.torque_nm))) if fit_coulomb else 0.0)
-    begins = _begins(motion, start, known, friction, 0.0 if motion.measured else lag_s)
+    model = _Model(motion, known, searched, 0.0 if motion.measured else lag_s)
+    begins = _begins(motion, start, known, friction, model.lag_s)
     if not begins:
         pushed = "the torque moves nothing: nothing can be identified"
         return unidentified(name, names, pushed if motion.pulsed else BACKWARDS)
-    columns = [ALL.index(one) for one in searched]
-
-    def parts(p: Array) -> dict[str, float]:
-        here: dict[str, float] = {**known, **dict(zip(searched, map(float, p), strict=True))}
-        if "inertia" in searched:
-            here["inertia"] = exp(min(max(here["inertia"], -100.0), 50.0))
-        return here
-
-    def answer(p: Array) -> tuple[Array, Array]:
-        here = parts(p)
-        plant = Plant(*(here[one] for one in ALL[:4]))
-        how: dict[str, Any] = {"lag_s": 0.0 if motion.measured else lag_s, "ramps": motion.ramps}
-        if motion.free_start:
-            how["start"] = Start(*(here.get(one, 0.0) for one in STATE))
-        angle, slopes = respond_with_slopes(plant, motion.torque_nm, motion.dt_s, friction=fit_coulomb, **how)
-        return angle, slopes[:, columns]
 
     def from_all(fit: Any, _begin: Array) -> Sequence[Minimum]:
         ends = [fit(np.append(_vector(one, searched), one.rest_rad), steps=25, enough=1e-6) for one in begins]
@@ -87,8 +71,8 @@ def output_error(
 
     first = _vector(begins[0], searched)
     lowest = np.array([0.0 if one == "coulomb" else -np.inf for one in searched])
-    found = nearest(motion, answer, first, lowest=lowest, elsewhere=from_all if len(begins) > 1 else None)
-    values = parts(found.parameters)
+    found = nearest(motion, model.answer, first, lowest=lowest, elsewhere=from_all if len(begins) > 1 else None)
+    values = model.parts(found.parameters)
     # The derivative by inertia is that by its logarithm over it.
     by = np.array([values["inertia"] if one == "inertia" else 1.0 for one in searched])
     share, white = vaf(motion.angle_rad, found.angle_rad), whiteness(found.residuals)
@@ -99,17 +83,10 @@ def output_error(
         total, part, more = widen(found.covariance, found.slopes, found.residuals, white)
         covariance, part, flags = total * np.outer(by, by), part * np.outer(by, by), (*flags, *more)
     if motion.torque_noise_nm:
-        plant = Plant(*(values[one] for one in ALL[:4]))
-        covariance = covariance + np.outer(by, by) * by_torque(motion, plant, answer(found.parameters)[1])
-    with np.errstate(invalid="ignore"):
-        spread = np.sqrt(np.diagonal(covariance))
-    estimates = {}
-    for one in names:
-        if one in known:
-            estimates[one] = Estimate(known[one], 0.0)
-        else:
-            at = searched.index(one)
-            estimates[one] = judged(values[one], spread[at], share_of(part, at))
+        slopes = model.answer(found.parameters)[1]
+        covariance = covariance + np.outer(by, by) * by_torque(motion, _plant(values), slopes)
+    covariance, part = (of_all(one, names, searched) for one in (covariance, part))
+    estimates = estimated(names, values, known, covariance, part)
     lost = () if found.converged else ("the search did not converge",)
     return Fit(
         name,
@@ -119,9 +96,38 @@ def output_error(
         (*lost, *flags, *doubts(estimates, motion)),
         rms_rad=found.rms_rad,
         offset_rad=found.offset_rad,
-        covariance=_whole(covariance, names, searched),
-        misfit=_whole(part, names, searched) if np.any(part) else None,
+        covariance=tuple(map(tuple, covariance.tolist())),
+        misfit=tuple(map(tuple, part.tolist())) if np.any(part) else None,
     )
+
+
+class _Model(NamedTuple):
+    """The model of a motion: which of its parameters are known, by name, and which are searched, in their order."""
+
+    motion: Motion
+    known: Mapping[str, float]
+    searched: Sequence[str]
+    lag_s: float
+
+    def parts(self, p: Array) -> dict[str, float]:
+        """Every parameter by name; ``p`` (p,) are those searched, an inertia as its logarithm."""
+        here: dict[str, float] = {**self.known, **dict(zip(self.searched, map(float, p), strict=True))}
+        if "inertia" in self.searched:
+            here["inertia"] = exp(min(max(here["inertia"], -100.0), 50.0))
+        return here
+
+    def answer(self, p: Array) -> tuple[Array, Array]:
+        """Angle (n,) with the parameters ``p`` (p,), and its derivatives (n, p) by them."""
+        here, motion = self.parts(p), self.motion
+        how: dict[str, Any] = {"lag_s": self.lag_s, "ramps": motion.ramps, "friction": "coulomb" in self.searched}
+        if motion.free_start:
+            how["start"] = Start(*(here.get(one, 0.0) for one in STATE))
+        angle, slopes = respond_with_slopes(_plant(here), motion.torque_nm, motion.dt_s, **how)
+        return angle, slopes[:, [ALL.index(one) for one in self.searched]]
+
+
+def _plant(values: Mapping[str, float]) -> Plant:
+    return Plant(*(values[one] for one in ALL[:4]))
 
 
 def by_torque(motion: Motion, plant: Plant, slopes: Array) -> Array:
@@ -155,12 +161,3 @@ def _vector(begin: Begin, searched: Sequence[str]) -> Array:
     plant, start = begin.plant, begin.start
     every = [log(plant.inertia), plant.damping, plant.stiffness, plant.coulomb, *start]
     return np.array([every[ALL.index(one)] for one in searched])
-
-
-def _whole(covariance: Array, names: Sequence[str], searched: Sequence[str]) -> tuple[tuple[float, ...], ...]:
-    """Covariance of all ``names`` in their order; nothing of those that are known."""
-    found = np.zeros((len(names), len(names)))
-    there = [i for i, one in enumerate(names) if one in searched]
-    of = [searched.index(names[i]) for i in there]
-    found[np.ix_(there, there)] = covariance[np.ix_(of, of)]
-    return tuple(map(tuple, found.tolist()))

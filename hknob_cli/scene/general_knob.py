@@ -146,22 +146,18 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     alpha = (scene.knob.damping + hand.damping) * period / inertia
     beta = hand.stiffness * square
     lag = period / actuator.time_constant if actuator.time_constant > 0.0 else 0.0
-    pad, finger, tip, driven = (0.0, 0.0), (0.0, 0.0), 0.0, 0.0
-    if hand.finger and hand.fingerpad:
-        pad = hand.fingerpad.damping * period / inertia, hand.fingerpad.stiffness * square
-        tip = inertia / hand.finger.inertia
-        per = period / hand.finger.inertia
-        finger = hand.finger.damping * per, hand.finger.stiffness * period * per
-        if scene.behind:
-            # The push is on the finger: its spring is neutral elsewhere, or without a spring it is driven.
-            driven, push = push * tip, 0.0
-            if finger[1] > 0.0:
-                shift, driven = shift + driven / finger[1], 0.0
+    finger = _finger_of(hand, period, inertia)
+    driven = 0.0
+    if scene.behind and finger.ratio:
+        # The push is on the finger: its spring is neutral elsewhere, or without a spring it is driven.
+        driven, push = push * finger.ratio, 0.0
+        if finger.stiffness > 0.0:
+            shift, driven = shift + driven / finger.stiffness, 0.0
     coil, coil_rate = 0.0, 0.0
     if scene.coil:
         coil_rate = period / scene.coil.time_constant
         coil = scene.coil.damping * period / inertia * coil_rate
-    order = 2 + (2 if tip else 0) + (1 if coil else 0) + (1 if lag else 0)
+    order = 2 + (2 if finger.ratio else 0) + (1 if coil else 0) + (1 if lag else 0)
     a, c, entry = np.zeros((order, order)), np.zeros(order), np.zeros(order)
     entry[1] = 1.0
     a[0, 1] = 1.0
@@ -169,22 +165,24 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
     c[1] = -push - beta * shift
     held, held_constant = np.zeros((order, order)), np.zeros(order)
     if coil:
-        at = 4 if tip else 2
+        at = 4 if finger.ratio else 2
         a[1, at] = -coil
         a[at, 1] = 1.0
         a[at, at] = held[at, at] = -coil_rate
-    if tip:
+    if finger.ratio:
         # d and w = d': angle and speed of the knob relative to the finger.
         entry[3] = 1.0
-        a[1, 2:4] = -pad[1], -pad[0]
+        a[1, 2:4] = -finger.pad_stiffness, -finger.pad_damping
         own = np.zeros(order)  # acceleration of the finger
-        own[:4] = -finger[1], -finger[0], tip * pad[1] + finger[1], tip * pad[0] + finger[0]
+        own[:2] = -finger.stiffness, -finger.damping
+        own[2] = finger.ratio * finger.pad_stiffness + finger.stiffness
+        own[3] = finger.ratio * finger.pad_damping + finger.damping
         a[2, 3] = held[2, 3] = 1.0
         a[3] = a[1] - own
-        c[3] = c[1] + finger[1] * shift + driven
+        c[3] = c[1] + finger.stiffness * shift + driven
         held[3] = -own
         held[3, 1] = 0.0
-        held_constant[3] = finger[1] * shift + driven
+        held_constant[3] = finger.stiffness * shift + driven
     if lag:
         a[order - 1, order - 1] = held[order - 1, order - 1] = -lag
         a[:, order - 1] += entry
@@ -192,12 +190,8 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         # Nothing is held by friction: the second matrix is that of teeth that do not press.
         held, held_constant = a.copy(), c.copy()
         held[1, 2:4] = 0.0
-        held[3, 2:4] = -finger[1], -finger[0]
+        held[3, 2:4] = -finger.stiffness, -finger.damping
     second_order = order == 2
-    reach = 1.0 / sqrt(beta) if beta > 0.0 else inf
-    if tip:
-        soft = pad[1] == 0.0 or finger[1] == 0.0
-        reach = inf if soft else sqrt(1.0 / pad[1] + tip / finger[1])
     ones = hold_coefficients(alpha, beta, split), hold_coefficients(alpha, beta, 1.0 - split)
     series = _series(alpha, beta) if second_order else np.zeros(0)
     body = Body(
@@ -206,18 +200,18 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         alpha=alpha,
         beta=beta,
         spacing=zero_spacing(alpha, beta) if second_order else inf,
-        pad_damping=pad[0],
-        pad_stiffness=pad[1],
-        ratio=tip,
-        finger_damping=finger[0],
-        finger_stiffness=finger[1],
+        pad_damping=finger.pad_damping,
+        pad_stiffness=finger.pad_stiffness,
+        ratio=finger.ratio,
+        finger_damping=finger.damping,
+        finger_stiffness=finger.stiffness,
         coil=coil,
         coil_rate=coil_rate,
         lag=lag,
         shift=shift,
         push=push,
-        reach=reach,
-        damped=alpha + pad[0] + finger[0] + coil > 0.0 or scene.knob.coulomb_torque > 0.0,
+        reach=_reach(beta, finger),
+        damped=alpha + finger.pad_damping + finger.damping + coil > 0.0 or scene.knob.coulomb_torque > 0.0,
         s1=ones[0][0],
         g1=ones[0][1],
         f1=ones[0][2],
@@ -232,6 +226,42 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         halt=[0.0],
     )
     return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
+
+
+class _Finger(NamedTuple):
+    """The finger behind its pad, without dimensions: the pad's over the knob's inertia, its own over its own.
+
+    ``ratio``: of the knob's inertia to the finger's, 0 where there is none.
+    """
+
+    pad_damping: float = 0.0
+    pad_stiffness: float = 0.0
+    ratio: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+def _finger_of(hand: Hand, period: float, inertia: float) -> _Finger:
+    """The finger of a hand on a knob of an inertia, kg m²; ``period``: of the clock, s."""
+    pad, own = hand.fingerpad, hand.finger
+    if not own or not pad:
+        return _Finger()
+    return _Finger(
+        pad_damping=pad.damping * period / inertia,
+        pad_stiffness=pad.stiffness * (period * period / inertia),
+        ratio=inertia / own.inertia,
+        damping=own.damping * (period / own.inertia),
+        stiffness=own.stiffness * period * (period / own.inertia),
+    )
+
+
+def _reach(beta: float, finger: _Finger) -> float:
+    """Position of a unit root of energy, counts; infinite where nothing holds the knob."""
+    if not finger.ratio:
+        return 1.0 / sqrt(beta) if beta > 0.0 else inf
+    if finger.pad_stiffness == 0.0 or finger.stiffness == 0.0:
+        return inf
+    return sqrt(1.0 / finger.pad_stiffness + finger.ratio / finger.stiffness)
 
 
 def add_spans(body: Body, spans: Sequence[float]) -> Body:
