@@ -1,16 +1,18 @@
 """``hknob new``: write a commented spec to begin from."""
 
 import os
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from hknob_cli.cli.ask import Interview, at_keyboard, at_terminal, interview
 from hknob_cli.cli.options import Sets
-from hknob_cli.errors import RefusedError, UsageError, unwritable
+from hknob_cli.errors import ExitCode, RefusedError, UsageError, unwritable
 from hknob_cli.specs.standard_input import STDIN
-from hknob_cli.stage_table import SPECS
+from hknob_cli.stage_table import PIPELINE, SPECS
 from hknob_cli.terminal import reporting, say, tell
 
 Kind = Annotated[
@@ -63,37 +65,68 @@ def new(
         ),
     ] = None,
     sets: Sets = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Ask nothing; take what a starter has.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Ask nothing and say nothing, except errors.")] = False,
 ) -> None:
-    """Write a short commented spec to begin from."""
+    """Write a short commented spec to begin from; at a terminal, ask what it should have."""
     with reporting():
         from hknob_cli.specs.messages import unknown
-        from hknob_cli.specs.starter import about, starter
+        from hknob_cli.specs.starter import about
 
         if kind is None:
             wide = max(map(len, SPECS)) + 2
             said = "\n".join(f"{one:{wide}}{about(one)}" for one in SPECS)
             if preset or out or not sys.stdout.isatty():
                 raise UsageError(f"KIND is missing: hknob new KIND. Kinds are\n{said}")
-            tell(f"{said}\n\nnext: hknob new sweep --out my-knob.yaml")
+            tell(f"{said}\n\nnext: hknob new sweep")
             return
         if kind not in SPECS:
             raise UsageError(unknown("kind", kind, list(SPECS)))
-        beside = out.parent if out else Path()
-        if (spec := _spec(preset)) is not None:
-            from hknob_cli.stages.begin_from import begin_from
-
-            text = begin_from(kind, spec, out.stem if out else "", beside, tuple(sets or ()), remedy)
-        elif remedy is not None:
-            raise UsageError("--remedy: is one of a spec of remedies; name that by --from")
-        elif sets:
-            raise UsageError("--set: changes a spec that another begins from; name it by --from")
+        asks = not (yes or quiet or preset or sets or remedy) and at_terminal()
+        if asks:
+            text, out = _asked(kind, out)
         else:
-            text = starter(kind, preset, beside)
+            text = _text(kind, preset, out, tuple(sets or ()), remedy)
         if out is None:
             sys.stdout.write(text)
             return
         _write(out, text)
-        say(f"wrote {out}")
+        if not quiet:
+            say(f"wrote {out}")
+        if asks:
+            tell(f"\nnext: {shlex.join(['hknob', 'run' if kind == PIPELINE else kind, str(out)])}")
+
+
+def _text(kind: str, preset: str, out: Path | None, sets: tuple[str, ...] = (), remedy: str | None = None) -> str:
+    """The text of a spec. Raises `UsageError`."""
+    from hknob_cli.specs.starter import starter
+
+    beside = out.parent if out else Path()
+    if (spec := _spec(preset)) is not None:
+        from hknob_cli.stages.begin_from import begin_from
+
+        return begin_from(kind, spec, out.stem if out else "", beside, sets, remedy)
+    if remedy is not None:
+        raise UsageError("--remedy: is one of a spec of remedies; name that by --from")
+    if sets:
+        raise UsageError("--set: changes a spec that another begins from; name it by --from")
+    return starter(kind, preset, beside)
+
+
+def _asked(kind: str, out: Path | None) -> tuple[str, Path]:
+    """The text as a person at the terminal wants it, and its file. Raises `RefusedError` if the file is there."""
+    if out is not None and (out.exists() or out.is_symlink()):
+        raise _there(out)
+    say("Enter takes what is in brackets; a dot takes it for all that is left.")
+    try:
+        return interview(kind, lambda origin: _text(kind, origin, out), out, Interview(at_keyboard, say))
+    except (EOFError, KeyboardInterrupt):  # nothing is lost, so nothing is said
+        say("")
+        sys.exit(ExitCode.INTERRUPTED)
+
+
+def _there(path: Path) -> RefusedError:
+    return RefusedError(f"{path}: is there already, and stays as it is; name another file")
 
 
 def _spec(given: str) -> Path | None:
@@ -123,6 +156,6 @@ def _write(path: Path, text: str) -> None:
                 path.unlink(missing_ok=True)
                 raise
     except FileExistsError:
-        raise RefusedError(f"{path}: is there already, and stays as it is; name another file") from None
+        raise _there(path) from None
     except OSError as error:
         raise unwritable(path, error) from None

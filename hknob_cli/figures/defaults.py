@@ -12,6 +12,7 @@ import pyarrow.compute as pc
 from hknob_cli.figures.campaign import MOST
 from hknob_cli.figures.cell_dots import MOST as MOST_DOTS
 from hknob_cli.figures.grid import MOST_WRITTEN
+from hknob_cli.figures.kb_plane import is_kb
 from hknob_cli.figures.what_matters import can_tell
 from hknob_cli.report.large import varying
 from hknob_cli.report.sweep_words import perceived_levels
@@ -40,6 +41,7 @@ _MATTERS = "The axes, the one that explains most of the size of limit cycles fir
 _LARGEST = "Of several cycles in a cell the largest."
 _AGAINST = "Difference of the peak to peak from that of the sweep, in per cent of the sweep's."
 _PITCHES = "Difference of the frequency from that of the sweep, in per cent of the sweep's."
+_PLANE = "Where the wall is passive in any hand, and stable in this one."
 _CASE = "A marker a hand; the remedy that leaves least, of the hand that it helps least, is uppermost."
 _TRIED = (
     "Dots are medians over the cells that buzz, lines reach from the least to the largest: filled as measured, hollow "
@@ -240,7 +242,9 @@ def _analysis(result: Result, file: str, choice: str, caption: str) -> list[Figu
             for name in telling
         ]
         return figures or [_every_cell(result, file)]
-    figures = []
+    figures = (
+        [planned(result, "kb_plane", "stiffness over damping", _PLANE)] if file == "predict" and is_kb(wide) else []
+    )
     for name in names:
         by = {"where": {choice: name}}
         figures.append(planned(result, "grid_map", f"peak to peak by {name}", caption, column="p2p_rad", **by))

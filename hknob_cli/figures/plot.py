@@ -9,7 +9,7 @@ from hknob_cli.figures.sheet import write_sheet
 from hknob_cli.report.table import is_whole
 from hknob_cli.report.verdicts import grid_verdict
 from hknob_cli.results.result_set import Held, Rows
-from hknob_cli.specs.plan import DfaPlan
+from hknob_cli.specs.plan import DfaPlan, PredictPlan
 
 
 def draw_sweep(cells: pa.Table, orbits: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
@@ -46,16 +46,18 @@ def draw_dfa(plan: DfaPlan, rows: Rows, *, path: Path) -> bool:
     return write_sheet(result, [*figures_of(result), curve], path=path)
 
 
-def draw_predictions(predictions: pa.Table, axes: list[str], *, title: str, path: Path) -> bool:
-    """Draw every law into ``path`` (PNG); False, drawing nothing, where more than two axes vary, or there is no grid.
+def draw_predictions(plan: PredictPlan, predictions: pa.Table, passivity: pa.Table, *, path: Path) -> bool:
+    """Draw every law into ``path`` (PNG), and limits over the wall's stiffness and damping where these are its axes.
 
-    Raises `ComputationError` if the file cannot be written.
+    False, drawing nothing, where more than two axes vary, or there is no grid. Raises `ComputationError` if the file
+    cannot be written.
     """
-    rows = predictions.to_pylist()
+    rows, axes = predictions.to_pylist(), list(plan.axes)
     wide = [axis for axis in axes if len({row[axis] for row in rows}) > 1]
     if len(wide) > 2 or not is_whole(rows, wide):
         return False
-    result = Held(title, "predict", {"predict": predictions}, axes)
+    result = Held(plan.name, "predict", {"predict": predictions, "passivity": passivity}, axes)
+    result.scene = plan.scene
     return write_sheet(result, figures_of(result), path=path)
 
 

@@ -1,9 +1,8 @@
 """From the plan of a pipeline to its steps: each stage's spec loaded and checked, its files known, ready to run.
 
 A step of a pipeline, its files and values, in the form that pytask's programmatic build takes.
-
-The classes follow pytask's protocols (``PNode``, ``PTask``) without importing it, so that whether
-anything has changed can be said before it is loaded.
+The classes follow pytask's protocols (``PNode``, ``PTask``) without importing it, so that whether anything has changed
+can be said before it is loaded.
 """
 
 import contextlib
@@ -18,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from hknob_cli.errors import ComputationError, Fault, SpecError, UsageError
+from hknob_cli.pipeline.found import done
 from hknob_cli.pipeline.fresh import spec_digest
 from hknob_cli.results.files import read_digest, refuse_link
 from hknob_cli.specs.load import load
@@ -305,7 +305,7 @@ def _step(
         said(stage.name, "")
         now = job._replace(plan=plan_of(stage, folders, frozenset())) if any(map(_is_hand, stage.inputs)) else job
         computed = make(now, work).computed
-        said(stage.name, f"computed in {time.perf_counter() - begin:.2g} s" if computed else "as it was")
+        said(stage.name, "as it was" if job.quiet or not computed else done(stage.name, job.out, begin))
         return computed
 
     needs = tuple(path for name in stage.needs for path in files[name])

@@ -33,6 +33,7 @@ MODULES: dict[str, str] = {
     "hidden_inertia": "bias",
     "identified_terms": "pulses",
     "identified_values": "identified_values",
+    "kb_plane": "kb_plane",
     "law_lines": "laws",
     "models_beside_data": "pulses",
     "motor_calibration": "bench_lines",

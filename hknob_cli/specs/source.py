@@ -189,6 +189,16 @@ def _composed(text: str) -> Node | None:
     return node
 
 
+def span_of(text: str, path: tuple[str, ...]) -> tuple[int, int]:
+    """Where in a text the value at a path of keys begins and ends. Raises `KeyError` if there is none."""
+    node = _composed(text)
+    for step in path:
+        inside = node.value if isinstance(node, MappingNode) else []
+        node = {str(key.value): value for key, value in inside}[step]
+    assert node is not None
+    return node.start_mark.index, node.end_mark.index
+
+
 def parse_value(text: str) -> Any:
     """Value of an override, read as YAML. Raises `ValueError` with the reason."""
     try:

@@ -1,7 +1,9 @@
 """Starters: for each kind of spec a short commented file to begin from, with a user's own knob or a preset's."""
 
 import re
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.specs.from_preset import SCENES
@@ -34,16 +36,24 @@ def starter(kind: str, preset: str = "", beside: Path = Path()) -> str:
     The path of a preset's own file is relative to ``beside``, the folder of the spec. Raises `UsageError` for a kind
     without a scene, a preset that there is not, and one whose parts the kind refuses.
     """
-    text = _read(kind)
     if not preset:
-        return _BLOCK.sub(r"\2", text)
+        return own_starter(kind, {}, {})
     if kind not in WITH_SCENE:
         raise UsageError(f"--from: a spec of kind {kind} cannot begin from a preset; {', '.join(WITH_SCENE)} can")
     read = read_preset(preset, beside)
-    made = _BLOCK.sub(lambda found: _of_preset(found[1], found[2], preset, read), text)
+    made = _BLOCK.sub(lambda found: _of_preset(found[1], found[2], preset, read), _read(kind))
     made = re.sub(r"^name: \S+( *)", lambda found: _named(found, preset), made, count=1, flags=re.MULTILINE)
     _validate(made, kind, preset, beside)
     return made
+
+
+def own_starter(kind: str, scene: Mapping[str, Any], grid: Mapping[str, Any]) -> str:
+    """The text of a starter, with what is in proportion to its knob in proportion to this wall, rate and counts."""
+
+    def filled(found: re.Match[str]) -> str:
+        return _in_proportion(found[2], scene, grid) if found[1] == "numbers" else found[2]
+
+    return _BLOCK.sub(filled, _read(kind))
 
 
 def _read(kind: str) -> str:
@@ -56,7 +66,7 @@ def _read(kind: str) -> str:
 def _of_preset(block: str, own: str, preset: str, read: Read) -> str:
     """What stands in the place of a block: the preset, with its values as comments that can be overridden."""
     if block == "numbers":
-        return _in_proportion(own, read)
+        return _in_proportion(own, read.scene, read.grid)
     if block == "grid":
         return own if len(read.grid) < 2 else _grid_of_preset(own, read)
     indent = own[: len(own) - len(own.lstrip())]
@@ -74,11 +84,11 @@ def _grid_of_preset(own: str, read: Read) -> str:
     return f"{indent}# grid: {{{given}}}   # the preset's; lists vary it\n"
 
 
-def _in_proportion(own: str, read: Read) -> str:
-    """Numbers of a starter's own knob, to the knob of a preset; what the preset does not have as a number stays."""
+def _in_proportion(own: str, scene: Mapping[str, Any], grid: Mapping[str, Any]) -> str:
+    """Numbers of a starter's own knob, to another knob; what that does not have as a number stays."""
     found = {}
     for text, path, times in _NUMBERS:
-        value: object = {"scene": read.scene, "grid": read.grid}
+        value: object = {"scene": scene, "grid": grid}
         for step in path:
             value = value.get(step) if isinstance(value, dict) else None
         if isinstance(value, int | float):

@@ -24,7 +24,7 @@ import numpy as np
 
 from hknob_cli.specs.plan import Encoder, Scene
 from hknob_cli.theory.laws import WorkingEdge
-from hknob_cli.theory.passivity import between_samples, needed_damping
+from hknob_cli.theory.passivity import needed_damping, passive_stiffness
 from hknob_cli.theory.sampled_plant import (
     Array,
     SampledPlant,
@@ -167,14 +167,10 @@ def miller(case: Case) -> Criterion:
     """
     edge = case.edge
     virtual = abs(edge.wall_damping)
-    there, part = edge.damping, between_samples(edge)
+    there = edge.damping
     if there <= 0.0 and (edge.wall_stiffness > 0.0 or virtual > 0.0):
         return Criterion(False, 0.0, True, "", 0.0)
-    # 4 b^2 - 4 b (K D + |B|) = part (K T + 2 |B|)^2, solved for K; D is the delay.
-    square = part * edge.period_s**2
-    linear = 4.0 * (part * edge.period_s * virtual + there * edge.delay_s)
-    left = 4.0 * (there * there - there * virtual - part * virtual * virtual)
-    most = 2.0 * left / (linear + sqrt(linear * linear + 4.0 * square * left)) if left > 0.0 else 0.0
+    most = passive_stiffness(edge, there, virtual=virtual)
     return _judged(edge, there > needed_damping(edge, virtual=virtual), most, quantised=0.0, rests=False)
 
 

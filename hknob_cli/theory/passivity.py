@@ -96,6 +96,18 @@ def needed_damping(edge: WorkingEdge, *, virtual: float) -> float:
     return 0.5 * (first + sqrt(first * first + within))
 
 
+def passive_stiffness(edge: WorkingEdge, damping: float, *, virtual: float) -> float:
+    """Largest stiffness, N·m/rad, at which `needed_damping` is what there is; 0 if it is so at none.
+
+    It is 4 b^2 - 4 b (K D + |B|) = f (1 - f) (K T + 2 |B|)^2, solved for K; D is the mean delay.
+    """
+    part = between_samples(edge)
+    square = part * edge.period_s**2
+    linear = 4.0 * (part * edge.period_s * virtual + damping * edge.delay_s)
+    left = 4.0 * (damping * damping - damping * virtual - part * virtual * virtual)
+    return 2.0 * left / (linear + sqrt(linear * linear + 4.0 * square * left)) if left > 0.0 else 0.0
+
+
 def _rate(edge: WorkingEdge, damping: float, *, virtual: float) -> float:
     """Sample rate, Hz, at which `needed_damping` is what there is; infinite where it is so at none."""
     part, stiffness = between_samples(edge), edge.wall_stiffness

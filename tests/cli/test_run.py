@@ -1,11 +1,15 @@
 """``hknob run`` through the installed command: what runs, what does not, why, and what is said."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
+from hknob_cli.pipeline.found import found_in
 from tests.conftest import SPEC
 
 PREDICT = SPEC.replace("kind: sweep", "kind: predict").replace("name: small", "name: laws").partition("starts:")[0]
@@ -241,3 +245,23 @@ def test_a_plan_touches_nothing(hknob, pipeline: Path, tmp_path: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")}
     hknob("run", pipeline, "-o", "out", "--explain", "--force")
     assert {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("*")} == before
+
+
+def test_a_stage_that_is_done_says_what_it_found(hknob, pipeline: Path, tmp_path: Path) -> None:
+    """In a sentence or two, once: a run with nothing to do says nothing of it, and a quiet one never."""
+    done = hknob("run", pipeline)
+    said = dict(line.split(": ", 1) for line in done.stderr.splitlines())
+    assert re.match(r"computed in \S+ s\. It buzzes in this cell, from the starts tried: \S+ mrad at ", said["grid"])
+    assert ". The wall is not passive at this rate and these counts: " in said["laws"]
+    assert hknob("run", pipeline).stderr == ""
+    assert hknob("run", pipeline, "--force", "-q").stderr == ""
+    (tmp_path / "results" / "two" / "grid" / "cells.parquet").write_bytes(b"")
+    assert found_in("grid", tmp_path / "results" / "two" / "grid") == ""
+    assert found_in("none", tmp_path) == ""
+
+
+def test_a_page_that_is_done_says_its_verdicts(tmp_path: Path) -> None:
+    texts = {"claim": ["a", "b", "c"], "verdict": ["contradicted", "reproduced", "reproduced"]}
+    record = json.dumps({"stage": "report", "spec": {}, "overrides": [], "inputs": {"spec_sha256": ""}}).encode()
+    pq.write_table(pa.table(texts).replace_schema_metadata({"hknob.provenance": record}), tmp_path / "claims.parquet")
+    assert found_in("page", tmp_path) == "Of 3 claims: 2 reproduced, 1 contradicted."

@@ -16,6 +16,10 @@ from tests.forked import Forks
 
 AXES = "grid={sample_rate_hz: [1000, 2000, 4000], counts_per_rev: [256, 512]}"
 COARSE_AND_FINE = "grid={sample_rate_hz: [1000, 2000], counts_per_rev: [512, 2048]}"
+PLANE = (
+    "grid={sample_rate_hz: 1000, counts_per_rev: 1024, wall.stiffness: {log: [0.03, 30, 4]},"
+    " wall.damping: [0, 1e-3, 2e-3]}"
+)
 HAND = "hand.stiffness: [0.04, 0.08], knob.inertia: [1.9e-6, 4.0e-6]"
 SMALL = (AXES, "starts={angle: 0.02, phases: 4}")
 RUNS: dict[str, tuple[str, ...]] = {
@@ -82,6 +86,14 @@ RUNS: dict[str, tuple[str, ...]] = {
         "starts={angle: 0.02, phases: 16}",
     ),
     "predict": ("predict", "predict_hand_on_knob", AXES),
+    "plane": (
+        "predict",
+        "predict_hand_on_knob",
+        PLANE,
+        "scene.knob.damping=1e-3",
+        "scene.knob.coulomb_torque=3e-3",
+    ),
+    "bare plane": ("predict", "predict_hand_on_knob", PLANE),
     "bench": (
         "bench",
         "bench_quick",
@@ -155,6 +167,18 @@ CASES: list[tuple[str, object, dict, tuple[str, ...]]] = [
     ("what_matters", "design", {"where": {"law": "quantum_period"}}, ("3. ", "in domain, %")),
     ("law_lines", ["predict", "small"], {}, ("the law C Δθ T", "points: simulated")),
     ("law_lines", "predict", {"law": "energy_balance", "column": "frequency_hz"}, ("frequency, Hz",)),
+    (
+        "kb_plane",
+        "plane",
+        {},
+        ("wall stiffness", "virtual damping", "1000 Hz, 1024 counts", "exact", "(Niemeyer)", "any hand"),
+    ),
+    (
+        "kb_plane",
+        "bare plane",
+        {},
+        ("At no stiffness: passive in any hand, with counts (Abbott", "Hulin", "neither"),
+    ),
     ("cases", ["one", "row"], {"names": ["slow", "both"]}, ("slow", "2000 Hz, 1024 counts", "frequency, Hz")),
     ("error_time", "bench", {}, ("nominal", "processor time of a run, s", "hknob, exact")),
     ("stability_table", "bench", {}, ("accurate", "friction", "Runge-Kutta 4,")),
@@ -204,7 +228,7 @@ def test_a_drawing_is_the_same_twice(evidence: ResultSet, case: Any) -> None:
 
 def test_every_drawing_of_grids_is_tried() -> None:
     ours = {"bench", "difference", "laws", "lines", "maps", "nyquist", "orbits", "schematic", "sensory"}
-    ours |= {"what_matters"}
+    ours |= {"kb_plane", "what_matters"}
     elsewhere = {"schematic", "what_explains"}  # tests of motion, of campaigns
     drawings = {name for name, module in MODULES.items() if module in ours}
     assert drawings - elsewhere == {case[0] for case in CASES}
@@ -242,6 +266,8 @@ def test_a_map_writes_every_value_of_its_column(evidence: ResultSet) -> None:
         ("staircase", "growth", {}, "no limit cycle"),
         ("law_lines", "small", {}, "no column law"),
         ("law_lines", "predict", {"law": "gut_feeling"}, "no cell where"),
+        ("kb_plane", "predict", {}, "is no grid over wall.stiffness and wall.damping alone"),
+        ("kb_plane", "small", {}, "no passivity.parquet"),
         ("cases", ["growth"], {}, "no limit cycle"),
         ("error_time", "small", {}, "no bench.parquet"),
         ("error_time", "bench", {"scenes": ["moon"]}, "no run"),

@@ -62,7 +62,7 @@ class PredictWork(Work):
         from hknob_cli.figures.plot import draw_predictions
 
         axes, name = list(job.plan.axes), job.plan.name
-        drawn = draw_predictions(tables[0], axes, title=name, path=paths[0])
+        drawn = draw_predictions(job.plan, tables[0], tables[1], path=paths[0])
         if not drawn:
             from hknob_cli.figures.what_matters import draw_by
 
