@@ -103,6 +103,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
+    "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
     ),
