@@ -81,7 +81,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,
     "general/sets/drift.py": (f"{PROOF}test_drift_margins.py",),
-    "general/sets/lattice.py": GENERAL_CUTTING,
+    "general/sets/lattice.py": (f"{PROOF}test_lagged_lattice_margins.py", *GENERAL_CUTTING),
     "general/sets/readings.py": (f"{GENERAL_SETS}test_readings.py",),
     "general/sets/box.py": (f"{PROOF}test_general_box_margins.py", f"{GENERAL_SETS}test_piece.py"),
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
