@@ -12,7 +12,7 @@ ARCS = (f"{PROOF}test_arc_margins.py", f"{PROOF}test_arc_ends.py", f"{SETS}test_
 GENERAL_SETS = f"{GENERAL}sets/"
 GENERAL_CAPTURE = (f"{PROOF}test_general_capture_margins.py", f"{GENERAL_SETS}test_arc.py")
 GENERAL_CUTTING = (f"{PROOF}test_general_cutting_margins.py", f"{GENERAL_SETS}test_piece.py")
-FRICTION_SETS = (f"{PROOF}test_friction_set_margins.py", f"{PROOF}test_friction_piece_margins.py")
+FRICTION_SETS = tuple(f"{PROOF}test_{name}_margins.py" for name in ("friction_set", "friction_piece", "lagged_piece"))
 LAWS = (f"{PROOF}test_law_trial_margins.py",)
 ORBIT = ("tests/engine/orbit/",)
 STANDSTILL = (
@@ -82,7 +82,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/ball.py": GENERAL_CAPTURE,
     "general/sets/piece.py": GENERAL_CUTTING,
     "general/sets/drift.py": (f"{PROOF}test_drift_margins.py",),
-    "general/sets/lattice.py": GENERAL_CUTTING,
+    "general/sets/lattice.py": (f"{PROOF}test_lagged_lattice_margins.py", *GENERAL_CUTTING),
     "general/sets/readings.py": (f"{GENERAL_SETS}test_readings.py",),
     "general/sets/box.py": (f"{PROOF}test_general_box_margins.py", f"{GENERAL_SETS}test_piece.py"),
     "general/sets/curve.py": (f"{PROOF}test_curve_margins.py",),
@@ -104,6 +104,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/convex.py": (f"{PROOF}test_convex_margins.py",),
     "general/sets/search.py": (f"{PROOF}test_general_search_margins.py",),
     "general/laws/sensed.py": (f"{PROOF}test_sensed_margins.py",),
+    "controllers/fading_pair.py": ("tests/controllers/test_fading_pair.py",),
     "hardware/safety.py": tuple(
         f"tests/hardware/test_{name}.py" for name in ("safety", "safety_margins", "agreed_wall")
     ),

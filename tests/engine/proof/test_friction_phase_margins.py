@@ -9,10 +9,11 @@ import pytest
 from hknob_cli.engine.general.sets import friction_phases
 from hknob_cli.engine.general.sets.convex import area_of
 from hknob_cli.engine.general.sets.friction_phases import HALVINGS, NARROWEST, STRAIGHT, fly, is_narrow, put_chord
-from hknob_cli.engine.general.sets.piece import piece_size
+from hknob_cli.engine.general.sets.piece import STATE, piece_size
+from hknob_cli.engine.general.sets.room import make_piece_room
 from hknob_cli.engine.general.slide_two import coefficients, step_with_friction
 
-from .friction_work import body_of, drift_of, law_of, room_of, wall_of, work_of
+from .friction_work import body_of, drift_of, law_of, room_of, wall_of, work_of, zeros
 from .test_friction_piece_margins import Piece
 from .test_friction_rounding import apart
 from .test_friction_rounding import body_of as real_body_of
@@ -44,6 +45,26 @@ def chord(
     waiting = put_chord(angle, velocity, low, high, 0.5, room, work, drift or drift_of(), body, wall)
     assert flown == [(angle, velocity, low, body), (angle, velocity, high, body)]
     return waiting, [Piece(room, k, delay) for k in range(max(waiting, 0))]
+
+
+def test_a_torque_that_lags_has_not_begun_before_the_first_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    """States fly as without a lag, and by that body's turns; there is no torque at the first sample."""
+    ends = [(1.0, 1.0), (2.0, 3.0)]
+    plain = chord(monkeypatch, ends, 0.25, 0.75)[1][0]
+    late = SimpleNamespace(**{**BODY.__dict__, "order": 3, "lag": 0.5, "spacing": 1e-3})
+    flown: list[Any] = []
+
+    def flies(at: float, speed: float, phase: float, its: Any) -> tuple[float, float]:
+        flown.append(its)
+        return ends[phase == 0.75]
+
+    monkeypatch.setattr(friction_phases, "fly", flies)
+    room, work = make_piece_room(zeros, 3, 0, lattice=8, deep=8), work_of(plane=BODY, z=[9.0, 9.0, 9.0])
+    assert put_chord(ANGLE, VELOCITY, 0.25, 0.75, 0.5, room, work, drift_of(), late, wall_of()) == 1
+    assert flown == [BODY, BODY]
+    x, v, a, *corners = room.stack[STATE : STATE + 3 + 8]
+    assert a == 0.0
+    assert [(x + corners[2 * k], v + corners[2 * k + 1]) for k in range(4)] == plain.ends[:4]
 
 
 def sides(piece: Piece) -> tuple[float, float, float, float]:

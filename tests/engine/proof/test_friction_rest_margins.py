@@ -168,6 +168,9 @@ def test_one_state_beside_the_zone_rests_in_a_reading_that_is_entered(x: float) 
 def test_no_rest_is_entered_in_a_count_that_acts_otherwise() -> None:
     """What stands in the zone near an edge stays, however far others come: held to 2, say, and down to -2."""
     assert held(-1.9375, -1.25, (-3.0, -1.375)) == [(0.5 * (-1.9375 - 0.125 - 1.375), -2.0)]
+    # Where a count ends on its edge.
+    middle = 0.5 * (-1.9375 - 0.125 - 1.375)
+    assert held(-1.9375, -1.25, (-3.0, -1.375), level=-1.0, sense=-1.0) == [(middle, -1.0)]
     assert held(-1.75, -1.0625, (-1.625, 5.0)) == [(0.5 * (-1.625 - 1.0625 + 0.125), -2.0)]
     assert [shown for _, shown in held(0.0625, 1.25, (-3.0, 1.125), level=0.0)] == [0.0, 1.0]  # type: ignore[union-attr]
     body, ends = body_of(0.40625, beta=0.5)._replace(drive=-3.09375), ends_of()

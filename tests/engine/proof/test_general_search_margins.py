@@ -200,6 +200,10 @@ def test_a_share_that_is_lost_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
             assert reasons == [Reason.NONE] + [Reason.TOO_MANY] * (told and undecided > 0.0)
             if len(reasons) == 2:
                 assert found.attractors[1].trials == pytest.approx(lost, rel=1e-6)
+    # Of all lengths together, with what still waits.
+    found = Arcs(monkeypatch, (2, 101, 3.0, 0.5, 0.25, 1.625), found=[rest(0.5)]).search()
+    assert found is not None
+    assert [end.trials for end in found.attractors] == [0.5625, 0.25, 0.1875]
     # Exactly that part: what is left of 1 less 2^-29, and of 2^-29 less it.
     part = 2.0**-29
     script = (1, 101, 3.0, 0.5, 0.25, part)

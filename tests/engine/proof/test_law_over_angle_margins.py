@@ -45,6 +45,8 @@ def test_nothing_is_commanded_above_a_cut_off() -> None:
     assert past[LINE] == 0.0
     assert decide(-2.0, 0.0, past, WALL, law_of(0.0, 0.125, cuts=True)) == 0.125
     assert past[LINE] == COMMANDS[0]
+    assert decide(-2.0, 0.0, past, WALL, law_of(0.0, 0.0, cuts=True)) == 0.0
+    assert past[LINE] == COMMANDS[0]
     # A law without a cut-off may return a negative guard, and is not silent.
     assert decide(-2.0, 0.0, past, WALL, law_of(0.0, -0.125, cuts=False)) == -0.125
     assert past[LINE] == COMMANDS[0]

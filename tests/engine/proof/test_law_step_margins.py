@@ -109,6 +109,7 @@ def test_a_guard_is_the_least_of_all_changes() -> None:
         # What the band takes away is 0, half a step from any edge.
         (wall_of(step=0.75, band=0.625), 0.5, 0.25), (wall_of(step=1.0, band=0.75), 0.25, 1.0),
         (wall_of(step=2.0, band=0.5), 0.25, 0.0), (wall_of(step=1.0), 0.25, 0.0),
+        (wall_of(step=2.0, band=0.375), 0.25, 0.0), (wall_of(step=0.75, band=2.0), 0.5, 0.75),
     ):  # fmt: skip
         assert decide(-3.0, 0.0, list(PAST), wall, law_of(weight=weight)) == pytest.approx(guard, rel=1e-14)
         assert decide(-3.0, 0.0, list(PAST), wall, law_of(-1.0, weight=weight)) == -1.0
@@ -156,14 +157,14 @@ def test_a_piece_moves_under_its_own_torque(monkeypatch: pytest.MonkeyPatch, ord
     monkeypatch.setattr(step, "advance_hold", lambda *given: told.append(("hold", *given)))
     body: Any = SimpleNamespace(order=order, friction=friction, drive=0.5, beta=2.0)
     for piece, u in ((0, 3.0), (1, 4.0)):
-        z, law = [1.0, -2.0], law_of(sched=pieces())
+        z, law = [1.5, -2.0], law_of(sched=pieces())
         move_piece(z, PAST, piece, body, law, "pad")
         if order == 2 and friction:
-            assert told.pop() == ("two", 1.0, -2.0, u, 0.5 + piece, 0.25, 0.125, 0.75, body)
+            assert told.pop() == ("two", 1.5, -2.0, u, 0.5 + piece, 0.25, 0.125, 0.75, body)
             assert z == [8.0, 9.0]
         elif order == 2:
-            y = u + 0.5 - 2.0
-            assert z == [1.0 - 0.5 + 0.125 * y, -1.5 + 0.25 * y]
+            y = u + 0.5 - 3.0
+            assert z == [1.5 - 0.5 + 0.125 * y, -1.5 + 0.25 * y]
         elif friction:
             assert told.pop() == ("many", z, u, 0.5 + piece, body, "pad")
         else:
