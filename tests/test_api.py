@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 import hknob_cli as hk
 from hknob_cli.errors import RefusedError, SpecError, UsageError
 from tests.conftest import EXPERIMENTS, ROOT, SPEC
+from tests.designs import DESIGN
 
 
 def test_the_same_results_as_the_command(
@@ -119,8 +120,20 @@ def test_each_stage_as_its_command(
     assert heard[-1][0] == heard[-1][1] > 0
 
 
-def test_a_design_from_python(tmp_path: Path) -> None:
-    """Stages that take a mapping of another shape than a sweep do, too; faults name it."""
+def test_a_design_from_python(hknob, spec_file: Callable[..., Path], tmp_path: Path) -> None:
+    """The command's rows, of a mapping as of its file; faults name it."""
+    done = hknob("design", spec_file(DESIGN), "-o", "command", "--json")
+    assert done.returncode == 0, done.stderr
+    found = hk.design(YAML(typ="safe").load(DESIGN), out=tmp_path / "python")
+    assert found.tables == ("design",)
+    theirs = pd.read_parquet(tmp_path / "command" / "design.parquet")
+    pd.testing.assert_frame_equal(found.design, theirs)
+    (chosen,) = theirs[theirs.chosen].to_dict("records")
+    assert found.summary["chosen"]["remedy"] == chosen["remedy"]
+    said = json.loads(done.stdout)
+    assert {key: value for key, value in said.items() if key != "files"} == {
+        key: value for key, value in found.summary.items() if key != "files"
+    }
     with pytest.raises(SpecError, match=r"<spec>:\d+:\d+: base: missing"):
         hk.design({"kind": "design", "name": "x"})
 

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from hknob_cli.errors import UsageError
 from hknob_cli.specs.standard_input import is_stdin
 
 if TYPE_CHECKING:
@@ -27,18 +28,30 @@ def after_stage(job: "Job", work: "Work", summary: dict[str, Any]) -> str:
         return _show(job.out / pages[0])
     if _can_be_played_with(job):
         return shlex.join(["hknob", "explore", job.spec, *_sets(job.overrides)])
-    if (along := work.take_along(job, summary)) and (step := _taken_along(job, *along)):
-        return step
+    if along := work.take_along(job, summary):
+        kind, remedy = along
+        if (same := _from(job, kind, remedy)) and (step := _new(kind, job.plan.name, same)):
+            return step
     if work.pictures(job) and not job.plot:
         out = _out(job.out, job.plan.name)
         return shlex.join(["hknob", job.kind, job.spec, "--plot", *out, *_sets(job.overrides)])
     then = work.then(job)
     if not then or not summary.get("orbits", {"cycle": 1})["cycle"]:
         return ""
-    from hknob_cli.stages.begin_from import FROM, KINDS
+    return _new(then, job.plan.name, _from(job, then))
 
-    same = ["--from", job.spec, *_sets(job.overrides)] if job.kind in FROM and then in KINDS else []
-    return _new(then, job.plan.name, same)
+
+def _from(job: "Job", then: str, remedy: str | None = None) -> list[str]:
+    """Options that give a spec of a kind the knob of a job; none if it cannot have that, as a design that of a grid."""
+    from hknob_cli.stages.begin_from import FROM, KINDS, begin_from
+
+    if job.kind not in FROM or then not in KINDS:
+        return []
+    try:
+        begin_from(then, Path(job.spec), "", Path(), job.overrides, remedy)
+    except UsageError:
+        return []
+    return ["--from", job.spec, *_sets(job.overrides), *([] if remedy is None else ["--remedy", remedy])]
 
 
 def after_pipeline(
@@ -52,10 +65,6 @@ def after_pipeline(
         return shlex.join(["hknob", "run", str(spec), *_out(root, name), *_sets(overrides)])
     pages = [file for file in files if file.endswith(".html")]
     return _show(Path(pages[-1])) if pages else _new("report", name)
-
-
-def _taken_along(job: "Job", kind: str, options: Sequence[str]) -> str:
-    return _new(kind, job.plan.name, ["--from", job.spec, *_sets(job.overrides), *options])
 
 
 def _can_be_played_with(job: "Job") -> bool:

@@ -100,8 +100,8 @@ class Work:
         """Kind of spec that a user would write after it."""
         return STAGES[job.kind].then
 
-    def take_along(self, _job: Job, _summary: dict[str, Any]) -> tuple[str, tuple[str, ...]] | None:
-        """Kind of spec that takes the best of what was found along, and the options that name it; None if none does."""
+    def take_along(self, _job: Job, _summary: dict[str, Any]) -> tuple[str, str] | None:
+        """Kind of spec that takes the best remedy that was found along, and that; None if none does."""
         return None
 
     def describe(self, job: Job, tables: Tables) -> dict[str, Any]:

@@ -76,6 +76,18 @@ def test_a_trial_of_remedies_takes_the_best_along(hknob, spec_file, tmp_path: Pa
     assert "--plot" in step(hknob("remedies", "trial.yaml", "--set", "cases={}"))
 
 
+def test_a_design_that_cannot_begin_from_a_grid_begins_anew(hknob, spec_file, tmp_path: Path) -> None:
+    """A design is of one rate and resolution; what is suggested after remedies over several is a command that runs."""
+    grid = ("--set", "grid={sample_rate_hz: [1000, 2000], counts_per_rev: 1024}", "--set", "starts.phases=2")
+    assert hknob("new", "remedies", "--from", spec_file(), *grid, "--out", "trial.yaml").returncode == 0
+    trial = ("remedies", "trial.yaml", "-j", "1", "--plot")
+    along = step(hknob(*trial))
+    assert hknob(*shlex.split(along)[1:]).returncode == 0  # the sweep with the best; its file is there from now on
+    design = step(hknob(*trial))
+    assert design.startswith("hknob new design --out ")
+    assert hknob(*shlex.split(design)[1:]).returncode == 0
+
+
 PIPELINE = """\
 kind: pipeline
 name: two

@@ -33,6 +33,33 @@ LONG = (  # the engine of friction, or of many, is compiled: up to two minutes
     "hknob sweep my-knob.yaml --out results/friction",
 )
 
+# Commands of blocks without an output that are not run, by how they begin, each with its reason.
+OURS = "it names a file of the reader's own"
+MINUTES = "it takes longer than ten seconds"
+COMPILES = f"{MINUTES}, with what it compiles"
+NOT_RUN = {
+    "make ": "a target of the Makefile",
+    "hknob sweep experiments/NAME.yaml": "NAME stands for any",
+    "hknob sweep mine.yaml": OURS,
+    "hknob run my-study.yaml": OURS,
+    "hknob hw-run my-bench.yaml": OURS,
+    "hknob report experiments/smoke_report.yaml": "it needs the results of the next command, of which it is a stage",
+    "hknob run experiments/smoke.yaml": f"{MINUTES}; `make smoke`",
+    "hknob sweep experiments/every_start.yaml": f"{MINUTES}; tests/verification/every_start",
+    "hknob sweep experiments/anywhere.yaml": f"{MINUTES}; tests/verification/every_start",
+    "hknob sweep experiments/basins.yaml": f"{MINUTES}; tests/verification/every_start",
+    "hknob sweep experiments/what_matters.yaml": MINUTES,
+    "hknob sweep experiments/my_knob.yaml --out results/limited": "it ends by its limit of time",
+    "hknob sweep experiments/my_knob.yaml --out results/lag": f"{COMPILES}; README has its output",
+    "hknob bench ": f"{MINUTES}; tests/cli/test_bench.py",
+    "hknob remedies ": COMPILES,
+    "hknob design ": f"{COMPILES}; docs/howto/cheapest_knob.md has its output",
+    "hknob sysid experiments/five_experiments.yaml": f"{MINUTES}; tests/verification/test_five_experiments.py",
+    "hknob sysid experiments/foreign_motor.yaml": "docs/tutorials/your_recordings.md has its output",
+    "hknob hw-run ": f"{MINUTES}; tests/cli/test_hw_run.py",
+    "hknob check experiments/*.yaml": f"{MINUTES}; tests/cli and tests/specs load every example",
+}
+
 
 class Said(NamedTuple):
     """A command of a console block, and the output that the page prints below it; empty if it prints none."""
@@ -119,6 +146,34 @@ def test_output_is_what_comes_out(page: Path, told: list[Said], tmp_path: Path, 
         if said.output:
             parts = re.split(r"^\.\.\.\n", said.output, flags=re.M)
             assert re.fullmatch(r"(?:.*\n)*?".join(map(re.escape, parts)), output), output
+
+
+def without_output() -> list[object]:
+    """Blocks that print no output and have a command that is run: the page, and these commands; each block once."""
+    found: dict[tuple[str, ...], object] = {}
+    for page in TEXTS:
+        for block in blocks(page):
+            told = commands(block) if block.language == "console" else []
+            runs = tuple(said.command for said in told if not said.command.startswith(tuple(NOT_RUN)))
+            if runs and not any(said.output for said in told):
+                found.setdefault(runs, pytest.param(page, runs, id=f"{name_of(page)}:{block.line}"))
+    return list(found.values())
+
+
+@pytest.mark.parametrize(("page", "runs"), without_output())
+def test_commands_without_an_output_run(page: Path, runs: tuple[str, ...], tmp_path: Path, forks: Forks) -> None:
+    (tmp_path / "experiments").symlink_to(ROOT / "experiments")
+    for name, text in titled(page).items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    for command in runs:
+        code, out, err = forks.run(shlex.split(command)[1:], cwd=tmp_path, env=dict(os.environ), timeout=600)
+        assert (code, bool(out or err)) == (0, True), f"{command}: {err}"
+
+
+def test_what_is_not_run_is_there() -> None:
+    """Every reason belongs to a command."""
+    there = [said.command for page in TEXTS for said in console(page)]
+    assert [begin for begin in NOT_RUN if not any(one.startswith(begin) for one in there)] == []
 
 
 def test_python_of_the_page_on_results_runs(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from hknob_cli.page.explore.sheet import sheet
 from hknob_cli.specs.load import load_text
 from tests.conftest import SPEC, loaded
 from tests.page.explore_scenes import plan_of, random_scene, trial_of
-from tests.page.opened import PHONE, Opened
+from tests.page.opened import PHONE, WIDE, Opened
 
 Axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed").Axe
 
@@ -144,13 +144,14 @@ def test_what_is_heard_is_the_speed_of_the_knob(opened: Opened) -> None:
     assert peaks["other"] < 0.5 * peaks["one"]
 
 
+@pytest.mark.parametrize("viewport", [WIDE, PHONE])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_bars_nobody(browser: Any, address: str, scheme: str) -> None:
-    with Opened(browser, address, color_scheme=scheme, reduced_motion="reduce") as opened:
+def test_it_bars_nobody(browser: Any, address: str, scheme: str, viewport: dict[str, int]) -> None:
+    """On a phone the spec is wider than the page, and is scrolled by keys, too."""
+    with Opened(browser, address, color_scheme=scheme, viewport=viewport, reduced_motion="reduce") as opened:
         opened.tab.eval_on_selector_all("details", "all => all.forEach(one => { one.open = true; })")
         found = Axe().run(opened.tab)
-        grave = [one for one in found.response["violations"] if one["impact"] in ("serious", "critical")]
-        assert grave == [], found.generate_report()
+        assert found.response["violations"] == [], found.generate_report()
 
 
 def test_nothing_is_wider_than_a_phone(browser: Any, address: str) -> None:

@@ -66,11 +66,11 @@ class RemediesWork(KeepingWork):
         """Every remedy at every case, over the grid, and over its further axes."""
         return describe_trial(tables[0], tables[1], list(job.plan.varied), job.plan.values["remedies"])
 
-    def take_along(self, job: Job, summary: dict[str, Any]) -> tuple[str, tuple[str, ...]] | None:
+    def take_along(self, job: Job, summary: dict[str, Any]) -> tuple[str, str] | None:
         """A sweep of the knob with the remedy that does most, of those that are not tuned cell by cell."""
         fixed = {one.name for one in job.plan.remedies if not one.tuned}
         best = most_of({name: row for name, row in summary["grid"].items() if name in fixed}, summary["costs"])
-        return ("sweep", ("--remedy", best)) if best else None
+        return ("sweep", best) if best else None
 
     def text(self, _job: Job, summary: dict[str, Any]) -> str:
         """A table of each case."""
