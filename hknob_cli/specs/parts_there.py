@@ -1,6 +1,6 @@
 """Which parts a scene has, by the names of the table of `specs.capabilities`."""
 
-from hknob_cli.specs.controller import MODELLED
+from hknob_cli.specs.controller import MODELLED, Controller
 from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.plan import Actuator, Encoder, Fingerpad, Hand, Scene
@@ -10,7 +10,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
     """Which of `capabilities.PARTS` a scene has, and what it amounts to."""
     written, scene = scene, reduced(scene)
     knob, wall, hand, actuator = scene.knob, scene.wall, scene.hand or Hand(), scene.actuator or Actuator()
-    encoder, controller, finger = scene.encoder or Encoder(), scene.controller, hand.finger
+    encoder, finger = scene.encoder or Encoder(), hand.finger
     pad = hand.fingerpad or Fingerpad()
     over_angle = {name: getattr(scene, name) is not None for name in OVER_ANGLE}
     against = wall.stiffness > 0.0 or any(over_angle.values())
@@ -39,14 +39,7 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "backlash": encoder.backlash != 0.0,
         "bare": scene.encoder is None,
         "unsampled": not scene.sampled,
-        "controller": controller is not None,
-        "speed_sensor": controller is not None and controller.velocity == "sensor",
-        "estimated_speed": controller is not None and controller.estimates,
-        "kalman": controller is not None and controller.estimate == "kalman",
-        "several_readings": controller is not None and controller.detections > 1,
-        "pulses": controller is not None
-        and (controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0)),
-        "knob_model": controller is not None and controller.kind in MODELLED,
+        **(_of_controller(scene.controller) if scene.controller else {}),
         **over_angle,
         "motor": written.motor is not None,
         "coil": scene.coil is not None,
@@ -63,3 +56,15 @@ def parts_of(scene: Scene) -> frozenset[str]:
         "handless": scene.hand is None,
     }
     return frozenset(part for part, there in found.items() if there)
+
+
+def _of_controller(controller: Controller) -> dict[str, bool]:
+    return {
+        "controller": True,
+        "speed_sensor": controller.velocity == "sensor",
+        "estimated_speed": controller.estimates,
+        "kalman": controller.estimate == "kalman",
+        "several_readings": controller.detections > 1,
+        "pulses": controller.steps > 1 or (controller.kind == "impulse_damping" and controller.pulse < 1.0),
+        "knob_model": controller.kind in MODELLED,
+    }

@@ -211,9 +211,18 @@ def validate_sysid(source: Source) -> SysidPlan:
     )
 
 
+_Wrong = list[tuple[tuple[str, ...], str]]  # keys, and what is wrong with them
+
+
 def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
     """Keys that do not go together."""
-    found: list[tuple[tuple[str, ...], str]] = []
+    found = [*_of_excitation(spec), *_of_truth(spec), *_of_estimators(spec)]
+    return [source.fault(key, text, at_key=True) for key, text in found]
+
+
+def _of_excitation(spec: SysidSpec) -> _Wrong:
+    """What does not go with a pulse, or with a continuous excitation."""
+    found: _Wrong = []
     continuous, prepare = spec.excitation == "continuous", spec.prepare
     if continuous:
         given = prepare.model_fields_set
@@ -228,12 +237,24 @@ def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
             found.append((("excitation",), "must be continuous where virtual.input is given"))
         if spec.what != "hand":
             found.append((("virtual", "input"), "must be absent where what is no hand"))
+    if prepare.span is not None and prepare.span[0] >= prepare.span[1]:
+        found.append((("prepare", "span"), "must rise"))
+    return found
+
+
+def _of_truth(spec: SysidSpec) -> _Wrong:
+    """What does not go with hands that are known."""
+    found: _Wrong = []
     if spec.against is not None and spec.recordings is None:
         found.append((("against",), "must be absent without recordings, which must be of that folder"))
     if spec.against is not None and spec.what in ("motor", "grip_cell"):
         found.append((("against",), f"must be absent where what is {spec.what}"))
-    if prepare.span is not None and prepare.span[0] >= prepare.span[1]:
-        found.append((("prepare", "span"), "must rise"))
+    return found
+
+
+def _of_estimators(spec: SysidSpec) -> _Wrong:
+    """What the estimators cannot take."""
+    found: _Wrong = []
     linear = spec.torque_between_samples == "linear"
     if linear and spec.settling_time_constant > 0.0:
         found.append((("settling_time_constant",), "must be 0 where the torque between samples is linear"))
@@ -241,12 +262,12 @@ def _contradictions(source: Source, spec: SysidSpec) -> list[Fault]:
         for key in ("damping", "stiffness"):
             if key in spec.fix.plain():
                 found.append((("fix", key), "must be absent: fourth_order has two of it"))
-        if continuous or spec.initial_state == "free" or linear:
+        if spec.excitation == "continuous" or spec.initial_state == "free" or linear:
             text = "fourth_order needs a pulse from rest, with a torque that is held"
             found.append((("estimators",), text))
     if len(spec.fix.plain()) == 3 and any("friction" not in one for one in spec.estimators):
         found.append((("fix",), "must leave a parameter to identify"))
-    return [source.fault(key, text, at_key=True) for key, text in found]
+    return found
 
 
 def _too_many(source: Source, virtual: VirtualSpec, what: str) -> list[Fault]:
