@@ -34,31 +34,17 @@ class Judged(NamedTuple):
 def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judged:
     """A design by the ``rows`` of its people, those of the ``present`` design, and its stiffness (N·m/rad)."""
     heard = "hearing_db" if plan.perceive.gained else "hearing_relative_db"
-    fails: dict[str, str] = {}
-    if plan.stiffness is not None and not stiffness >= plan.stiffness * (1.0 - ROUNDING):
-        fails["stiffness"] = f"{stiffness:.3g} N*m/rad" if isfinite(stiffness) else "not known"
-    found: dict[str, Any] = {}
+    found: dict[str, float] = {}
     asked_of: dict[str, tuple[Limit, list[float]]] = {}
-    margin = inf
     for sense, column, limit in (("touch", "touch_db", plan.touch), ("hearing", heard, plan.hearing)):
         levels = [level(row, column) for row in rows]
         over = [above(mine, level(row, column)) for mine, row in zip(levels, present, strict=True)]
-        asked = limit or ANY
-        judged = over if asked.above_present else levels
-        share = sum(one > asked.most_db for one in judged) / len(rows)
-        most = exceeded_by(judged, asked.people)
-        found[f"{sense}_db"] = exceeded_by(levels, asked.people)
-        found[f"{sense}_above_present_db"] = exceeded_by(over, asked.people)
-        found[f"{sense}_above"] = share if limit or sense == "touch" else nan
+        found |= _noticed(sense, levels, over, limit)
         if limit:
-            asked_of[sense] = limit, judged
-            margin = min(margin, limit.most_db - most)
-        if limit and most > limit.most_db:
-            fails[sense] = f"{most - limit.most_db:+.1f} dB" if isfinite(most) else "not known"
+            asked_of[sense] = limit, over if limit.above_present else levels
     step = rows[0]["torque_step_db"]
-    if plan.torque_step_db is not None and (step is None or step > plan.torque_step_db):
-        fails["torque step"] = f"{step - plan.torque_step_db:+.1f} dB" if step is not None else "not known"
-    certified = _mean(rows, "certified_fraction")
+    fails = _failures(plan, stiffness, asked_of, step)
+    margin = min((limit.most_db - exceeded_by(some, limit.people) for limit, some in asked_of.values()), default=inf)
     largest = max(rows, key=lambda one: -1.0 if one["p2p_max_rad"] is None else one["p2p_max_rad"])
     domain = [one["in_domain"] for one in rows if one.get("in_domain") is not None]
     row = {
@@ -73,7 +59,7 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
         "torque_step_db": step,
         "unknown": sum(level(one, "touch_db") == inf for one in rows) / len(rows),
         "at_rest_fraction": _mean(rows, "at_rest_fraction"),
-        "certified_fraction": certified,
+        "certified_fraction": _mean(rows, "certified_fraction"),
         "certified": all(one["certified_fraction"] == 1.0 for one in rows),
         "feasible": not fails,
         "fails": ", ".join(f"{name} {text}" for name, text in fails.items()),
@@ -82,6 +68,34 @@ def judge(plan: DesignPlan, rows: Rows, present: Rows, stiffness: float) -> Judg
     return Judged(
         row=row, fails=fails, felt_db=found["touch_db"], asked=asked_of, others=_by_other_sets(plan, rows, present)
     )
+
+
+def _failures(
+    plan: DesignPlan, stiffness: float, asked: Mapping[str, tuple[Limit, list[float]]], step: float | None
+) -> dict[str, str]:
+    """Limits that are not met, and how far each is from being met; ``step`` is the torque step, dB."""
+    fails: dict[str, str] = {}
+    if plan.stiffness is not None and not stiffness >= plan.stiffness * (1.0 - ROUNDING):
+        fails["stiffness"] = f"{stiffness:.3g} N*m/rad" if isfinite(stiffness) else "not known"
+    for sense, (limit, levels) in asked.items():
+        most = exceeded_by(levels, limit.people)
+        if most > limit.most_db:
+            fails[sense] = f"{most - limit.most_db:+.1f} dB" if isfinite(most) else "not known"
+    if plan.torque_step_db is not None and (step is None or step > plan.torque_step_db):
+        fails["torque step"] = f"{step - plan.torque_step_db:+.1f} dB" if step is not None else "not known"
+    return fails
+
+
+def _noticed(sense: str, levels: list[float], over: list[float], limit: Limit | None) -> dict[str, float]:
+    """Columns of one sense: the people's ``levels``, dB, and how far those are ``over`` the present ones."""
+    asked = limit or ANY
+    judged = over if asked.above_present else levels
+    share = sum(one > asked.most_db for one in judged) / len(judged)
+    return {
+        f"{sense}_db": exceeded_by(levels, asked.people),
+        f"{sense}_above_present_db": exceeded_by(over, asked.people),
+        f"{sense}_above": share if limit or sense == "touch" else nan,
+    }
 
 
 def _by_other_sets(plan: DesignPlan, rows: Rows, present: Rows) -> dict[str, list[float]]:

@@ -9,6 +9,12 @@ from hknob_cli.specs.plan import Axes, Bias, Knob, Scene, Wall
 from hknob_cli.specs.pulses import THRESHOLD, PulsePlan
 from hknob_cli.stages.work import counted
 
+# Sentences about what the program does to a knob, whose own parts only a simulation knows.
+_DONE = tuple(
+    f"{part}:"
+    for part in ("Wall", "Encoder", "Clock", "Actuator", "Controller", "Profile", "Detents", "End stops", "Dead zone")
+)
+
 
 def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | None, Axes]:
     """The answer, sentences by title, and the scene and axes from which numbers follow."""
@@ -20,25 +26,10 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     device = plan.device
     simulated = device.driver == "virtual" or bool(device.target)
     where = device.target or device.url or ", ".join(map(str, plan.recordings)) or "computed here"
-    wall = Wall(*plan.first.wall)
-    knob = Knob(*plan.knob)
-    bias = Bias(torque=plan.person.push) if simulated else None
-    first = plan.first
-    scene = Scene(knob=knob, wall=wall, bias=bias, controller=first.controller, actuator=first.actuator)
-    scene = scene._replace(encoder=first.encoder or scene.encoder)
-    if plan.effects:
-        scene = scene._replace(**plan.effects._asdict())
-    if simulated:
-        parts = [line for line in scene_sentences(scene, plan.axes) if not line.startswith("Hand:")]
-        wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
-        parts.append(f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}.")
-    else:
-        told = ("Wall", "Encoder", "Clock", "Actuator", "Controller", "Profile", "Detents", "End stops", "Dead zone")
-        said = tuple(f"{name}:" for name in told)
-        parts = [line for line in scene_sentences(scene, plan.axes) if line.startswith(said)]
+    scene = _scene(plan, simulated)
     course, limits = plan.course, plan.limits
     about = {
-        "parts": parts,
+        "parts": _parts(plan, scene, simulated),
         "device": [f"{device.driver}: {where}."],
         "trials": [
             f"Each records {short(course.buzz[0])} to {short(course.buzz[1])} s of buzz, and ends after "
@@ -55,6 +46,30 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     under = f" under {counted(len(plan.tries), 'remedy', 'remedies')}" if plan.has_remedies else ""
     answer = f"{counted(trials, 'trial')} {asked} {'measure' if trials > 1 else 'measures'} whether it buzzes{under}."
     return answer, about, scene if simulated else scene._replace(knob=Knob(inertia=0.0)), plan.axes
+
+
+def _scene(plan: Any, simulated: bool) -> Scene:
+    """The scene of the first trial."""
+    first = plan.first
+    scene = Scene(
+        knob=Knob(*plan.knob),
+        wall=Wall(*first.wall),
+        bias=Bias(torque=plan.person.push) if simulated else None,
+        controller=first.controller,
+        actuator=first.actuator,
+    )
+    scene = scene._replace(encoder=first.encoder or scene.encoder)
+    return scene._replace(**plan.effects._asdict()) if plan.effects else scene
+
+
+def _parts(plan: Any, scene: Scene, simulated: bool) -> list[str]:
+    """Sentences of the scene, and of who holds a simulated knob; of a real one of what the program does to it."""
+    lines = scene_sentences(scene, plan.axes)
+    if not simulated:
+        return [line for line in lines if line.startswith(_DONE)]
+    wanders = [name.replace("_", " ") for name in ("wandering_push", "grip_wander") if getattr(plan.person, name)]
+    person = f"Person: simulated, {'with ' + ' and '.join(wanders) if wanders else 'who pushes steadily'}."
+    return [*(line for line in lines if not line.startswith("Hand:")), person]
 
 
 def explained_pulses(plan: PulsePlan) -> tuple[str, dict[str, list[str]]]:

@@ -47,24 +47,9 @@ def completeness_text(found: dict[str, Any], *, buzzes: bool) -> list[str]:
         lines += [f"This is one start. Another may end in {end}. To look for one, add", f"  --set '{RANGES}'"]
     growing = found.get("growing") or {"cells": 0}
     if left := total - complete - found["sampled"] - growing["cells"]:
-        most = found["undecided_max"]
-        share = "perhaps all of them" if most > 0.99 else f"at most {100.0 * most:.2g} % of them"
-        lines.append(
-            f"In {left} of {total} cells some starts have no proven end, {share}; undecided_fraction says how many."
-        )
-        lines += [f"  {count} cell{'s' if count > 1 else ''}: {reason}." for reason, count in found["reasons"].items()]
-    if found["sampled"] and "random" in found:
-        lines.append(
-            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
-            f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
-        )
-    elif found["sampled"] and found["ranged"]:
-        lines.append(f"In {found['sampled']} of {total} cells no set of starts was followed; orbits.parquet says why.")
-    elif found["sampled"]:
-        lines.append(
-            f"In {found['sampled']} of {total} cells starts cannot be followed all at once; "
-            f"{found['phases']} clock phases were sampled there."
-        )
+        lines += _unproven(found, left)
+    if found["sampled"]:
+        lines.append(_sampled(found))
     if regions := found.get("regions"):
         some = f": in {regions['cells']} of {total} cells." if regions["cells"] < total else "."
         lines.append(f"Every motion comes within {_within(regions)}, from however far{some}")
@@ -76,6 +61,29 @@ def completeness_text(found: dict[str, Any], *, buzzes: bool) -> list[str]:
         where = " in that region" if regions else ""
         lines.append(f"Shares are counted: {COUNTED} random starts{where}, with a standard error of at most 0.8 %.")
     return lines
+
+
+def _unproven(found: dict[str, Any], left: int) -> list[str]:
+    """Why some starts have no proven end in the ``left`` cells."""
+    most = found["undecided_max"]
+    share = "perhaps all of them" if most > 0.99 else f"at most {100.0 * most:.2g} % of them"
+    where = f"In {left} of {found['cells']} cells"
+    return [
+        f"{where} some starts have no proven end, {share}; undecided_fraction says how many.",
+        *(f"  {count} cell{'s' if count > 1 else ''}: {reason}." for reason, count in found["reasons"].items()),
+    ]
+
+
+def _sampled(found: dict[str, Any]) -> str:
+    """What was done in cells whose starts were not followed all at once."""
+    where = f"In {found['sampled']} of {found['cells']} cells"
+    if "random" in found:
+        done = f"{found['random']} random ones were simulated there, and other starts may end elsewhere."
+    elif found["ranged"]:
+        return f"{where} no set of starts was followed; orbits.parquet says why."
+    else:
+        done = f"{found['phases']} clock phases were sampled there."
+    return f"{where} starts cannot be followed all at once; {done}"
 
 
 def random_trials(found: dict[str, Any]) -> int:

@@ -174,23 +174,12 @@ def record_trial(
     ``angle`` (rad) and ``velocity`` (rad/s) at the start; the first sample comes ``phase`` of a period later.
     """
     wall, n = as_list(knob.wall), knob.body.order
-    end, interval = record.duration / knob.period_s, record.interval / knob.period_s
-    until = record.pulse.duration / knob.period_s if record.pulse else 0.0
     body = pulsed(knob.body, record.pulse.torque / knob.torque_nm) if record.pulse else knob.body
-    stops = [(phase + i, "sample") for i in range(ceil(end) + 1)]
-    stops += [(min(i * interval, end), "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
-    if wall.split > 0.0:
-        stops += [(phase + i + wall.split, "command") for i in range(ceil(end) + 1)]
-    if record.pulse:
-        stops.append((until, "pulse ends"))
-    # What happens at an instant takes the place of a row that was only due.
-    named = {time for time, event in stops if event}
-    stops = sorted(stop for stop in stops if stop[0] <= end and (stop[1] or stop[0] not in named))
     z, pad = knob.start(angle, velocity), [0.0] * (2 * n)
     ring, head = [0.0] * knob.delay_line, 0
     before, acting, later, t = read(z[0], wall), 0.0, 0.0, 0.0
     first = True
-    for time, event in stops:
+    for time, event in _stops(knob, record, phase):
         while t < time:
             step = min(time - t, 1.0)
             if wall.hysteresis > 0.0:
@@ -214,6 +203,20 @@ def record_trial(
         elif event == "pulse ends":
             body = knob.body
         yield _instant(knob, time, event, z, z[n - 1] if body.lag > 0.0 else acting)
+
+
+def _stops(knob: GeneralKnob, record: Record, phase: float) -> list[tuple[float, str]]:
+    """Instants of rows in their order, in sample periods, and what happens then; "" at the interval asked."""
+    end, interval, split = record.duration / knob.period_s, record.interval / knob.period_s, knob.wall.split
+    stops = [(phase + i, "sample") for i in range(ceil(end) + 1)]
+    stops += [(min(i * interval, end), "") for i in range(int(end / interval * (1.0 + 1e-12)) + 1)]
+    if split > 0.0:
+        stops += [(phase + i + split, "command") for i in range(ceil(end) + 1)]
+    if record.pulse:
+        stops.append((record.pulse.duration / knob.period_s, "pulse ends"))
+    # What happens at an instant takes the place of a row that was only due.
+    named = {time for time, event in stops if event}
+    return sorted(stop for stop in stops if stop[0] <= end and (stop[1] or stop[0] not in named))
 
 
 def _with_law(plan: SweepPlan, cell: Cell, trial: int, angle_rad: float) -> Iterator[Instant]:

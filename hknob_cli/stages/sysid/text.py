@@ -143,28 +143,16 @@ def sysid_text(summary: dict[str, Any]) -> str:
     rows = summary["alone"] or summary["conditions"]
     named = len({row["subject"] for row in rows}) > 1 or not any(row["grip_target_n"] for row in rows)
     whose = ERROR if summary["alone"] else DEVIATION
-    first = "setup" if named else "grip N"
     people = summary["subjects"]
     lines = [f"{summary['name']}: {summary['fits']} fits, {people} subject{'s' if people != 1 else ''}"]
     lines += ["", identified(rows, errors=whose)]
     for key in dict.fromkeys((row["experiment"], row["estimator"]) for row in rows):
         where = "" if key[0] == UNNAMED else f"experiment {key[0]}, "
         lines += ["", f"{where}{key[1]}: mean ± {whose}"]
-        body = []
-        for row in (row for row in rows if (row["experiment"], row["estimator"]) == key):
-            cells = [str(row["subject"]) if named else short(row["grip_target_n"])]
-            cells += [_cell(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
-            cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
-            body.append([*cells, "*" if row["flags"] else ""])
-        lines += table([first, *(one[0] for one in _COLUMNS), "VAF %", ""], body, left={6})
+        own = [row for row in rows if (row["experiment"], row["estimator"]) == key]
+        lines += _conditions(own, named=named)
     if blend := summary["averages"]:
-        least, largest, middle = (f"{100.0 * blend[name]:.2g}" for name in ("least", "largest", "median"))
-        lines += [
-            "",
-            f"{blend['fits']} of {blend['of']} fits: residuals not white, but as small as noise or averaging make;",
-            f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
-            "their mean is not one motion's. prepare: {average: false} fits each trial",
-        ]
+        lines += ["", *_blended(blend)]
     if errors := summary.get("truth"):
         lines += ["", *_errors(errors)]
     if summary["remarks"]:
@@ -175,6 +163,28 @@ def sysid_text(summary: dict[str, Any]) -> str:
         lines += ["", "* doubtful in some fits; the column flags says which:"]
         lines += [f"  {count:5} x {flag}" for flag, count in summary["flags"].items()]
     return "\n".join(lines)
+
+
+def _conditions(rows: list[Row], *, named: bool) -> list[str]:
+    """A table of one experiment and estimator; ``named``: a row a setup, and not a grip force."""
+    body = []
+    for row in rows:
+        cells = [str(row["subject"]) if named else short(row["grip_target_n"])]
+        cells += [_cell(row[column], row[f"{column}_std"], scale) for _, column, scale in _COLUMNS]
+        cells.append("-" if row["vaf"] is None else f"{100 * row['vaf']:.2f}")
+        body.append([*cells, "*" if row["flags"] else ""])
+    head = ["setup" if named else "grip N", *(one[0] for one in _COLUMNS), "VAF %", ""]
+    return table(head, body, left={6})
+
+
+def _blended(blend: dict[str, float]) -> list[str]:
+    """What `_averages` found."""
+    least, largest, middle = (f"{100.0 * blend[name]:.2g}" for name in ("least", "largest", "median"))
+    return [
+        f"{blend['fits']} of {blend['of']} fits: residuals not white, but as small as noise or averaging make;",
+        f"trials of a condition differ by {least} to {largest} % of the motion beyond noise (median {middle} %):",
+        "their mean is not one motion's. prepare: {average: false} fits each trial",
+    ]
 
 
 def _errors(rows: list[Row]) -> list[str]:
