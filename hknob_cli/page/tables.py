@@ -209,21 +209,8 @@ def _across(
     """A column a quantity, without those that are the same in every row, or empty: a note says these."""
     left_out = [name for name in _LEFT_OUT.get(file, ()) if name in shown]
     single = all(name in shown for name in ("p2p_rad", *WORST)) and not differs(rows)
-    shown = {name: one for name, one in shown.items() if not (single and name in WORST)}
-    same, empty, kept = [], [], []
-    for name in shown:
-        values = {_key(row[name]) for row in rows}
-        if name in left_out:
-            continue
-        if len(values) > 1 or (name in _ALWAYS and values != {None}):
-            kept.append(name)
-        elif values == {None}:
-            empty.append(shown[name].head)
-        elif values == {""}:  # a remark that no row has
-            continue
-        else:
-            unit = f" {shown[name].unit}" if shown[name].unit else ""
-            same.append(f"{shown[name].head} {_text(rows[0][name], shown[name], name in axes)}{unit}")
+    hidden = (*left_out, *(WORST if single else ()))
+    kept, same, empty = _apart(rows, {name: one for name, one in shown.items() if name not in hidden}, axes)
     heads = tuple(Head(one.head, one.unit, one.meaning, one.is_text) for one in (shown[name] for name in kept))
     body = tuple(tuple(_text(row[name], shown[name], name in axes) for name in kept) for row in rows)
     notes = [f"The same in every row: {'; '.join(same)}."] if same else []
@@ -231,6 +218,20 @@ def _across(
     notes += ["In every row the mean is the size of the largest cycle, too."] if single and "p2p_rad" in kept else []
     notes += [f"{file}.parquet has further columns: {', '.join(left_out)}."] if left_out else []
     return heads, body, tuple(notes)
+
+
+def _apart(rows: list[Row], shown: dict[str, Shown], axes: list[str]) -> tuple[list[str], list[str], list[str]]:
+    """Names of columns whose rows differ; in words what is the same in every row; heads of what has no value."""
+    kept, same, empty = [], [], []
+    for name, one in shown.items():
+        values = {_key(row[name]) for row in rows}
+        if len(values) > 1 or (name in _ALWAYS and values != {None}):
+            kept.append(name)
+        elif values == {None}:
+            empty.append(one.head)
+        elif values != {""}:  # a remark that no row has
+            same.append(f"{one.head} {_with_unit(rows[0][name], one, name in axes)}")
+    return kept, same, empty
 
 
 def _upright(
@@ -242,7 +243,7 @@ def _upright(
     body = tuple(
         (
             shown[name].head,
-            f"{_text(row[name], shown[name], name in axes)} {shown[name].unit}".strip(),
+            _with_unit(row[name], shown[name], name in axes),
             shown[name].meaning,
         )
         for name in there
@@ -263,6 +264,10 @@ def _text(value: Any, shown: Shown, precise: bool) -> str:
     if isinstance(value, int | float):
         return numeral(shown.factor * value, _AXIS_DIGITS if precise else _DIGITS)
     return str(value)
+
+
+def _with_unit(value: Any, shown: Shown, precise: bool) -> str:
+    return f"{_text(value, shown, precise)} {shown.unit}".strip()
 
 
 def _rows(result: Result, plan: TablePlan) -> tuple[dict[str, pa.Field], _Cut]:
