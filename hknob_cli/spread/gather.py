@@ -209,13 +209,7 @@ def gather(
     again = Again(workers, name, sample)
     try:
         while left or pending or again.pending:
-            gone: list[Range] = []
-            while left and not gone and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
-                one = left.take(pace.size(len(left), workers.count))
-                try:
-                    pending[workers.submit(one.start, one.stop)] = one
-                except workers.lost:
-                    gone.append(one)
+            gone = _hand_out(workers, left, pending, pace)
             asked = [*pending, *again.pending]
             done, _ = wait(asked, timeout=0.0 if gone else _TICK, return_when=FIRST_COMPLETED)
             if not (asked or gone):
@@ -254,6 +248,17 @@ def gather(
         workers.close(now=True)
         raise
     workers.close()
+
+
+def _hand_out(workers: Workers, left: Ranges, pending: dict[Future[Done], Range], pace: Pace) -> list[Range]:
+    """Hand out pieces until the workers have enough; the piece whose workers turn out to be lost comes back."""
+    while left and len(pending) < 2 * workers.count and not (pending and _suspect(left, pending)):
+        one = left.take(pace.size(len(left), workers.count))
+        try:
+            pending[workers.submit(one.start, one.stop)] = one
+        except workers.lost:
+            return [one]
+    return []
 
 
 def _suspect(left: Ranges, pending: dict[Future[Done], Range]) -> bool:
