@@ -95,17 +95,9 @@ def _columns(file: RecordingFile, faults: Faults, given: Mapping[str, ColumnPlan
         raise NotReadableError(f"has one column, {shown(stripped[0])}; cells must be parted by {CELLS}")
     others = [name for name in stripped if name not in found.values()]
     for name, there in wanted.items():
-        if not there or name in found:
-            continue
-        close = closest(there, others)
-        if name in given:
-            hint = f"is it '{close}'?" if close else f"there are {', '.join(map(shown, stripped[:20]))}"
-            faults.add(0, name, f"missing, though columns names it; {hint}")
-        elif name in REQUIRED or (name == TORQUES[0] and TORQUES[1] not in found):
-            hint = f"; is it '{close}'?" if close else f"; columns: {{{name}: NAME}} says how it is called"
-            faults.add(0, name, f"column missing, and required{hint}")
-        elif close:
-            faults.warn(0, name, f"there is no such column, but '{close}', which is not read; is it meant?")
+        if there and name not in found:
+            required = name in REQUIRED or (name == TORQUES[0] and TORQUES[1] not in found)
+            _missing(name, closest(there, others), faults, given=name in given, required=required, there=stripped)
     for name, there in found.items():
         if stripped.count(there) > 1:
             faults.add(0, name, f"column is there {stripped.count(there)} times; must be there once")
@@ -113,6 +105,21 @@ def _columns(file: RecordingFile, faults: Faults, given: Mapping[str, ColumnPlan
     if faults:
         return {}
     return {name: file.names[stripped.index(there)] for name, there in found.items()}
+
+
+def _missing(name: str, close: str | None, faults: Faults, *, given: bool, required: bool, there: list[str]) -> None:
+    """Note a column that is not ``there``, with the name that is ``close`` to it, if any.
+
+    ``given``: whether the spec says how it is called.
+    """
+    if given:
+        hint = f"is it '{close}'?" if close else f"there are {', '.join(map(shown, there[:20]))}"
+        faults.add(0, name, f"missing, though columns names it; {hint}")
+    elif required:
+        hint = f"; is it '{close}'?" if close else f"; columns: {{{name}: NAME}} says how it is called"
+        faults.add(0, name, f"column missing, and required{hint}")
+    elif close:
+        faults.warn(0, name, f"there is no such column, but '{close}', which is not read; is it meant?")
 
 
 def _trials_of(file: RecordingFile, layout: Layout, faults: Faults, lost: list[int]) -> list[Trial]:
