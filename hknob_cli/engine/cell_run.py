@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hknob_cli.engine.attractors import CAPACITY, FATES, LANES, SLICE, StoppedError
-from hknob_cli.engine.cells import FIELD, FIELDS, MEASURES, NUMBERS, UNMEASURED, Room
+from hknob_cli.engine.cells import FIELD, FIELDS, MEASURES, NUMBERS, UNMEASURED, Asked, Room
 from hknob_cli.engine.orbit.cycle import CycleMeasures
 from hknob_cli.engine.orbit.holds import PART
 from hknob_cli.engine.outcome import Outcome, Reason
-from hknob_cli.engine.sets.cells import TOLD
+from hknob_cli.engine.sets.cells import TOLD, ArcWork
 from hknob_cli.engine.sets.room import ENDS, make_arc_room, make_known
 
 Array = NDArray[np.float64]
@@ -85,21 +85,19 @@ def run_cells(
     room = _room(phases, longest_line, kept + 1 if sampled else ENDS + 2)
     told = np.zeros((0 if sampled else len(numbers), TOLD))
     run = "run_cells"
-    first: tuple[Any, ...] = ()
-    more: tuple[Any, ...] = ()
+    work: tuple[ArcWork, ...] = ()
     if not sampled:
         arcs, known = make_arc_room(np.zeros, longest_line), make_known(np.zeros, longest_line)
         known = known._replace(table=room.table[: 10 * (ENDS + 1)], lines=room.lines)
-        run, first, more = "sets.run_arc_cells", (kept, arcs, known), (told.reshape(-1),)
+        run, work = "sets.run_arc_cells", (ArcWork(arcs, known, told.reshape(-1), kept),)
     out = np.empty(FIELD * max(ROWS, 2 * len(room.order)))
+    asked = Asked(sense, phases, max_samples or 0, SAMPLES)
     found: list[Array] = []
     at = taken = 0
     while at < len(numbers):
         if stopped():
             raise StoppedError
-        at, rows, samples, holds = functions[run](
-            numbers.ravel(), at, len(numbers), sense, phases, max_samples or 0, SAMPLES, *first, room, out, *more
-        )
+        at, rows, samples, holds = functions[run](numbers.ravel(), at, len(numbers), asked, *work, room, out)
         found.append(out[: FIELD * rows].reshape(rows, FIELD).copy())
         taken += samples
         if holds:

@@ -45,6 +45,15 @@ class Room(NamedTuple):
     outcome_of: Any
 
 
+class Asked(NamedTuple):
+    """What is asked of a run of cells, and how much a call does of it: ``most`` trial-samples, and no cell more."""
+
+    sense: float
+    phases: int
+    max_samples: int
+    most: int
+
+
 def set_end(table, row, fate, trials):
     """Make a row of the table an end without an orbit."""
     for k in range(ROW):
@@ -144,8 +153,22 @@ def write_ends(at, found, delay, loop, room, out, rows):
         measure_end(int(room.order[k]), delay, loop, room, out, base)
 
 
-def run_cells(cells, first, stop, sense, phases, max_samples, most, room, out):
-    """Run cells ``first`` to ``stop``, or fewer: until ``most`` trial-samples are taken, or ``out`` is full.
+def keep_ends(at, found, delay, loop, plant, room, out, rows):
+    """Write the ends of a cell, or where one has a period too long for ``room`` its number of holds; else 0.
+
+    ``plant``: alpha, beta and split of the cell before.
+    """
+    longest = longest_orbit(found, room.table, loop)
+    if longest > len(room.drive):
+        return longest
+    if loop.alpha != plant[0] or loop.beta != plant[1] or loop.split != plant[2]:
+        room.parts[LENGTH] = 0.0  # of another plant than the cell's before
+    write_ends(at, found, delay, loop, room, out, rows)
+    return 0
+
+
+def run_cells(cells, first, stop, asked, room, out):
+    """Run cells ``first`` to ``stop``, or fewer: until enough trial-samples are taken, or ``out`` is full.
 
     ``cells`` holds `NUMBERS` of every cell, ``out`` takes `FIELDS` of every attractor. Returns ``(next, rows, samples,
     holds)``: the first cell not run, rows of ``out`` filled, trial-samples taken, and, where the next cell has a period
@@ -155,20 +178,17 @@ def run_cells(cells, first, stop, sense, phases, max_samples, most, room, out):
     rows, samples = 0, 0
     plant = (-1.0, -1.0, -1.0)
     for at in range(first, stop):
-        if samples > most or rows + len(room.order) > len(out) // FIELD:
+        if samples > asked.most or rows + len(room.order) > len(out) // FIELD:
             return at, rows, samples, 0
         base = at * CELL
         alpha, beta, kappa, gamma = cells[base], cells[base + 1], cells[base + 2], cells[base + 3]
-        loop = make_loop(alpha, beta, kappa, gamma, sense, cells[base + 4], cells[base + 5])
-        delay = int(cells[base + 6])
-        found, taken = find_ends(loop, cells[base + 7], cells[base + 8], delay, phases, max_samples, capacity, room)
-        longest = longest_orbit(found, room.table, loop)
-        if longest > len(room.drive):
-            return at, rows, samples, longest
-        if alpha != plant[0] or beta != plant[1] or loop.split != plant[2]:
-            plant = alpha, beta, loop.split
-            room.parts[LENGTH] = 0.0  # of another plant than the cell's before
-        write_ends(at, found, delay, loop, room, out, rows)
+        loop = make_loop(alpha, beta, kappa, gamma, asked.sense, cells[base + 4], cells[base + 5])
+        delay, x, v = int(cells[base + 6]), cells[base + 7], cells[base + 8]
+        found, taken = find_ends(loop, x, v, delay, asked.phases, asked.max_samples, capacity, room)
+        holds = keep_ends(at, found, delay, loop, plant, room, out, rows)
+        if holds:
+            return at, rows, samples, holds
+        plant = loop.alpha, loop.beta, loop.split
         rows += found
         samples += taken
     return stop, rows, samples, 0

@@ -3,12 +3,13 @@
 What `sets.search` does for one cell, by the same functions, so that results are the same to the last bit.
 """
 
+from typing import Any, NamedTuple
+
 from hknob_cli.engine.budget import OPEN, prospect
-from hknob_cli.engine.cells import CELL, FIELD, find_ends, longest_orbit, set_end, write_ends
+from hknob_cli.engine.cells import CELL, FIELD, find_ends, keep_ends, set_end
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.loop import make_loop
-from hknob_cli.engine.orbit.holds import LENGTH
 from hknob_cli.engine.sets.arc import (
     COVERED,
     DONE,
@@ -25,6 +26,19 @@ TOLD = 3  # numbers that are told of a cell: whether its list is complete, its a
 UNFOLLOWED = 1e-9  # share of starts that is rounding
 TRANSIENTS = 2  # as part of the transient, the samples in no known attractor after which one is looked for
 FEWEST = 64
+
+
+class ArcWork(NamedTuple):
+    """Work space of the sets of a run of cells, and what is told of each: `TOLD` numbers.
+
+    ``arcs``: an `ArcRoom`; ``known``: a `Known`, which shares the table and lines of the cells' room, one row less;
+    ``capacity``: ends that are kept of sampled phases.
+    """
+
+    arcs: Any
+    known: Any
+    told: Any
+    capacity: int
 
 
 def first_patience(skip):
@@ -67,26 +81,26 @@ def share_error(progress):
     return max(progress[COVERED] - 1.0, 0.0) + EPSILON * (progress[DONE] + 1.0)
 
 
-def run_arc_cells(cells, first, stop, sense, phases, max_samples, most, capacity, arcs, known, room, out, told):
+def run_arc_cells(cells, first, stop, asked, work, room, out):
     """Run cells ``first`` to ``stop``, or fewer, as `engine.cells.run_cells`; a call may end within a cell.
 
-    ``arcs`` and ``known``: work space of the sets, of which ``known`` shares the table and lines of ``room``, one row
-    less; ``phases`` are sampled, and ``capacity`` ends of them kept, where arcs cannot be followed. ``told`` takes
-    `TOLD` numbers a cell.
+    Phases are sampled where arcs cannot be followed.
     """
+    arcs, known, told = work.arcs, work.known, work.told
     rows, samples, spent = 0, 0, 0
     plant = (-1.0, -1.0, -1.0)
     for at in range(first, stop):
-        if spent > most or rows + len(room.order) > len(out) // FIELD:
+        if spent > asked.most or rows + len(room.order) > len(out) // FIELD:
             return at, rows, samples, 0
         base = at * CELL
         alpha, beta, kappa, gamma = cells[base], cells[base + 1], cells[base + 2], cells[base + 3]
-        loop = make_loop(alpha, beta, kappa, gamma, sense, cells[base + 4], cells[base + 5])
+        loop = make_loop(alpha, beta, kappa, gamma, asked.sense, cells[base + 4], cells[base + 5])
         delay, x, v = int(cells[base + 6]), cells[base + 7], cells[base + 8]
         own = ArcRoom(
             arcs.stack, arcs.rings, arcs.ring[:delay], arcs.spare[:delay], arcs.cuts, arcs.ended, arcs.progress
         )
-        state, taken = follow_cell(loop, x, v, delay, max_samples, 0, most - spent + 1, own, known)
+        left = asked.most - spent + 1
+        state, taken = follow_cell(loop, x, v, delay, asked.max_samples, 0, left, own, known)
         spent += taken
         if state == 0:
             return at, rows, samples, 0
@@ -99,16 +113,13 @@ def run_arc_cells(cells, first, stop, sense, phases, max_samples, most, capacity
                 set_end(room.table, found, UNSETTLED, lost)
                 found += 1
         else:
-            found, taken = find_ends(loop, x, v, delay, phases, max_samples, capacity, room)
+            found, taken = find_ends(loop, x, v, delay, asked.phases, asked.max_samples, work.capacity, room)
             told[TOLD * at], told[TOLD * at + 1], told[TOLD * at + 2] = 0.0, 0.0, float("nan")
             spent += taken
-        longest = longest_orbit(found, room.table, loop)
-        if longest > len(room.drive):
-            return at, rows, samples, longest
-        if alpha != plant[0] or beta != plant[1] or loop.split != plant[2]:
-            plant = alpha, beta, loop.split
-            room.parts[LENGTH] = 0.0  # of another plant than the cell's before
-        write_ends(at, found, delay, loop, room, out, rows)
+        holds = keep_ends(at, found, delay, loop, plant, room, out, rows)
+        if holds:
+            return at, rows, samples, holds
+        plant = loop.alpha, loop.beta, loop.split
         rows += found
         samples += taken
     return stop, rows, samples, 0

@@ -7,8 +7,9 @@ from typing import Any
 
 import pytest
 
+from hknob_cli.engine import cells as any_cells
 from hknob_cli.engine.budget import OPEN, TOO_FINE
-from hknob_cli.engine.cells import CELL, FIELD
+from hknob_cli.engine.cells import CELL, FIELD, Asked
 from hknob_cli.engine.certificate import EPSILON
 from hknob_cli.engine.follow import UNSETTLED
 from hknob_cli.engine.loop import make_loop
@@ -18,6 +19,7 @@ from hknob_cli.engine.sets.arc import COVERED, DONE, PROGRESS, TAKEN, UNDECIDED,
 from hknob_cli.engine.sets.cells import (
     TOLD,
     UNFOLLOWED,
+    ArcWork,
     first_patience,
     follow_cell,
     lost_share,
@@ -155,8 +157,10 @@ class Run:
         self.sampled: list[Answer] = []
         self.written: list[Answer] = []
         self.ends: list[Answer] = []
-        for name in ("follow_cell", "find_ends", "longest_orbit", "write_ends", "set_end"):
+        for name in ("follow_cell", "find_ends", "set_end"):
             patch.setattr(cells, name, getattr(self, name))
+        for name in ("longest_orbit", "write_ends"):
+            patch.setattr(any_cells, name, getattr(self, name))
         plants = more.get("plants", [(0.3, 0.25, 0.0)] * 4)
         self.cells = [7.0] * (CELL * len(plants))
         for k, (alpha, beta, split) in enumerate(plants):
@@ -198,11 +202,8 @@ class Run:
         room.parts[LENGTH] = 5.0
 
     def run(self, first: int = 0, stop: int = 4, most: int = 10_000) -> Answer:
-        return tuple(
-            run_arc_cells(
-                self.cells, first, stop, -1.0, 64, 77, most, 9, self.arcs, self.known, self.room, self.out, self.told
-            )
-        )
+        work = ArcWork(self.arcs, self.known, self.told, 9)
+        return tuple(run_arc_cells(self.cells, first, stop, Asked(-1.0, 64, 77, most), work, self.room, self.out))
 
 
 @pytest.fixture
