@@ -82,7 +82,6 @@ SMALL = {
     "engine/orbit/holds.py": "a group of compiled functions",
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",
-    "engine/unsampled/event_rows.py": "a group of compiled functions",
     "page/claims/text.py": "words, of which a change does not make results old",
     "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
