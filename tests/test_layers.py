@@ -83,6 +83,7 @@ SMALL = {
     "engine/trace.py": "a group of compiled functions",
     "engine/turning.py": "a group of compiled functions",
     "page/claims/text.py": "words, of which a change does not make results old",
+    "page/template_files.py": "the page and the page of explore have it in common, and nothing else",
     "page/contents.py": "reads a format of its own, which the program only quotes",
     "scene/random_starts.py": "used by the plain and the general engine, of which it loads neither",
     "specs/declared.py": "marks the parts of a scene, and loads no validation",
