@@ -29,15 +29,14 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
     knob, law = made.knob, made.law
     body, wall = knob.body, knob.wall
     numbers = [law.sched[i * PIECE : (i + 1) * PIECE] for i in range(law.pieces)]
-    begins = [0.0, *accumulate(piece[SPAN] for piece in numbers)]
+    begins = [0.0, *accumulate(piece[SPAN] for piece in numbers[:-1])]
     # A piece that has the torque of the one before it begins with a look of the encoder alone.
     events = ["sample", *("command" if k[TORQUE] != j[TORQUE] else "" for j, k in pairwise(numbers))]
-    stops = [(phase + i + begins[k], k) for i in range(ceil(until) + 1) for k in range(law.pieces)]
-    named = {time for time, piece in stops if events[piece]}
-    stops += [(min(i * every, until), -1) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
+    pieces = [(phase + i + begin, k) for i in range(ceil(until) + 1) for k, begin in enumerate(begins)]
+    told = {time for time, piece in pieces if events[piece]}
     z, pad, past = list(start), [0.0] * (2 * body.order), [0.0] * len(law.beside)
     acting, time, begun = 0.0, 0.0, False
-    for at, piece in sorted(one for one in stops if one[0] <= until and (one[1] >= 0 or one[0] not in named)):
+    for at, piece in sorted([*(one for one in pieces if one[0] <= until), *_between(until, every, told)]):
         while time < at:
             step = min(at - time, 1.0)
             advance_span(z, acting, step, body, pad)
@@ -56,3 +55,9 @@ def follow_law(made: LawKnob, start: list[float], *, phase: float, until: float,
         event = events[piece] if piece >= 0 else ""
         if event or piece < 0:
             yield LawPoint(at, event, list(z), z[-1] if body.lag > 0.0 else acting)
+
+
+def _between(until: float, every: float, told: set[float]) -> list[tuple[float, int]]:
+    """Points in between, as a piece -1, where nothing is ``told`` anyway."""
+    due = (min(i * every, until) for i in range(int(until / every * (1.0 + 1e-12)) + 1))
+    return [(time, -1) for time in due if time not in told]
