@@ -41,7 +41,9 @@ class Controller:
         self.before: Any = None
 
     def level(self, angle: Any) -> int:
-        """Count that the encoder shows."""
+        """Count that the encoder shows; of a continuous sensor -1 inside the wall, and 0 outside."""
+        if not self.rounding:
+            return -1 if angle < 0 else 0
         x = angle / self.quantum - self.offset
         if self.rounding == "nearest":
             return int(self.down(x + self.number(0.5)))
@@ -80,6 +82,17 @@ class Controller:
         if self.limit is not None:
             torque = min(max(torque, -self.limit), self.limit)
         return torque
+
+    def without_clock(self, level: int) -> tuple[Any, tuple[Any, Any]]:
+        """Command while the encoder shows ``level``, and the angles, rad, between which it does.
+
+        With a continuous sensor nothing is commanded, which the motion has in itself, and ``level`` is -1 inside the
+        wall and 0 outside.
+        """
+        zero = self.number(0.0)
+        if self.rounding:
+            return self.command(self.reported(level)), self.edges(level)
+        return zero, ((None, zero) if level < 0 else (zero, None))
 
     def sample(self, angle: Any) -> tuple[Piece, ...]:
         """What acts from this sample to the next."""

@@ -89,17 +89,10 @@ class Digits60:
         """State after a time under the controller without a clock."""
         ticks = self._ticks(duration)
         while ticks > 0:
-            command, bounds, inside = self.mp.mpf(0), (None, None), False
-            if self.controller.rounding:
-                if self.level is None:
-                    self.level = self.controller.level(state[0])
-                command = self.controller.command(self.controller.reported(self.level))
-                bounds = self.controller.edges(self.level)
-            else:
-                if self.level is None:
-                    self.level = -1 if state[0] < 0 else 0
-                inside = self.level < 0
-                bounds = (None, self.mp.mpf(0)) if inside else (self.mp.mpf(0), None)
+            if self.level is None:
+                self.level = self.controller.level(state[0])
+            command, bounds = self.controller.without_clock(self.level)
+            inside = not self.controller.rounding and self.level < 0
             elapsed, state, way = self._flow(state, command, ticks, bounds, inside=inside)
             self.level += way
             ticks -= elapsed

@@ -79,6 +79,7 @@ class FixedStep:
             limit=inf if control.limit is None else control.limit,
             step=float(control.step),
         )
+        moved = kernels.Moved(self.a, self.b, self.rest, self.friction)
         memory = np.array([np.nan, *control.under_way])
         early, late = self.steps(control.early, self.substeps), self.steps(whole - control.early, self.substeps)
         before = self.steps(whole * PHASE, self.substeps)
@@ -88,13 +89,13 @@ class FixedStep:
         else:
             late = self.steps(whole / self.substeps, self.substeps)
             one = (before[0], 1, before[2])
-            loop(self.a, self.b, self.rest, self.friction, state, law, memory, early, one, np.empty(before[1]))
+            loop(moved, state, law, memory, early, one, np.empty(before[1]))
         angles = [float(state[0])]
         chunk = max(1, _STEPS_A_LOOK // self.substeps)
         while len(angles) <= self.trial.samples:
             deadline.look()
             found = np.full(min(chunk, self.trial.samples + 1 - len(angles)) * ticks, np.nan)
-            loop(self.a, self.b, self.rest, self.friction, state, law, memory, early, late, found)
+            loop(moved, state, law, memory, early, late, found)
             taken += len(found) * (early[1] + late[1])
             angles += found[ticks - 1 :: ticks].tolist()
             if not isfinite(angles[-1]):

@@ -10,7 +10,7 @@ Encoder, wall and delay are those of `controller`, written out over floats, so t
 """
 
 from math import floor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -145,13 +145,23 @@ def command(now, before, law):
     return min(max(torque, -law.limit), law.limit)
 
 
-def samples(a, b, rest, d, y, law, memory, early, late, angles):
+class Moved(NamedTuple):
+    """What moves: y' = A y + ``b`` times the command + ``rest``, with the friction ``d``."""
+
+    a: Any
+    b: Any
+    rest: Any
+    d: float
+
+
+def samples(moved, y, law, memory, early, late, angles):
     """Run one sample interval for every entry of ``angles``, and put the angle at its end there.
 
-    ``b``, ``rest``: input of the command, and constant input; ``early``, ``late``: duration of the steps, number of
+    ``early``, ``late``: duration of the steps, number of
     them, and matrices, while the older and the newer command act. ``memory``: the measured angle at the sample before
     (NaN at the first), then the commands under way, oldest first. Ends early at an angle that is not a number.
     """
+    a, b, rest, d = moved
     pending = len(memory) - 1
     r = rest.copy()
     for k in range(len(angles)):

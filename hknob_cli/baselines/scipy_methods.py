@@ -71,17 +71,11 @@ class ScipyIntegrator:
     def free(self, state: Array, duration: float) -> Array:
         """State after a time under the controller without a clock."""
         while duration > 0.0:
-            matrix, command = self.a, 0.0
-            bounds: Bounds = (None, None)
-            if self.controller.rounding:
-                if self.level is None:
-                    self.level = self.controller.level(state[0])
-                command = self.controller.command(self.controller.reported(self.level))
-                bounds = self.controller.edges(self.level)
-            else:
-                if self.level is None:
-                    self.level = -1 if state[0] < 0.0 else 0
-                bounds = (None, 0.0) if self.level else (0.0, None)
+            if self.level is None:
+                self.level = self.controller.level(state[0])
+            command, bounds = self.controller.without_clock(self.level)
+            matrix = self.a
+            if not self.controller.rounding:
                 matrix = self.a.copy()
                 matrix[1, 0] += self.level * self.controller.stiffness / self.plant.inertia
             elapsed, state, way = self._flow(matrix, state, command, duration, bounds)

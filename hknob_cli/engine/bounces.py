@@ -1,16 +1,32 @@
 """Bounces of the sampled knob off the wall: the peaks of its angle outside, between samples, in closed form."""
 
+from typing import NamedTuple
+
 from hknob_cli.engine.loop import interval, level_of, push
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
 
 
-def hold_peaks(clock, x, v, after, drive, span, spacing, found, loop, times, peaks):
+class Hold(NamedTuple):
+    """A hold of the command, from the time ``clock`` at ``(x, v)``, for ``span`` under the acceleration ``drive``.
+
+    ``after``: the velocity at its end.
+    """
+
+    clock: float
+    x: float
+    v: float
+    after: float
+    drive: float
+    span: float
+
+
+def hold_peaks(hold, spacing, found, loop, times, peaks):
     """Append the maxima of one hold that lie outside the wall to ``times`` and ``peaks``; the new count.
 
-    The hold begins at the time ``clock`` at ``(x, v)`` and lasts ``span`` under the acceleration ``drive``; ``after``
-    is the velocity at its end, ``spacing`` the time between turning points of the free motion.
+    ``spacing``: the time between turning points of the free motion.
     """
+    clock, x, v, after, drive, span = hold
     if spacing >= span and not (v > 0.0 and after <= 0.0):
         return found
     y = drive - loop.beta * x
@@ -50,8 +66,9 @@ def bounce_peaks(x, v, ring, samples, loop, times, peaks):
             if loop.split > 0.0:
                 y = older - loop.beta * x
                 middle, pace = x + (loop.s1 * v + loop.g1 * y), loop.f1 * v + loop.s1 * y
-                found = hold_peaks(i + 0.0, x, v, pace, older, loop.split, spacing, found, loop, times, peaks)
-            rest = 1.0 - loop.split
-            found = hold_peaks(i + loop.split, middle, pace, speed, newer, rest, spacing, found, loop, times, peaks)
+                first = Hold(i + 0.0, x, v, pace, older, loop.split)
+                found = hold_peaks(first, spacing, found, loop, times, peaks)
+            second = Hold(i + loop.split, middle, pace, speed, newer, 1.0 - loop.split)
+            found = hold_peaks(second, spacing, found, loop, times, peaks)
         x, v = after, speed
     return found

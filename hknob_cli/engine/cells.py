@@ -186,7 +186,7 @@ def run_cells(cells, first, stop, asked, room, out):
         delay, x, v = int(cells[base + 6]), cells[base + 7], cells[base + 8]
         found, taken = find_ends(loop, x, v, delay, asked.phases, asked.max_samples, capacity, room)
         holds = keep_ends(at, found, delay, loop, plant, room, out, rows)
-        if holds > 0:
+        if holds:
             return at, rows, samples, holds
         plant = loop.alpha, loop.beta, loop.split
         rows += found

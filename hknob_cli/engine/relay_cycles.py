@@ -6,10 +6,27 @@ sides they were assumed on. Of the candidates that pass at the four samples besi
 proves or refuses each.
 """
 
+from typing import NamedTuple
+
 from hknob_cli.engine.certificate import PROVEN, certify
 from hknob_cli.engine.loop import drive_of, level_of
 from hknob_cli.engine.propagator import hold_coefficients
 from hknob_cli.engine.turning import first_zero, zero_spacing
+
+
+class Candidates(NamedTuple):
+    """Cycles that are looked for: between two levels, with at most so many samples inside and outside.
+
+    ``whole``: the delay in whole samples, of which the loop's split is the rest; ``widest``: a bound on the mean
+    position above the edge, in counts.
+    """
+
+    upper: float
+    lower: float
+    most_in: int
+    most_out: int
+    whole: int
+    widest: float
 
 
 def hold_table(alpha, beta, fraction, count, s, g, f):
@@ -42,15 +59,15 @@ def turning_points(x, v, drive, span, loop, sums):
         t += step
 
 
-def relay_cycles(loop, whole, upper, lower, most_in, most_out, widest, capacity, tables, ring, sums, found):
-    """Find cycles that alternate between the levels ``upper`` and ``lower``.
+def relay_cycles(loop, candidates, tables, ring, sums, found):
+    """Find cycles that alternate between two levels.
 
-    ``whole`` is the delay in whole samples (``loop.split`` the rest); ``tables`` six rows of hold coefficients for
-    whole and for delayed times, long enough for ``most_in + most_out`` samples; ``widest`` a bound on the mean position
-    above the edge, in counts; ``sums`` work space for four numbers. Each cycle fills a row of ``found``: samples
-    inside, samples in all, mean maximum, mean minimum, maxima per period, x, v at the first sample inside. Returns the
-    number of cycles, at most ``capacity``.
+    ``tables``: six rows of hold coefficients for whole and for delayed times, long enough for the longest of the
+    ``candidates``; ``sums``: work space for four numbers. Each cycle fills a row of ``found``: samples inside, samples
+    in all, mean maximum, mean minimum, maxima per period, x, v at the first sample inside. Returns the number of
+    cycles, at most as many as there are rows.
     """
+    upper, lower, most_in, most_out, whole, widest = candidates
     beta = loop.beta
     s, g, f, sd, gd, fd = tables[0], tables[1], tables[2], tables[3], tables[4], tables[5]
     push_out, push_in = drive_of(lower, loop), drive_of(upper, loop)
@@ -100,7 +117,7 @@ def relay_cycles(loop, whole, upper, lower, most_in, most_out, widest, capacity,
             status, ox, ov, _, _, _, _ = certify(x0, v0, ring, 0, n, loop)
             if status != PROVEN:
                 continue
-            if cycles == capacity:
+            if cycles == len(found):
                 return cycles
             for k in range(4):
                 sums[k] = 0.0

@@ -253,9 +253,9 @@ def events(
     if v == 0.0:
         n, way = heading(n, edge, u, loop)
     record = functions["unsampled.record_motion"] if functions else event_rows.record_motion
-    start = [0.0, n, edge, u, v, way]
+    ending = event_rows.Ending(until, single, low, chatter_counts)
     rows = np.zeros((256, 6))
-    rows[0] = start
+    rows[0] = 0.0, n, edge, u, v, way
     filled, done = 1, way == 0.0
     while not done:
         if filled == len(rows):
@@ -263,8 +263,6 @@ def events(
             if filled > max_events:
                 raise ComputationError(f"more than {max_events} events in {duration_s:g} s")
             rows = np.concatenate([rows, np.zeros_like(rows)])
-        t, n, edge, u, v, way = (float(value) for value in rows[filled - 1])
-        filled, done = record(
-            t, n, edge, u, v, way, until, single, low, chatter_counts, loop, rows.reshape(-1), filled, len(rows)
-        )
+        state = tuple(rows[filled - 1].tolist())
+        filled, done = record(state, ending, loop, rows.reshape(-1), filled, len(rows))
     return Motion(knob=knob, duration_s=duration_s, rows=rows[:filled].copy())

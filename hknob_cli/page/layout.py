@@ -1,12 +1,9 @@
 """From what a page says to one HTML file that needs nothing else: no request, no clock, the same text every time."""
 
-import base64
-import hashlib
 import json
 import re
 from collections import Counter
 from collections.abc import Iterable
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from hknob_cli.figures.numbers import MINUS, numeral
@@ -14,10 +11,12 @@ from hknob_cli.page.book import Drawn, Page, Source
 from hknob_cli.page.claims.checks import known
 from hknob_cli.page.claims.verdict import CONTRADICTED, DIFFERS, NOT_TESTABLE, REPRODUCED, VERDICTS, reading_text
 from hknob_cli.page.tables import UPRIGHT
+from hknob_cli.page.template_files import digest, packaged, template_of
 
 if TYPE_CHECKING:
     from markupsafe import Markup
 
+_FOLDER = "template"
 GLOSSARY = {
     REPRODUCED: "a reading that the print allows is within the tolerance",
     DIFFERS: "no such reading is within it, and one is within the wider tolerance",
@@ -76,30 +75,21 @@ class _Row(NamedTuple):
 
 def lay_out(page: Page) -> str:
     """HTML of the page. A claim's anchor is ``claim-ID``, a chapter's ``chapter-ID``, a figure's its id."""
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FunctionLoader(_packaged),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     figures = _figures(page)
     origins = _origins(page)
     rows = [_row(claim, figures, origins) for claim in page.claims]
     counts = Counter(row.kind for row in rows)
-    style = "\n" + _packaged("page.css") + (_packaged("tables.css") if _table_numbers(page) else "")
+    style = "\n" + packaged(_FOLDER, "page.css") + (packaged(_FOLDER, "tables.css") if _table_numbers(page) else "")
     style += "".join(f".{one.size} {{ --width: {one.width:g}; }}\n" for one in _sizes(figures))
     style += "".join(f".bar .is-{kind} {{ flex-grow: {count}; }}\n" for kind, count in sorted(counts.items()))
-    script = "\n" + _packaged("page.js")
-    return environment.get_template("page.html.j2").render(
+    script = "\n" + packaged(_FOLDER, "page.js")
+    return template_of(_FOLDER).render(
         page=page,
         style=Markup(style),
         script=Markup(script),
-        digests={"style": _digest(style), "script": _digest(script)},
+        digests={"style": digest(style), "script": digest(script)},
         tiles=[(tile, _drawn_from(tile.result, figures, origins)) for tile in page.tiles],
         linked={
             **{figure: figure for figure in figures},
@@ -116,11 +106,6 @@ def lay_out(page: Page) -> str:
         parts=Counter(row.part for row in rows),
         sources=list(zip(page.sources, _anchors(page.sources), map(_spec, page.sources), strict=True)),
     )
-
-
-def _digest(text: str) -> str:
-    """SHA-256 as a page's policy names what it allows."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
 
 
 def _sizes(figures: dict[str, _Figure]) -> list[_Figure]:
@@ -145,10 +130,6 @@ def part_of(place: str) -> str:
     if found := _APPENDIX.search(first):
         return f"Appendix {found[1].upper()}"
     return "Figures" if _FIGURE.match(first) else first
-
-
-def _packaged(name: str) -> str:
-    return files("hknob_cli.page").joinpath("template", name).read_text(encoding="utf-8")
 
 
 def _kind(verdict: str) -> str:

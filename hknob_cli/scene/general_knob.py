@@ -10,12 +10,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hknob_cli.engine.general.body import HALVINGS, Body
+from hknob_cli.engine.general.body import Body
 from hknob_cli.engine.general.controller import Controller
 from hknob_cli.engine.general.torque_table import HEAD, RISE_BELOW, TURN
 from hknob_cli.engine.propagator import hold_coefficients, slowest_rate
 from hknob_cli.engine.turning import zero_spacing
 from hknob_cli.errors import ComputationError
+from hknob_cli.scene.increments import increment, increments, power_series, slowest_decay
 from hknob_cli.scene.torque_over_angle import Clock, is_shaped, table_of
 from hknob_cli.specs.plan import Actuator, Bias, Encoder, Hand, Scene
 
@@ -193,7 +194,7 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         held[3, 2:4] = -finger.stiffness, -finger.damping
     second_order = order == 2
     ones = hold_coefficients(alpha, beta, split), hold_coefficients(alpha, beta, 1.0 - split)
-    series = _series(alpha, beta) if second_order else np.zeros(0)
+    series = power_series(alpha, beta) if second_order else np.zeros(0)
     body = Body(
         order=order,
         friction=scene.knob.coulomb_torque * square / quantum,
@@ -219,13 +220,49 @@ def make_body(scene: Scene, *, period: float, quantum: float, shift: float, spli
         g2=ones[1][1],
         f2=ones[1][2],
         drive=float(c[1]),
-        matrices=np.concatenate([a.ravel(), held.ravel(), *_increments(a, held, split, alpha, beta)]).tolist(),
+        matrices=np.concatenate([a.ravel(), held.ravel(), *increments(a, held, split, alpha, beta)]).tolist(),
         terms=len(series) // 2,
         vectors=np.concatenate([c, held_constant, entry, series]).tolist(),
         play=scene.play / quantum,
         halt=[0.0],
     )
-    return body, slowest_rate(alpha, beta) if second_order else _slowest(a)
+    return body, slowest_rate(alpha, beta) if second_order else slowest_decay(a)
+
+
+class _Finger(NamedTuple):
+    """The finger behind its pad, without dimensions: the pad's over the knob's inertia, its own over its own.
+
+    ``ratio``: of the knob's inertia to the finger's, 0 where there is none.
+    """
+
+    pad_damping: float = 0.0
+    pad_stiffness: float = 0.0
+    ratio: float = 0.0
+    damping: float = 0.0
+    stiffness: float = 0.0
+
+
+def _finger_of(hand: Hand, period: float, inertia: float) -> _Finger:
+    """The finger of a hand on a knob of an inertia, kg m²; ``period``: of the clock, s."""
+    pad, own = hand.fingerpad, hand.finger
+    if not own or not pad:
+        return _Finger()
+    return _Finger(
+        pad_damping=pad.damping * period / inertia,
+        pad_stiffness=pad.stiffness * (period * period / inertia),
+        ratio=inertia / own.inertia,
+        damping=own.damping * (period / own.inertia),
+        stiffness=own.stiffness * period * (period / own.inertia),
+    )
+
+
+def _reach(beta: float, finger: _Finger) -> float:
+    """Position of a unit root of energy, counts; infinite where nothing holds the knob."""
+    if not finger.ratio:
+        return 1.0 / sqrt(beta) if beta > 0.0 else inf
+    if finger.pad_stiffness == 0.0 or finger.stiffness == 0.0:
+        return inf
+    return sqrt(1.0 / finger.pad_stiffness + finger.ratio / finger.stiffness)
 
 
 class _Finger(NamedTuple):
@@ -270,90 +307,11 @@ def add_spans(body: Body, spans: Sequence[float]) -> Body:
     if n == 2:
         return body
     a = np.array(body.matrices[: n * n]).reshape(n, n)
-    more = [_increment(a, span, body.alpha, body.beta).ravel() for span in spans]
+    more = [increment(a, span, body.alpha, body.beta).ravel() for span in spans]
     return body._replace(matrices=[*body.matrices, *np.concatenate(more).tolist()])
-
-
-def _series(alpha: float, beta: float) -> Array:
-    """Power series of S(t) / t and of G(t) / t^2, t up to 1, half of the result each; empty where they are long.
-
-    The impulse response s of x'' + alpha x' + beta x has the derivatives s_(k+1) = -alpha s_k - beta s_(k-1) at 0.
-    """
-    if alpha > 1.0 or beta > 1.0:
-        return np.zeros(0)
-    speed, pull = [], []
-    before, now, factorial = 0.0, 1.0, 1.0
-    for k in range(40):
-        factorial *= k + 1
-        speed.append(now / factorial)
-        pull.append(now / factorial / (k + 2))
-        before, now = now, -alpha * now - beta * before
-        if k > 1 and abs(now) + abs(before) <= 1e-19 * factorial:
-            break
-    return np.array(speed + pull)
-
-
-def _slowest(a: Array) -> float:
-    """Decay rate of the slowest mode that decays."""
-    rates = -np.linalg.eigvals(a).real
-    decaying = rates[rates > 1e-13 * np.abs(a).max()]
-    return float(decaying.min()) if decaying.size else 0.0
 
 
 def _turns(body: Body) -> float:
     """Times that the fastest mode of a body turns round in a sample interval."""
     a = np.array(body.matrices[: body.order**2]).reshape(body.order, body.order)
     return float(np.abs(np.linalg.eigvals(a).imag).max()) / pi
-
-
-def _short_increment(a: Array, t: float) -> Array:
-    """D(t) by its series; for a short time."""
-    total = term = t * np.eye(len(a))
-    for k in range(2, 30):
-        term = term @ a * (t / k)
-        total = total + term
-        if np.abs(term).max() <= 1e-20 * np.abs(total).max():
-            break
-    return total
-
-
-def _increment(a: Array, t: float, alpha: float, beta: float) -> Array:
-    """D(t), the integral of exp(A s) over [0, t]: closed form of second order, else by doubling a short one."""
-    if len(a) == 2:
-        s, g, _ = hold_coefficients(alpha, beta, t)
-        return np.array([[s + alpha * g, g], [-beta * g, s]])
-    size = float(np.abs(a).sum(axis=1).max()) * t
-    doublings = max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0
-    d = _short_increment(a, t / 2.0**doublings)
-    for _ in range(doublings):
-        d = d + d @ (np.eye(len(a)) + a @ d)
-    return d
-
-
-def _increments(a: Array, held: Array, split: float, alpha: float, beta: float) -> list[Array]:
-    """D over both parts of an interval, and, except for second order, D(1), D(1/2), D(1/4), ..., sliding and held."""
-    if len(a) == 2:
-        return [_increment(a, split, alpha, beta).ravel(), _increment(a, 1.0 - split, alpha, beta).ravel()]
-    halves = [_halves(a), _halves(held)]
-    whole = halves[0][0] if split == 0.0 else _increment(a, 1.0 - split, alpha, beta)
-    first = np.zeros_like(a) if split == 0.0 else _increment(a, split, alpha, beta)
-    return [first.ravel(), whole.ravel(), *(part.ravel() for part in halves)]
-
-
-def _halves(a: Array) -> Array:
-    """D(1), D(1/2), D(1/4), ..., shape (HALVINGS, n, n): the short ones by their series, the rest by doubling."""
-    one = np.eye(len(a))
-    times = 0.5 ** np.arange(HALVINGS)
-    size = float(np.abs(a).sum(axis=1).max())
-    first = min(HALVINGS - 1, max(0, int(np.ceil(np.log2(size))) + 2) if size > 0.25 else 0)
-    found = np.zeros((HALVINGS, *a.shape))
-    total = term = times[first:, None, None] * one
-    for k in range(2, 30):
-        term = term @ a * (times[first:, None, None] / k)
-        total = total + term
-        if np.abs(term[0]).max() <= 1e-20 * np.abs(total[0]).max():
-            break
-    found[first:] = total
-    for k in range(first - 1, -1, -1):
-        found[k] = found[k + 1] + found[k + 1] @ (one + a @ found[k + 1])
-    return found

@@ -37,18 +37,34 @@ def simulate(
     phase: float = 0.5,
     samples: int,
     compiled: bool = False,
-    knob: GeneralKnob | None = None,
-    look: Callable[[], None] = lambda: None,
 ) -> Trial:
-    """Run one trial exactly, for ``samples`` intervals from its first sample, ``phase`` of a period after the start.
+    """Run one trial of a scene as `follow_knob`.
 
-    ``compiled``: by the compiled engine, to the same last bit. ``knob``: the scene reduced before, to save time.
-    ``look`` is called whenever the trial has become twice as long, and may end it by raising.
     Raises `ComputationError` if the scene's numbers overflow, or if it has no sample clock.
     """
     if not scene.sampled:
         raise ComputationError("a scene without a sample clock has no samples")
-    knob = knob or sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    knob = sample_general(scene, sample_rate_hz=sample_rate_hz, counts_per_rev=counts_per_rev)
+    return follow_knob(
+        knob, angle_rad=angle_rad, velocity_rad_s=velocity_rad_s, phase=phase, samples=samples, compiled=compiled
+    )
+
+
+def follow_knob(
+    knob: GeneralKnob,
+    *,
+    angle_rad: float,
+    velocity_rad_s: float,
+    phase: float,
+    samples: int,
+    compiled: bool = False,
+    look: Callable[[], None] = lambda: None,
+) -> Trial:
+    """Run one trial exactly, for ``samples`` intervals from its first sample, ``phase`` of a period after the start.
+
+    ``compiled``: by the compiled engine, to the same last bit. ``look`` is called whenever the trial has become twice
+    as long, and may end it by raising.
+    """
     functions = compiled_functions("general") if compiled else None
     order, delay = knob.body.order, knob.delay_line
     body = as_arrays(knob.body) if compiled else knob.body

@@ -11,6 +11,7 @@ import numpy as np
 
 from hknob_cli.engine.loop import Loop, drive_of
 from hknob_cli.engine.propagator import hold_coefficients
+from hknob_cli.engine.relay_cycles import Candidates
 
 MOST_PAIRS = 20_000_000
 CAPACITY = 512
@@ -137,20 +138,9 @@ def sampled_cycles(loop: Loop, *, delay_line: int, functions: dict[str, Any]) ->
         if loop.split > 0.0:
             functions["hold_table"](loop.alpha, loop.beta, loop.split, count, *tables[3:])
         rows = np.zeros((CAPACITY, 7))
-        number = functions["relay_cycles"](
-            loop,
-            whole,
-            float(upper),
-            float(lower),
-            inside,
-            outside,
-            _SHALLOW * (upper - lower) if upper == 0 else 1.5,
-            CAPACITY,
-            tables,
-            np.zeros(delay_line),
-            np.zeros(4),
-            rows,
-        )
+        widest = _SHALLOW * (upper - lower) if upper == 0 else 1.5
+        candidates = Candidates(float(upper), float(lower), inside, outside, whole, widest)
+        number = functions["relay_cycles"](loop, candidates, tables, np.zeros(delay_line), np.zeros(4), rows)
         for within, period, highest, lowest, cycles, x, v in rows[:number].tolist():
             found.append(SampledCycle(int(within), int(period), highest, lowest, int(cycles), x, v, upper, lower))
     return sorted(found, key=lambda cycle: (cycle.period, cycle.inside, -cycle.upper, -cycle.lower))

@@ -9,7 +9,7 @@ import pytest
 from hknob_cli.engine.attractors import Attractor
 from hknob_cli.engine.outcome import Outcome
 from hknob_cli.scene.general_knob import sample_general
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.trial import follow_knob
 from hknob_cli.specs.load import load
 from hknob_cli.specs.plan import scene_at
 from hknob_cli.stages.sweep.run import SweepStage
@@ -30,15 +30,12 @@ def samples_of(orbit: Attractor, coulomb: float, rate: int, counts: int) -> np.n
     cell = {"sample_rate_hz": float(rate), "counts_per_rev": counts}
     scene = scene_at(stage(coulomb).plan.scene, cell)
     knob = sample_general(scene, sample_rate_hz=rate, counts_per_rev=counts)
-    trial = simulate(
-        scene,
-        sample_rate_hz=rate,
-        counts_per_rev=counts,
+    trial = follow_knob(
+        knob,
         angle_rad=knob.angle_rad(orbit.x),
         velocity_rad_s=orbit.v * knob.quantum_rad / knob.period_s,
         phase=0.0,
         samples=orbit.period,
-        knob=knob,
     )
     return trial.angle_rad[:-1] / QUANTUM
 

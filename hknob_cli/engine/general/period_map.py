@@ -60,19 +60,25 @@ def turn_lines(line, cols, away, m, delay, first, head):
                 cols[c * m + n + (first + j) % delay] = away[j]
 
 
+def begin_period(ring, body, space, m):
+    """Set the motion in ``space`` to the orbit's start, and its derivative by m numbers of the state to 1."""
+    width = space.width
+    for c in range(m):
+        for i in range(width):
+            space.cols[c * width + i] = 1.0 if i == c else 0.0
+    for i in range(body.order):
+        space.state[i] = space.orbit[i]
+    for j in range(len(ring)):
+        space.line[j] = space.orbit_line[j]
+
+
 def turn(before, ring, head, period, body, wall, space, m):
     """Run the orbit in ``space`` over one period with its derivative: ``(margin, edge, reach, pace, before, head)``.
 
     ``margin``: least distance of a sample to a change of command, ``edge``: to any count edge.
     """
     n, width = body.order, space.width
-    for c in range(m):
-        for i in range(width):
-            space.cols[c * width + i] = 1.0 if i == c else 0.0
-    for i in range(n):
-        space.state[i] = space.orbit[i]
-    for j in range(len(ring)):
-        space.line[j] = space.orbit_line[j]
+    begin_period(ring, body, space, m)
     space.marks[0], space.marks[1] = float("inf"), float("inf")
     margin, edge = float("inf"), float("inf")
     reach, pace = 0.0, 0.0
@@ -108,14 +114,8 @@ def within(before, ring, head, period, body, wall, space, m):
     Returns ``(whether, bound)``: the latter on the error of every sample that an error up to ``power`` at the start
     means.
     """
-    n, width = body.order, space.width
-    for c in range(m):
-        for i in range(width):
-            space.cols[c * width + i] = 1.0 if i == c else 0.0
-    for i in range(n):
-        space.state[i] = space.orbit[i]
-    for j in range(len(ring)):
-        space.line[j] = space.orbit_line[j]
+    width = space.width
+    begin_period(ring, body, space, m)
     for i in range(m):
         space.residual[i] = space.away[i]
     last, bound = space.residual[width - 1], 0.0

@@ -117,7 +117,7 @@ def run_arc_cells(cells, first, stop, asked, work, room, out):
             told[TOLD * at], told[TOLD * at + 1], told[TOLD * at + 2] = 0.0, 0.0, float("nan")
             spent += taken
         holds = keep_ends(at, found, delay, loop, plant, room, out, rows)
-        if holds > 0:
+        if holds:
             return at, rows, samples, holds
         plant = loop.alpha, loop.beta, loop.split
         rows += found

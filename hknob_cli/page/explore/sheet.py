@@ -1,15 +1,14 @@
 """The page of ``hknob explore`` as one HTML file that needs nothing else and asks for nothing."""
 
-import base64
-import hashlib
 import json
-from importlib.resources import files
 from typing import Any
 
 from hknob_cli import __version__
 from hknob_cli.page.explore.knob import KINDS, Knobs
+from hknob_cli.page.template_files import digest, packaged, template_of
 from hknob_cli.specs.controller import KINDS as EVERY
 
+_FOLDER = "explore"
 # Each script is the files of a folder, or one file.
 _ENGINE = ("plant", "controllers", "cell", "motion", "trial", "cycle", "measure", "solve")
 _VIEW = ("words", "sliders", "answer", "clock", "window", "pictures", "sound", "begin")
@@ -18,22 +17,13 @@ MARK = "<!-- hknob explore -->"  # in the second line: by it the command knows i
 
 def sheet(knobs: Knobs) -> str:
     """HTML of the page; the same text for the same knobs. Its policy allows only the scripts and the style in it."""
-    from jinja2 import Environment, FunctionLoader, StrictUndefined
     from markupsafe import Markup
 
-    environment = Environment(
-        loader=FunctionLoader(packaged),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    style = packaged("page.css")
-    scripts = [engine(), packaged("remedies.js"), _joined("view", _VIEW)]
+    style = packaged(_FOLDER, "page.css")
+    scripts = [engine(), packaged(_FOLDER, "remedies.js"), _joined("view", _VIEW)]
     data = {"cells": knobs.cells, "touch": knobs.touch, "slug": knobs.name}
     left_out = ", ".join(_words(kind) for kind in EVERY if kind not in KINDS)
-    return environment.get_template("page.html.j2").render(
+    return template_of(_FOLDER).render(
         mark=Markup(MARK),
         name=knobs.name,
         notes=knobs.notes,
@@ -58,17 +48,12 @@ def engine() -> str:
 
 def _joined(folder: str, names: tuple[str, ...]) -> str:
     """Files of a folder as one function that is called at once."""
-    return '(() => {\n"use strict";\n' + "".join(packaged(f"{folder}/{name}.js") for name in names) + "})();\n"
-
-
-def packaged(name: str) -> str:
-    """A file of the page as it lies in the package."""
-    return files("hknob_cli.page").joinpath("explore", *name.split("/")).read_text(encoding="utf-8")
+    return '(() => {\n"use strict";\n' + "".join(packaged(_FOLDER, f"{folder}/{name}.js") for name in names) + "})();\n"
 
 
 def _hash(text: str) -> str:
     """A script or style as a content security policy names it."""
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+    return f"'{digest(text)}'"
 
 
 def _in_html(data: dict[str, Any]) -> str:

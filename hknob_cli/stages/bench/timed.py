@@ -18,7 +18,8 @@ from hknob_cli.baselines.run import PHASE, Deadline, LostError, Motion, TooSlowE
 from hknob_cli.engine.jit import compiled as compiled_functions
 from hknob_cli.errors import ComputationError, HknobError
 from hknob_cli.measure.unsampled import events
-from hknob_cli.scene.trial import simulate
+from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.scene.trial import follow_knob
 from hknob_cli.scene.unsampled_knob import reduce_unsampled
 from hknob_cli.specs.plan import BenchScene
 
@@ -122,10 +123,8 @@ def _once(trial: BenchScene, method: str, setting: Setting, deadline: Deadline) 
 def _exact(trial: BenchScene, deadline: Deadline, *, compiled: bool) -> Motion:
     if not trial.scene.sampled:
         return _exact_unsampled(trial, deadline, compiled=compiled)
-    found = simulate(
-        trial.scene,
-        sample_rate_hz=trial.sample_rate_hz,
-        counts_per_rev=trial.counts_per_rev,
+    found = follow_knob(
+        sample_general(trial.scene, sample_rate_hz=trial.sample_rate_hz, counts_per_rev=trial.counts_per_rev),
         angle_rad=trial.angle,
         velocity_rad_s=trial.velocity,
         phase=PHASE,
