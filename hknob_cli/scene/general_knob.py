@@ -265,42 +265,6 @@ def _reach(beta: float, finger: _Finger) -> float:
     return sqrt(1.0 / finger.pad_stiffness + finger.ratio / finger.stiffness)
 
 
-class _Finger(NamedTuple):
-    """The finger behind its pad, without dimensions: the pad's over the knob's inertia, its own over its own.
-
-    ``ratio``: of the knob's inertia to the finger's, 0 where there is none.
-    """
-
-    pad_damping: float = 0.0
-    pad_stiffness: float = 0.0
-    ratio: float = 0.0
-    damping: float = 0.0
-    stiffness: float = 0.0
-
-
-def _finger_of(hand: Hand, period: float, inertia: float) -> _Finger:
-    """The finger of a hand on a knob of an inertia, kg m²; ``period``: of the clock, s."""
-    pad, own = hand.fingerpad, hand.finger
-    if not own or not pad:
-        return _Finger()
-    return _Finger(
-        pad_damping=pad.damping * period / inertia,
-        pad_stiffness=pad.stiffness * (period * period / inertia),
-        ratio=inertia / own.inertia,
-        damping=own.damping * (period / own.inertia),
-        stiffness=own.stiffness * period * (period / own.inertia),
-    )
-
-
-def _reach(beta: float, finger: _Finger) -> float:
-    """Position of a unit root of energy, counts; infinite where nothing holds the knob."""
-    if not finger.ratio:
-        return 1.0 / sqrt(beta) if beta > 0.0 else inf
-    if finger.pad_stiffness == 0.0 or finger.stiffness == 0.0:
-        return inf
-    return sqrt(1.0 / finger.pad_stiffness + finger.ratio / finger.stiffness)
-
-
 def add_spans(body: Body, spans: Sequence[float]) -> Body:
     """The body with D over more times (sample periods) at the end of its matrices; of second order as it is."""
     n = body.order
