@@ -23,6 +23,7 @@ from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identi
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.trial_wall import Sent, TrialWall
 from hknob_cli.hardware.wire.codes import ALL_LAWS
+from hknob_cli.specs.motor import Coil
 
 _MOST_COUNTS = 2**31
 NOTHING = Sent(0.0)
@@ -47,7 +48,14 @@ class MovingKnob(Protocol):
 class VirtualLoop:
     """The control loop of one trial, from arming on; ``fault`` says why it tripped."""
 
-    def __init__(self, settings: Settings, simulated: Simulated, nuisances: Nuisances, native_counts: int) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        simulated: Simulated,
+        nuisances: Nuisances,
+        native_counts: int,
+        coil: Coil | None = None,
+    ) -> None:
         self.fault = ""
         self._settings, self._simulated, self._native = settings, simulated, native_counts
         self._motion: MovingKnob = KnobMotion(
@@ -55,6 +63,7 @@ class VirtualLoop:
             interval_s=settings.interval_s,
             counts_per_rev=native_counts,
             amplifier_s=nuisances.amplifier_s,
+            coil=coil,
         )
         self._disturbances = Disturbances(nuisances, settings, simulated)
         self._index, self._overruns = 0, 0
@@ -185,10 +194,16 @@ class State(IntEnum):
 
 
 class VirtualDevice(ComputedDevice):
-    """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given."""
+    """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given.
 
-    def __init__(self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY) -> None:
+    ``coil``: a winding on the knob that remembers, in trials of a wall.
+    """
+
+    def __init__(
+        self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY, coil: Coil | None = None
+    ) -> None:
         """Make ready. Raises `UsageError` for nuisances out of range."""
+        self._coil = coil
         self.nuisances = (nuisances or Nuisances()).checked()
         self._identity = identity
         self._settings: Settings | None = None
@@ -221,14 +236,15 @@ class VirtualDevice(ComputedDevice):
         if self._settings is None or self._simulated is None:
             missing = "settings" if self._settings is None else "a simulated knob and person"
             raise DeviceError(f"the virtual device cannot be armed: it was given no {missing}")
-        loop = VirtualLoop
+        native, coil = self._identity.native_counts, self._coil
         if self._settings.pulse is not None:
             if not self._simulated.squeeze:
                 raise DeviceError("the virtual device cannot be armed: nobody squeezes its knob")
             from hknob_cli.hardware.pulse_loop import PulseLoop
 
-            loop = PulseLoop
-        self._trial = loop(self._settings, self._simulated, self.nuisances, self._identity.native_counts)
+            self._trial = PulseLoop(self._settings, self._simulated, self.nuisances, native)
+        else:
+            self._trial = VirtualLoop(self._settings, self._simulated, self.nuisances, native, coil)
         self._state = State.ARMED
 
     def start(self) -> None:

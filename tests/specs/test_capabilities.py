@@ -272,6 +272,22 @@ def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
     assert all(one.message.startswith("must be one that a device can run") for one in error.value.faults)
 
 
+MOVED = ("motor", "coil", "current_loop", "supply", "eddy_brake")
+
+
+@pytest.mark.parametrize("part", MOVED)
+def test_a_virtual_knob_takes_the_motors_of_the_table(part: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {"kind": "hw-run", "name": "small", **CHANGES[part]["scene"]}
+    assert VERDICTS[part, "device"] != REFUSED
+    assert validate(source)
+
+
+@pytest.mark.parametrize("part", [part for part in PARTS if VERDICTS[part, "device"] == REFUSED])
+def test_a_campaign_on_a_knob_has_a_reason_for_what_it_lacks(part: str) -> None:
+    assert (part, "device") in WHY
+
+
 @pytest.mark.parametrize("part", OVER_ANGLE)
 def test_a_campaign_on_a_knob_takes_what_the_table_says(part: str) -> None:
     source = Source("spec.yaml")

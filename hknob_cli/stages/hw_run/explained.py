@@ -25,7 +25,7 @@ def explained_campaign(plan: Any) -> tuple[str, dict[str, list[str]], Scene | No
     bias = Bias(torque=plan.person.push) if simulated else None
     first = plan.first
     scene = Scene(knob=knob, wall=wall, bias=bias, controller=first.controller, actuator=first.actuator)
-    scene = scene._replace(encoder=first.encoder or scene.encoder)
+    scene = scene._replace(encoder=first.encoder or scene.encoder, motor=plan.motor, eddy_brake=plan.eddy_brake)
     if plan.effects:
         scene = scene._replace(**plan.effects._asdict())
     if simulated:
