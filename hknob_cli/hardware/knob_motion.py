@@ -65,6 +65,11 @@ class KnobMotion:
         return self._knob.angle_rad(float(self._state[0]))
 
     @property
+    def speed_counts(self) -> float:
+        """Speed in counts of a sample period."""
+        return float(self._state[1])
+
+    @property
     def speed_rad_s(self) -> float:
         """Speed."""
         return float(self._state[1]) * self._knob.quantum_rad / self._knob.period_s

@@ -48,7 +48,6 @@ WHY = {
     ("people", "formulas"): "its spec has no population",
     ("people", "bench"): "its spec has no population",
     ("speed_sensor", "friction_sets"): "the torque depends on the velocity itself",
-    ("speed_sensor", "device"): "a target reads an encoder, and its torque does not follow a velocity between samples",
     ("lag", "device"): "that is an amplifier's own; a virtual device has it by nuisances.amplifier",
     ("hysteresis", "device"): "that is an encoder's own, and no simulated knob has it",
     ("backlash", "device"): "that is an encoder's own, and no simulated knob has it",
@@ -62,7 +61,6 @@ WHY = {
     ("play", "device"): "a simulated knob is one body",
     **{(part, "device"): "somebody always holds the knob" for part in ("undamped", "unheld", "handless")},
     ("squeeze", "device"): "a simulated hand has the grip that the trial asks for",
-    ("several_readings", "device"): "a target reads its encoder once a sample",
     **{("undamped", column): "nothing contracts" for column in _SETS_OF_ONE_START_OR_RANGES},
     **{("unheld", column): "no energy bounds how far motions part" for column in _SETS_OF_ONE_START_OR_RANGES},
 }  # fmt: skip

@@ -142,14 +142,15 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     if spec.pulses is not None:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
-    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
+    wired = spec.device.driver != VIRTUAL
+    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes, wired=wired)
     virtual = spec.device.driver == VIRTUAL
     driven = driven_faults(spec, spec.knob or Knob(), virtual=virtual)
     found = (*device_faults(spec), *acting, *driven, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller, encoder=spec.encoder, actuator=spec.actuator),)
     if spec.remedies and not acting:
-        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes)
+        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes, wired=wired)
         faults += wrong
     faults += [source.fault(place, text) for place, text in _model_faults(spec, tries)]
     if faults:
