@@ -1,7 +1,8 @@
 """Controllers of the wall on a target: from a spec's to what the wire carries, and what they give, sample by sample.
 
-A target runs the laws of `controllers` that take one reading an interval and no sensor of the speed. The functions
-here are those of the engine itself; `firmware/law.c` has the same operations in the same order.
+A target at a wire runs the laws of `controllers` that take one reading an interval and no sensor of the speed; the
+virtual device has both. The functions here are those of the engine itself; `firmware/law.c` has the same operations in
+the same order.
 """
 
 import sys
@@ -35,8 +36,6 @@ def control_of(plan: Controller, settings: Settings, model: Model = UNKNOWN) -> 
         stiffness=settings.wall_stiffness,
     )
     law = make_control_law(plan)
-    if law.looks or law.senses_speed:
-        raise ValueError(f"no target reads what {law.act.__name__} does")
     try:
         code = Law[law.act.__name__.upper()]
     except KeyError:
@@ -56,6 +55,30 @@ def begins_of(control: Control | None) -> tuple[float, ...]:
     return (0.0,)
 
 
+_SENSOR = {Law.VELOCITY_DAMPING: 2, Law.HALF_SAMPLE: 4, Law.MATCHED_WALL: 3}  # the number that says so
+_LOOKS = {Law.FIRST_ORDER_HOLD: 2, Law.IMPULSE_DAMPING: 3}  # the number that counts them
+_READINGS = {Law.TIMED_VELOCITY: 7}  # the number that counts them with the sample's own
+
+
+def senses_speed(control: Control | None) -> bool:
+    """Whether a controller reads a sensor of the speed."""
+    if control is None or control.law not in _SENSOR:
+        return False
+    return control.numbers[_SENSOR[Law(control.law)]] > 0.0
+
+
+def looks_of(control: Control | None) -> tuple[float, ...]:
+    """Where in a sample interval a controller reads the encoder beside the sample, in parts of it."""
+    if control is None:
+        return ()
+    readings = 1
+    if control.law in _LOOKS:
+        readings += int(control.numbers[_LOOKS[Law(control.law)]])
+    elif control.law in _READINGS:
+        readings = int(control.numbers[_READINGS[Law(control.law)]])
+    return tuple(k / readings for k in range(1, readings))
+
+
 def _function_of(control: Control) -> Any:
     """The engine's own."""
     from hknob_cli.controllers.controller import act_named
@@ -73,10 +96,20 @@ class ControlledWall:
         self._past: list[float] = []
         self._parts = len(begins_of(control))
         self._out = [0.0] * (2 * self._parts)
+        self._speed = 0.0
+
+    def sense(self, speed: float) -> None:
+        """Take the speed of the next sample, in counts of the wall's encoder and sample intervals."""
+        self._speed = speed
+
+    def look(self, which: int, count: int) -> None:
+        """Take a count that is read within the interval, the ``which`` of `looks_of`."""
+        if self._past:
+            self._past[len(self._control.rows) + 1 + which] = float(count)
 
     @property
     def memory(self) -> list[float]:
-        """What the law remembers, then the last reading; empty before the first sample."""
+        """What the law remembers, then the last reading and those since; empty before the first sample."""
         return list(self._past)
 
     def torque(self, count: int, before: int) -> float:
@@ -99,8 +132,9 @@ class ControlledWall:
         settings, control = self._settings, self._control
         if not self._past:
             place = float(before) + self._numbers[0]
-            self._past = [*([place] * control.places), *control.rows[control.places :], float(before)]
-        self._act(float(count), 0.0, self._past, self._numbers, self._out)
+            shown = [float(before)] * (1 + len(looks_of(control)))
+            self._past = [*([place] * control.places), *control.rows[control.places :], *shown]
+        self._act(float(count), self._speed, self._past, self._numbers, self._out)
         self._past[len(control.rows)] = float(count)
         quantum = tau / settings.counts_per_rev
         brake = settings.wall_damping * ((count - before) * quantum) / settings.interval_s if count < 0 else 0.0

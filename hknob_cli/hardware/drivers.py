@@ -10,7 +10,7 @@ from hknob_cli.errors import SpecError, UsageError
 from hknob_cli.hardware.nuisances import Nuisances
 from hknob_cli.hardware.order import USUAL_GRIP_N, Trial, period_ns, trials_of
 from hknob_cli.hardware.port import Device, Simulated
-from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan
+from hknob_cli.specs.campaign import REPLAY, VIRTUAL, HwRunPlan, Knob
 from hknob_cli.specs.pulses import PulsePlan
 
 Who = Callable[[Trial], Simulated]
@@ -27,7 +27,12 @@ def opened(
     if device.driver == VIRTUAL:
         from hknob_cli.hardware.virtual import VirtualDevice
 
-        return stack.enter_context(VirtualDevice(Nuisances(*plan.nuisances, seed=plan.seed)))
+        nuisances = Nuisances(*plan.nuisances, seed=plan.seed)
+        if isinstance(plan, PulsePlan):
+            return stack.enter_context(VirtualDevice(nuisances))
+        driven = plan.driven
+        nuisances = nuisances._replace(amplifier_s=driven.lag_s or nuisances.amplifier_s)
+        return stack.enter_context(VirtualDevice(nuisances, coil=driven.coil))
     if device.driver == REPLAY and isinstance(plan, HwRunPlan):
         from hknob_cli.hardware.replay import ReplayDevice
 
@@ -71,9 +76,11 @@ def who_of(plan: HwRunPlan | PulsePlan) -> Who:
         grip_wander=plan.person.grip_wander,
     )
 
+    knob = Knob(*plan.driven.knob)
+
     def who(trial: Trial) -> Simulated:
         place = period_ns(trial.sample_rate_hz), trial.counts_per_rev, trial.block
-        return hold(person, plan.knob, seed=plan.seed, place=place)
+        return hold(person, knob, seed=plan.seed, place=place)
 
     return who
 

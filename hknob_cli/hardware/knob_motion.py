@@ -1,4 +1,4 @@
-"""A simulated knob in somebody's hand, moved from sample to sample: exact, with friction and an amplifier's lag.
+"""A simulated knob in somebody's hand, moved from sample to sample: exact, with friction, a winding and a lag.
 
 The engine's general body does the moving, in counts of the device's own encoder and in sample periods. A push by the
 person does not pass the amplifier; where that lags, its last state is the sum of both torques, and a change of the push
@@ -12,22 +12,30 @@ from hknob_cli.engine.general.body import SECOND
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.hardware.port import Simulated
 from hknob_cli.scene.general_knob import sample_general
+from hknob_cli.specs.motor import Coil
 from hknob_cli.specs.plan import Actuator, Hand, Knob, Scene, Wall
 
-PATIENCE = 8000  # moves with friction and lag, 0.3 ms each, after which the same code compiled is worth its loading
+PATIENCE = 8000  # moves of a third state, 0.3 ms each, after which the same code compiled is worth its loading
 
 
 class KnobMotion:
     """Angle and speed of the knob of a `Simulated`, at rest at first.
 
     ``interval_s``: the unit of time of `move`; ``counts_per_rev``: of `angle_counts`; ``amplifier_s``: time constant of
-    the amplifier's lag, 0 without. Raises `ComputationError` if the numbers overflow.
+    the amplifier's lag, 0 without; ``coil``: a winding that brakes the knob and remembers.
+    Raises `ComputationError` if the numbers overflow.
     """
 
     _is_compiled = False
 
     def __init__(
-        self, simulated: Simulated, *, interval_s: float, counts_per_rev: int, amplifier_s: float = 0.0
+        self,
+        simulated: Simulated,
+        *,
+        interval_s: float,
+        counts_per_rev: int,
+        amplifier_s: float = 0.0,
+        coil: Coil | None = None,
     ) -> None:
         scene = Scene(
             knob=Knob(simulated.inertia, simulated.damping, simulated.coulomb_nm),
@@ -36,6 +44,7 @@ class KnobMotion:
             bias=None,
             encoder=None,
             actuator=Actuator(time_constant=amplifier_s),
+            coil=coil,
         )
         knob = sample_general(scene, sample_rate_hz=1.0 / interval_s, counts_per_rev=counts_per_rev)
         self._knob, self._body, self._unit_nm = knob, knob.body, knob.torque_nm
@@ -56,6 +65,11 @@ class KnobMotion:
         return self._knob.angle_rad(float(self._state[0]))
 
     @property
+    def speed_counts(self) -> float:
+        """Speed in counts of a sample period."""
+        return float(self._state[1])
+
+    @property
     def speed_rad_s(self) -> float:
         """Speed."""
         return float(self._state[1]) * self._knob.quantum_rad / self._knob.period_s
@@ -72,6 +86,7 @@ class KnobMotion:
         if body.lag > 0.0:
             state[-1] -= (push_nm - self._push) / self._unit_nm
             self._push = push_nm
+        if body.order > 2:
             if periods == 1.0 and body.friction == 0.0:
                 advance_hold(state, command, SECOND, body, self._pad)
                 return

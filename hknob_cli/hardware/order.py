@@ -145,4 +145,5 @@ def _model_of(plan: HwRunPlan, controller: Controller) -> Model:
     from hknob_cli.hardware.person import hand_at
 
     hand = hand_at(plan.course.grip_target_n or USUAL_GRIP_N)
-    return Model(plan.knob.inertia + hand.inertia, plan.knob.damping + hand.damping, hand.stiffness)
+    knob = plan.driven.knob
+    return Model(knob.inertia + hand.inertia, knob.damping + hand.damping, hand.stiffness)

@@ -105,7 +105,8 @@ class Identity(NamedTuple):
     faster or slower than any other. ``knows_zero``: it can make the present angle zero.
     ``knows_control``: it can run controllers; ``knows_pulses``: it can fire a pulse at a grip; ``knows_over_angle``: it
     can run a torque over the angle; ``knows_converters``: it can round, delay and cut off as the spec says;
-    ``knows_parts``: its torque can change within a sample interval. ``laws``: controllers that it has, a bit each.
+    ``knows_parts``: its torque can change within a sample interval; ``knows_looks``: it can read its encoder within
+    one; ``knows_speed``: it has a sensor of the speed. ``laws``: controllers that it has, a bit each.
     """
 
     name: str
@@ -121,6 +122,8 @@ class Identity(NamedTuple):
     knows_over_angle: bool = False
     knows_converters: bool = False
     knows_parts: bool = False
+    knows_looks: bool = False
+    knows_speed: bool = False
     laws: int = FIRST_LAWS
 
 

@@ -37,6 +37,11 @@ class PulsedKnob:
         """Angle in counts, whole and broken."""
         return self._neutral + (self._motion.angle_counts if self._motion else 0.0)
 
+    @property
+    def speed_counts(self) -> float:
+        """Speed in counts of a sample period."""
+        return self._motion.speed_counts if self._motion else 0.0
+
     def take(self, squeeze: Squeeze, grip_n: float) -> None:
         """Let the hand at this grip hold it from now on."""
         hand = hand_at(squeeze, grip_n)

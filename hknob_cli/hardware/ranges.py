@@ -5,7 +5,7 @@ What the wire asks of a trial's settings beside the target's ranges: that a bloc
 
 from math import inf, isfinite
 
-from hknob_cli.hardware.control import begins_of
+from hknob_cli.hardware.control import begins_of, looks_of, senses_speed
 from hknob_cli.hardware.grip_trigger import pulse_of
 from hknob_cli.hardware.port import MOST_SINES, Identity, Settings, Simulated
 from hknob_cli.hardware.torque_line import MOST, room_of
@@ -47,6 +47,10 @@ def faults_of_settings(settings: Settings, identity: Identity) -> list[str]:
             faults.append(
                 "its torque does not change within a sample interval: its firmware is older (docs/reference/wire.md)"
             )
+        if senses_speed(settings.control) and not identity.knows_speed:
+            faults.append("it has no sensor of the speed: only the virtual device has")
+        if looks_of(settings.control) and not identity.knows_looks:
+            faults.append("it reads its encoder once a sample: only the virtual device reads it within the interval")
     if (converters := settings.converters) is not None:
         if not identity.knows_converters:
             faults.append(

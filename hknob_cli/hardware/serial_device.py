@@ -1,4 +1,7 @@
-"""The serial driver: a target at any port or URL that pyserial opens, spoken to as docs/reference/wire.md says."""
+"""The serial driver: a target at any port or URL that pyserial opens, spoken to as docs/reference/wire.md says.
+
+So a host tells a target the numbers of each trial over a network, and gets its samples (Hasser, section 3.2).
+"""
 
 import contextlib
 import secrets

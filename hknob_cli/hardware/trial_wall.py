@@ -70,6 +70,7 @@ class TrialWall:
 
     def __init__(self, settings: Settings, native: int) -> None:
         self.acting = acting_of(settings)
+        self.controlled = self.acting if isinstance(self.acting, ControlledWall) else None
         self._limit = settings.torque_limit_nm
         self._conversion = Conversion(settings, native)
         begins = (0.0,) if settings.over_angle is not None else begins_of(settings.control)

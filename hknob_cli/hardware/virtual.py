@@ -17,19 +17,22 @@ from typing import NoReturn, Protocol
 import numpy as np
 
 from hknob_cli.errors import DeviceError
+from hknob_cli.hardware.control import looks_of, senses_speed
 from hknob_cli.hardware.knob_motion import KnobMotion
 from hknob_cli.hardware.nuisances import Disturbances, Nuisances
 from hknob_cli.hardware.port import Array, Block, ComputedDevice, Counts, Identity, Settings, Simulated, Sine
 from hknob_cli.hardware.ranges import faults_of_settings, faults_of_simulated
 from hknob_cli.hardware.trial_wall import Sent, TrialWall
 from hknob_cli.hardware.wire.codes import ALL_LAWS
+from hknob_cli.specs.motor import Coil
 
 _MOST_COUNTS = 2**31
 NOTHING = Sent(0.0)
 
 NATIVE_COUNTS = 640_000  # of the encoder on the dissertation's apparatus (Hasser, ch. 3)
 SHORTEST_PERIOD_NS = 1000
-_KNOWS = {f"knows_{what}": True for what in ("control", "pulses", "over_angle", "converters", "parts")}
+_KNOWN = ("control", "pulses", "over_angle", "converters", "parts", "looks", "speed")
+_KNOWS = {f"knows_{what}": True for what in _KNOWN}
 IDENTITY = Identity("virtual", NATIVE_COUNTS, SHORTEST_PERIOD_NS, True, 1, **_KNOWS, laws=ALL_LAWS)
 
 
@@ -40,6 +43,10 @@ class MovingKnob(Protocol):
     def angle_counts(self) -> float:
         """Angle in counts, whole and broken."""
 
+    @property
+    def speed_counts(self) -> float:
+        """Speed in counts of a sample period."""
+
     def move(self, torque_nm: float, push_nm: float, periods: float = 1.0) -> None:
         """Move for some sample periods under a commanded torque, and a push into the wall, both constant."""
 
@@ -47,7 +54,14 @@ class MovingKnob(Protocol):
 class VirtualLoop:
     """The control loop of one trial, from arming on; ``fault`` says why it tripped."""
 
-    def __init__(self, settings: Settings, simulated: Simulated, nuisances: Nuisances, native_counts: int) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        simulated: Simulated,
+        nuisances: Nuisances,
+        native_counts: int,
+        coil: Coil | None = None,
+    ) -> None:
         self.fault = ""
         self._settings, self._simulated, self._native = settings, simulated, native_counts
         self._motion: MovingKnob = KnobMotion(
@@ -55,6 +69,7 @@ class VirtualLoop:
             interval_s=settings.interval_s,
             counts_per_rev=native_counts,
             amplifier_s=nuisances.amplifier_s,
+            coil=coil,
         )
         self._disturbances = Disturbances(nuisances, settings, simulated)
         self._index, self._overruns = 0, 0
@@ -64,6 +79,11 @@ class VirtualLoop:
         self._held: tuple[Sent, float] | None = None  # torques and push since the sample before, which began at
         self._last = 0.0
         self._wall = TrialWall(settings, native_counts)
+        self._looks = looks_of(settings.control)
+        later = [(begins, i, -1) for i, begins in enumerate(self._wall.begins[1:])]
+        self._within = sorted(later + [(at, -1, i) for i, at in enumerate(self._looks)])
+        self._senses = senses_speed(settings.control)
+        self._noise = 0.0  # of the encoder at the last sample, in counts
         self._told_us = -1
 
     def block(self, *, running: bool) -> Block:
@@ -82,6 +102,7 @@ class VirtualLoop:
                 self._move(*self._held, begin - self._last)
             # A speed is over the time that passed, which is longer than a period after a late sample.
             passed_s = max(1.0, begin - self._last) * self._settings.interval_s
+            self._noise = extra
             angles[i], sent = self._sample(self._index + i, self._motion.angle_counts + extra, passed_s, running)
             if self.fault:
                 on[i], taken = False, i + 1
@@ -101,14 +122,32 @@ class VirtualLoop:
         )
 
     def _move(self, sent: Sent, push: float, periods: float) -> None:
-        """From sample to sample, or as far as the next is away, under the torques of the interval."""
-        torque, passed = sent.torque_nm, 0.0
-        for begins, later in zip(self._wall.begins[1:], sent.later, strict=False):
-            if begins >= periods:
+        """From sample to sample, or as far as the next is away, under the torques of the interval.
+
+        A reading within the interval has the noise of the sample before. One that the next sample comes before is that
+        of this sample's instant.
+        """
+        torque, passed, looked = sent.torque_nm, 0.0, 0
+        for at, later, look in self._within:
+            if at >= periods:
                 break
-            self._motion.move(torque, push, begins - passed)
-            torque, passed = later, begins
+            self._motion.move(torque, push, at - passed)
+            passed = at
+            if look < 0:
+                torque = sent.later[later] if later < len(sent.later) else torque
+            else:
+                self._look(look)
+                looked = look + 1
         self._motion.move(torque, push, periods - passed)
+        for look in range(looked, len(self._looks)):
+            self._look(look)
+
+    def _look(self, look: int) -> None:
+        """Read the encoder within the interval."""
+        assert self._wall.controlled is not None
+        position = self._motion.angle_counts + self._noise
+        if -_MOST_COUNTS <= position < _MOST_COUNTS:
+            self._wall.controlled.look(look, self._wall.count(floor(position)))
 
     def _sample(self, index: int, position: float, passed_s: float, running: bool) -> tuple[int, Sent]:
         """Angle in counts and torques from a sample on, in the order of the wire; a fault means none, and is noted."""
@@ -134,6 +173,8 @@ class VirtualLoop:
 
     def _commanded(self, _index: int, coarse: int, before: int, running: bool) -> Sent:
         """Torques of the wall, limited."""
+        if self._senses and self._wall.controlled is not None:
+            self._wall.controlled.sense(self._motion.speed_counts * (self._settings.counts_per_rev / self._native))
         return self._wall.torques(coarse, before) if running else NOTHING
 
     def _person(self, begins: Array, running: bool) -> tuple[Array, Array]:
@@ -185,10 +226,16 @@ class State(IntEnum):
 
 
 class VirtualDevice(ComputedDevice):
-    """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given."""
+    """A knob that is computed; ``nuisances`` of its sensors, amplifier and clock, none if not given.
 
-    def __init__(self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY) -> None:
+    ``coil``: a winding on the knob that remembers, in trials of a wall.
+    """
+
+    def __init__(
+        self, nuisances: Nuisances | None = None, *, identity: Identity = IDENTITY, coil: Coil | None = None
+    ) -> None:
         """Make ready. Raises `UsageError` for nuisances out of range."""
+        self._coil = coil
         self.nuisances = (nuisances or Nuisances()).checked()
         self._identity = identity
         self._settings: Settings | None = None
@@ -221,14 +268,15 @@ class VirtualDevice(ComputedDevice):
         if self._settings is None or self._simulated is None:
             missing = "settings" if self._settings is None else "a simulated knob and person"
             raise DeviceError(f"the virtual device cannot be armed: it was given no {missing}")
-        loop = VirtualLoop
+        native, coil = self._identity.native_counts, self._coil
         if self._settings.pulse is not None:
             if not self._simulated.squeeze:
                 raise DeviceError("the virtual device cannot be armed: nobody squeezes its knob")
             from hknob_cli.hardware.pulse_loop import PulseLoop
 
-            loop = PulseLoop
-        self._trial = loop(self._settings, self._simulated, self.nuisances, self._identity.native_counts)
+            self._trial = PulseLoop(self._settings, self._simulated, self.nuisances, native)
+        else:
+            self._trial = VirtualLoop(self._settings, self._simulated, self.nuisances, native, coil)
         self._state = State.ARMED
 
     def start(self) -> None:

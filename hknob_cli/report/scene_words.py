@@ -97,7 +97,7 @@ class _Words:
 
     def _squeezes(self) -> list[float | int]:
         """Grip forces at the ends of the axes that they depend on."""
-        deciding = ("squeeze.", "bias.", "wall.", "controller.", GRIP)
+        deciding = ("squeeze.", "bias.", "wall.", "controller.", "actuator.", "motor.", "gear.", GRIP)
         ends = {name: {min(values), max(values)} for name, values in self.axes.items() if name.startswith(deciding)}
         cells = (dict(zip(ends, values, strict=True)) for values in product(*ends.values()))
         return sorted(grip_of(placed(self.scene, cell)) for cell in cells)

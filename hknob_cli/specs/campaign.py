@@ -6,6 +6,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 from hknob_cli.errors import Fault
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.declared import declared
+from hknob_cli.specs.driven import Driven, driven_of
+from hknob_cli.specs.motor import EddyBrake, Motor
 from hknob_cli.specs.over_angle import DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.parts import Actuator, Encoder
 from hknob_cli.specs.quantity import (
@@ -182,7 +184,7 @@ class HwRunPlan(NamedTuple):
     force. ``tries``: what each cell is tried with, one a remedy; ``reference``: the remedy that others are compared
     with, ``against`` a folder of what was computed of them, ``hand`` the hand in it; all empty without remedies.
     ``effects`` act in every trial. ``model``: what a controller believes of knob and hand; None: what the simulated
-    ones are.
+    ones are. ``motor`` and ``eddy_brake``: of a simulated knob; the motor's torque limit is in the ``tries``.
     """
 
     name: str
@@ -207,6 +209,13 @@ class HwRunPlan(NamedTuple):
     hand: str = ""
     effects: Effects | None = None
     model: Model | None = None
+    motor: Motor | None = None
+    eddy_brake: EddyBrake | None = None
+
+    @property
+    def driven(self) -> Driven:
+        """The knob as motor and eddy brake make it, and what else they come to."""
+        return driven_of(self.knob, self.motor, self.eddy_brake)
 
     @property
     def converts(self) -> bool:
@@ -264,9 +273,12 @@ def device_faults(spec: Any) -> list[tuple[tuple[str, ...], str]]:
         found.append(
             (("device", "zero_angle"), "must be absent without url: no other device has a knob to set to zero")
         )
-    for name in ("knob", "person"):
+    for name in ("knob", "person", "motor", "eddy_brake"):
         if getattr(spec, name) is not None and device.driver == REPLAY:
             found.append(((name,), "must be absent: what is replayed was recorded"))
+    for name in ("motor", "eddy_brake"):
+        if getattr(spec, name) is not None and device.url is not None:
+            found.append(((name,), "must be absent with url: the knob at a port has a motor of its own"))
     if spec.nuisances is not None and device.driver != "virtual":
         found.append((("nuisances",), "must be absent: they are for the driver virtual"))
     return found

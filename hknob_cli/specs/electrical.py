@@ -29,8 +29,9 @@ def reduced(scene: Scene) -> Scene:
         actuator = (actuator or Actuator())._replace(torque_limit=most)
     if motor.winding != "current":
         brake = motor.torque_constant * motor.torque_constant / motor.resistance
-        if _is_there(motor.inductance):
-            coil = Coil(brake, motor.inductance / motor.resistance)
+        late = motor.inductance / motor.resistance
+        if _is_there(late):  # not where it is below the least number above 0
+            coil = Coil(brake, late)
             if motor.winding == "voltage":
                 actuator = (actuator or Actuator())._replace(time_constant=coil.time_constant)
         else:

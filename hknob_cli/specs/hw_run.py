@@ -28,8 +28,10 @@ from hknob_cli.specs.campaign import (
 )
 from hknob_cli.specs.capabilities import PARTS, reason
 from hknob_cli.specs.controller import MODELLED, Controller
+from hknob_cli.specs.driven import driven_faults, limited
 from hknob_cli.specs.faults import faults_of
 from hknob_cli.specs.grid import AxisError, AxisSpec, axis_values
+from hknob_cli.specs.motor import EddyBrake, Motor
 from hknob_cli.specs.over_angle import OVER_ANGLE, DeadZone, Detents, EndStops, Profile
 from hknob_cli.specs.over_angle_faults import over_angle_contradictions
 from hknob_cli.specs.part import Part, Place
@@ -111,6 +113,10 @@ class HwRunSpec(Part):
     subject: Annotated[Text, Field(description="who holds the knob")] = "subject"
     experiment: Annotated[Text, Field(description="grasp and knob")] = "simple pinch"
     knob: Knob | None = None
+    motor: Annotated[
+        Motor | None, Field(description="of a simulated knob; inductance and bandwidth with the driver virtual")
+    ] = None
+    eddy_brake: Annotated[EddyBrake | None, Field(description="on a simulated knob")] = None
     person: Person | None = None
     nuisances: Nuisance | None = None
 
@@ -136,18 +142,21 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
     if spec.pulses is not None:
         faults.append(source.fault((PULSES,), "must be absent where what is not pulses", at_key=True))
     grip = None if spec.grip == "none" else spec.grip
-    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes)
-    found = (*device_faults(spec), *acting, *_faults(spec, axes), *_effect_faults(spec, axes))
+    wired = spec.device.driver != VIRTUAL
+    acting = acting_faults(spec, frozenset(source.value.get("controller") or ()), axes, wired=wired)
+    virtual = spec.device.driver == VIRTUAL
+    driven = driven_faults(spec, spec.knob or Knob(), virtual=virtual)
+    found = (*device_faults(spec), *acting, *driven, *_faults(spec, axes), *_effect_faults(spec, axes))
     faults += [source.fault(place, text) for place, text in found]
     tries: tuple[Tried, ...] = (Tried(spec.wall, spec.controller, encoder=spec.encoder, actuator=spec.actuator),)
     if spec.remedies and not acting:
-        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes)
+        tries, wrong = tries_of(source, spec.remedies, spec.reference, axes, wired=wired)
         faults += wrong
     faults += [source.fault(place, text) for place, text in _model_faults(spec, tries)]
     if faults:
         raise SpecError(faults)
     folder = Path(source.name).parent
-    return HwRunPlan(
+    plan = HwRunPlan(
         name=spec.name,
         device=spec.device,
         recordings=tuple(folder / name for name in spec.device.recordings or ()),
@@ -170,7 +179,11 @@ def validate_hw_run(source: Source) -> HwRunPlan | PulsePlan:
         hand=spec.hand or "",
         effects=Effects(*effects) if any(effects := [getattr(spec, name) for name in OVER_ANGLE]) else None,
         model=spec.model,
+        motor=spec.motor,
+        eddy_brake=spec.eddy_brake,
     )
+    most = plan.driven.limit_nm
+    return plan._replace(tries=tuple(one._replace(actuator=limited(one.actuator, most)) for one in tries))
 
 
 def _with_wall(value: dict[str, Any]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ _OF_BUZZ = (
     *("grid", "grip", "trial", "person"),
     *OVER_ANGLE,
 )
+_DAMPS = ("motor", "eddy_brake")
 _NO_REPLAY = "what was recorded has its pulse already, and sysid reads it"
 MOST_TRIALS = 1000
 MOST_SAMPLES = 2e7  # of a trial, which is in memory as a whole
@@ -31,6 +32,10 @@ def plan_pulses(source: Source, spec: Any) -> PulsePlan:
     for key in _OF_BUZZ:
         if key in spec.model_fields_set:
             faults.append(source.fault((key,), "must be absent with what: pulses: it is of a buzz", at_key=True))
+    for key in _DAMPS:
+        if key in spec.model_fields_set:
+            text = "must be absent with what: pulses: its damping goes into that of the knob"
+            faults.append(source.fault((key,), text, at_key=True))
     for place, text in (*_device_faults(spec), *_faults(spec, pulses, grips, printed[-1])):
         faults.append(source.fault(place, text))
     if faults:

@@ -31,10 +31,8 @@ from hknob_cli.specs.velocity_faults import velocity_contradictions
 Faults = list[tuple[Place, str]]
 # Further keys that give a scene a part.
 _ALSO = {"friction": ("gear.motor_coulomb_torque",), "knob_damping": ("gear.motor_damping",)}
-# Parts that no target runs, and the key that makes them: where it is not listed, the controller is at fault.
+# Parts that no device runs, and the key that makes them.
 _ON_A_DEVICE = {
-    "speed_sensor": ("controller", "velocity"),
-    "several_readings": ("controller", "detections"),
     "hysteresis": ("encoder", "hysteresis_counts"),
     "backlash": ("encoder", "backlash"),
     "lag": ("actuator", "time_constant"),
@@ -171,11 +169,15 @@ def _without_wall(scene: SceneSpec, controller: Controller, axes: Axes) -> Fault
     return found
 
 
-def device_refusals(acting: Any, given: frozenset[str]) -> Faults:
-    """What no target runs of a controller, encoder and actuator, which ``acting`` has.
+# Parts that the virtual device runs and no target at a wire, their keys, and what a target does.
+_VIRTUAL = {
+    "speed_sensor": ("velocity", "sensor", "no target has a sensor of the speed"),
+    "several_readings": ("detections", "above 1", "a target reads its encoder once a sample"),
+}
 
-    ``given``: the keys of the controller that are listed.
-    """
+
+def device_refusals(acting: Any, *, wired: bool) -> Faults:
+    """What no device runs of a controller, encoder and actuator, which ``acting`` has; ``wired``: or no target."""
     found: Faults = []
     scene = Scene(knob=Knob(inertia=0.0), wall=Wall(stiffness=0.0))
     scene = scene._replace(controller=acting.controller, encoder=acting.encoder or Encoder(), actuator=acting.actuator)
@@ -184,8 +186,11 @@ def device_refusals(acting: Any, given: frozenset[str]) -> Faults:
         if part in there and VERDICTS[part, "device"] == REFUSED:
             title = PARTS[part].title
             text = f"must be one that a device can run: this is {title}, and {reason(part, 'device')}"
-            place = ("scene", owner, key) if owner != "controller" or key in given else ("scene", owner)
-            found.append((place, text))
+            found.append((("scene", owner, key), text))
+    for part, (key, what, why) in _VIRTUAL.items():
+        if part in there and wired:
+            text = f"must not be {what} unless the driver is virtual: {why}, and records none"
+            found.append((("scene", "controller", key), text))
     return found
 
 

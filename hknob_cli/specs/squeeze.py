@@ -5,6 +5,9 @@ is pushed deeper into a wall, which pushes back harder, needs a firmer grip, and
 (Tables 1-5). Source: Hasser, Chapter 11 (nonlinear virtual barriers). A coefficient of friction is not printed.
 """
 
+from math import inf
+
+from hknob_cli.specs.electrical import reduced
 from hknob_cli.specs.parts import Hand, Scene
 
 
@@ -13,8 +16,11 @@ def squeezed(scene: Scene) -> Scene:
 
     At rest inside the wall, at a depth d, the wall's torque T(d) and the hand's spring k d hold the push g. The fingers
     hold T(d), so the grip is F = max(F0, margin T(d) / (2 mu r)), and k, with inertia and damping, is that of F, linear
-    between the rows of the table. Which d, F and k belong together is one answer, found by bisection to the last digit.
-    Friction of the knob is left out, and the grip is that of rest: it does not follow the buzz.
+    between the rows of the table. T is at most the torque limit of actuator or motor.
+
+    There is one answer, because in Tables 1-5 a firmer grip is never softer: then T(d) + k d rises with d. It is found
+    by bisection to the last digit. Friction of the knob is left out, and the grip is that of rest: it does not follow
+    the buzz.
     """
     if scene.squeeze is None or scene.hand is None:
         return scene
@@ -39,7 +45,17 @@ def grip_of(scene: Scene) -> float:
     while low < (middle := 0.5 * (low + high)) < high:
         held = _wall_torque(scene, middle) + hand_at(own, grip(middle)).stiffness * middle
         low, high = (middle, high) if held < push else (low, middle)
-    return float(grip(high))
+    return float(max(least, per_newton_meter * min(_wall_torque(scene, high), _most_torque(scene))))
+
+
+def _most_torque(scene: Scene) -> float:
+    """The most torque (N·m) that actuator or motor gives, on the knob.
+
+    A wall that asks for more gives just this: without the limit the knob would rest where T is larger, and the limit
+    only lets it go deeper, so that T stays above.
+    """
+    actuator = reduced(scene).actuator
+    return inf if actuator is None or actuator.torque_limit is None else actuator.torque_limit
 
 
 def hand_at(hand: Hand, grip_n: float) -> Hand:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from hknob_cli.specs.controller import MODELLED
 from hknob_cli.specs.over_angle import OVER_ANGLE
 from hknob_cli.specs.part import Place
 from hknob_cli.specs.parts import Squeeze
@@ -26,6 +27,9 @@ def squeeze_contradictions(scene: SceneSpec, axes: Axes) -> Iterator[tuple[Place
     for name in OVER_ANGLE:
         if getattr(scene, name):
             yield ("scene", name), "must be absent where 'squeeze' is given: the torque that it holds is that of a wall"
+    if scene.controller and scene.controller.kind in MODELLED:
+        text = "must be one without a model of knob and hand beside 'squeeze': its torque at rest is not the wall's"
+        yield ("scene", "controller", "kind"), text
     push = max(axes.get("bias.torque", [bias.torque if bias and bias.torque else 0.0]))
     worst = Squeeze(
         min(axes.get("squeeze.friction", [squeeze.friction])),

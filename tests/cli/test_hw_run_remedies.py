@@ -233,9 +233,9 @@ FAULTS = {
         "softer wall: {change: {wall: {stiffness: 0.135}}", "softer wall: {change: {knob: {inertia: 1}}",
         "remedies.softer wall.change.knob: must not be changed by a remedy on a knob",
     ),
-    "a law that no device runs": (
-        DAMPED, "{kind: matched_wall, velocity: sensor}",
-        "remedies.damped.change.controller.velocity: must be one that a device can run",
+    "an encoder that no device has": (
+        DAMPED, f"{DAMPED}, encoder: {{hysteresis_counts: 0.5}}",
+        "remedies.damped.change.encoder.hysteresis_counts: must be one that a device can run",
     ),
     "another law's number": (
         DAMPED, "{kind: stiffening, keep: 0.2}",

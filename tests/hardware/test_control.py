@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from hknob_cli.controllers.controller import make_control_law
 from hknob_cli.controllers.scalar_law import make_law
 from hknob_cli.engine.general.laws.law import PIECE
 from hknob_cli.errors import DeviceError
-from hknob_cli.hardware.control import begins_of, control_of
+from hknob_cli.hardware.control import begins_of, control_of, looks_of, senses_speed
 from hknob_cli.hardware.port import FIRST_LAWS, Block
 from hknob_cli.hardware.replay import RecordedTrial, is_of_wall
 from hknob_cli.hardware.safety import LimitMonitor
@@ -17,7 +18,7 @@ from hknob_cli.hardware.virtual import IDENTITY, VirtualDevice
 from hknob_cli.hardware.wire.codes import ALL_LAWS, Law
 from hknob_cli.specs.controller import Controller
 from hknob_cli.specs.plan import Encoder, Hand, Knob, Scene, Wall
-from tests.hardware.controllers import CONTROLLERS, told
+from tests.hardware.controllers import CONTROLLERS, MODEL, told
 from tests.hardware.trials import ALIGNED, HAND, settings, virtual_trial
 
 KNOWING = ALIGNED._replace(knows_control=True, knows_parts=True, laws=ALL_LAWS)
@@ -42,10 +43,29 @@ SENSED = [Controller(kind, velocity="sensor") for kind in ("half_sample", "match
 READ = [Controller("first_order_hold", detections=4), Controller("impulse_damping", detections=4)]
 
 
-@pytest.mark.parametrize("controller", [*SENSED, *READ])
-def test_what_reads_more_than_counts_at_samples_is_none_of_a_target(controller: Controller) -> None:
-    with pytest.raises(ValueError, match="no target reads"):
-        control_of(controller, settings())
+TIMED = Controller("velocity_damping", damping=1e-5, velocity="timed", detections=4)
+SPEED = Controller("velocity_damping", damping=1e-5, velocity="sensor", window=3)
+
+
+@pytest.mark.parametrize("controller", [*SENSED, *READ, TIMED, SPEED, *CONTROLLERS.values()])
+def test_what_a_controller_reads_is_told_by_its_numbers(controller: Controller) -> None:
+    law, control = make_control_law(controller), control_of(controller, settings(), MODEL)
+    assert looks_of(control) == pytest.approx(law.looks, rel=1e-15)
+    assert senses_speed(control) == law.senses_speed
+    assert looks_of(None) == ()
+    assert not senses_speed(None)
+
+
+@pytest.mark.parametrize("controller", [*SENSED, *READ, TIMED, SPEED])
+def test_what_reads_more_than_counts_at_samples_is_refused_by_a_target(controller: Controller) -> None:
+    """Before it is armed, by what it says it is; the virtual device takes it."""
+    asked = settings()._replace(control=control_of(controller, settings(), MODEL))
+    said = "has no sensor of the speed" if controller.velocity == "sensor" else "reads its encoder once a sample"
+    target = IDENTITY._replace(knows_looks=False, knows_speed=False)
+    with VirtualDevice(identity=target) as device, pytest.raises(DeviceError, match=said):
+        device.configure(asked, HAND)
+    with VirtualDevice() as device:
+        device.configure(asked, HAND)
 
 
 def trial(name: str, **changes: float) -> Block:

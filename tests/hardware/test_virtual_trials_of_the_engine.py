@@ -63,6 +63,27 @@ CASES = {
     "half sample, delayed": Case(CONTROLLERS["half sample"], actuator=Actuator(delay_samples=0.5)),
     "matched wall beside friction": Case(CONTROLLERS["matched wall"], friction_nm=2e-4),
     "hold in steps, delayed": Case(CONTROLLERS["hold in steps"], actuator=Actuator(delay_samples=0.5)),
+    "half sample that senses": Case(Controller("half_sample", velocity="sensor")),
+    "matched wall that senses": Case(Controller("matched_wall", velocity="sensor")),
+    "sensed damping": Case(Controller("velocity_damping", damping=1e-4, velocity="sensor")),
+    "sensed damping everywhere": Case(
+        Controller("velocity_damping", damping=5e-5, velocity="sensor", everywhere=True, cut_off=3.0)
+    ),
+    "sensed, delayed, in steps": Case(
+        Controller("velocity_damping", damping=1e-4, velocity="sensor"),
+        actuator=Actuator(delay_samples=0.5, torque_step=1e-4),
+        friction_nm=1e-4,
+    ),
+    "hold that reads four times": Case(Controller("first_order_hold", detections=4)),
+    "hold that reads, in steps": Case(
+        Controller("first_order_hold", detections=3, steps=4), actuator=Actuator(delay_samples=0.25)
+    ),
+    "impulse that reads": Case(Controller("impulse_damping", detections=40)),
+    "long impulse that reads": Case(Controller("impulse_damping", pulse=0.5, detections=4), friction_nm=1e-4),
+    "timed within the interval": Case(
+        Controller("velocity_damping", damping=5e-5, velocity="timed", detections=16),
+        Encoder(rounding="nearest", offset_counts=0.25),
+    ),
     "half sample, offset": Case(CONTROLLERS["half sample"], Encoder(rounding="nearest", offset_counts=0.25)),
     **{name: Case(CONTROLLERS[name]) for name in CONTROLLERS},
 }
@@ -110,3 +131,17 @@ def test_a_trial_is_the_engines(name: str, rate: int, counts: int) -> None:
     assert counted.tolist() == seen
     assert min(seen) < 0 < max(seen)
     assert block.torque_nm[on] == pytest.approx(np.array(torques), rel=3e-7, abs=1e-12)
+
+
+@pytest.mark.parametrize("name", ["impulse that reads", "timed within the interval", "sensed damping"])
+def test_a_late_clock_leaves_out_no_reading(name: str) -> None:
+    """A reading that the next sample comes before is made then: the trial goes on, and is the same again."""
+    case = CASES[name]
+    told = settings(1000, 1024, torque_limit_nm=1.0)
+    told = told._replace(converters=converters_of(case.encoder, case.actuator))
+    told = told._replace(control=control_of(case.controller, told, MODEL))
+    late = Nuisances(jitter_s=3e-4, late_share=0.1, angle_noise_rad=1e-3)
+    one, again = (virtual_trial(told, HAND, duration_s=0.5, identity=KNOWING, nuisances=late) for _ in range(2))
+    assert np.array_equal(one.angle_counts, again.angle_counts)
+    assert np.isfinite(one.torque_nm).all()
+    assert one.overruns > 0

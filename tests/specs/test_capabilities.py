@@ -272,6 +272,43 @@ def test_a_campaign_on_a_knob_refuses_what_the_table_says(part: str) -> None:
     assert all(one.message.startswith("must be one that a device can run") for one in error.value.faults)
 
 
+@pytest.mark.parametrize("part", ["speed_sensor", "several_readings"])
+@pytest.mark.parametrize("device", [{"driver": "serial", "target": "host"}, {"driver": "replay", "recordings": ["a"]}])
+def test_what_only_the_virtual_device_reads_is_refused_by_others(part: str, device: dict[str, Any]) -> None:
+    source = Source("spec.yaml")
+    told = {"controller": CHANGES[part]["scene"]["controller"], "device": device}
+    source.value = {"kind": "hw-run", "name": "small", "model": {"inertia": 2e-6}, **told}
+    if part == "several_readings":
+        del source.value["model"]
+    with pytest.raises(SpecError) as error:
+        validate(source)
+    (fault,) = error.value.faults
+    assert fault.key in ("controller.velocity", "controller.detections")
+    assert "unless the driver is virtual" in fault.message
+    source.value = {"kind": "hw-run", "name": "small", "remedies": {"plain wall": {}, "other": {"change": told}}}
+    del source.value["remedies"]["other"]["change"]["device"]
+    source.value["device"] = device
+    with pytest.raises(SpecError) as error:
+        validate(source)
+    assert any("unless the driver is virtual" in one.message for one in error.value.faults)
+
+
+MOVED = ("motor", "coil", "current_loop", "supply", "eddy_brake")
+
+
+@pytest.mark.parametrize("part", MOVED)
+def test_a_virtual_knob_takes_the_motors_of_the_table(part: str) -> None:
+    source = Source("spec.yaml")
+    source.value = {"kind": "hw-run", "name": "small", **CHANGES[part]["scene"]}
+    assert VERDICTS[part, "device"] != REFUSED
+    assert validate(source)
+
+
+@pytest.mark.parametrize("part", [part for part in PARTS if VERDICTS[part, "device"] == REFUSED])
+def test_a_campaign_on_a_knob_has_a_reason_for_what_it_lacks(part: str) -> None:
+    assert (part, "device") in WHY
+
+
 @pytest.mark.parametrize("part", OVER_ANGLE)
 def test_a_campaign_on_a_knob_takes_what_the_table_says(part: str) -> None:
     source = Source("spec.yaml")

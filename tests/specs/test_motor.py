@@ -69,6 +69,14 @@ def test_with_inductance_it_is_a_coil() -> None:
     assert made.actuator is None
 
 
+@pytest.mark.parametrize("winding", ["shorted", "voltage"])
+def test_an_inductance_that_no_number_can_tell_is_none(winding: str) -> None:
+    """L/R rounds to 0, by which nothing is divided."""
+    made = first({"motor": {"torque_constant": KT, "resistance": 1e12, "winding": winding, "inductance": 1e-320}})
+    assert made.knob.damping == 1e-5 + KT**2 / 1e12
+    assert made.coil is made.actuator is None
+
+
 def test_a_voltage_lags_as_the_winding_does() -> None:
     made = first({"motor": {**MOTOR, "winding": "voltage", "inductance": L, "supply_voltage": 2.0}})
     assert made.actuator is not None

@@ -58,7 +58,7 @@ def _scene(plan: Any, simulated: bool) -> Scene:
         controller=first.controller,
         actuator=first.actuator,
     )
-    scene = scene._replace(encoder=first.encoder or scene.encoder)
+    scene = scene._replace(encoder=first.encoder or scene.encoder, motor=plan.motor, eddy_brake=plan.eddy_brake)
     return scene._replace(**plan.effects._asdict()) if plan.effects else scene
 
 
