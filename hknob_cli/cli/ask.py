@@ -63,7 +63,7 @@ def interview(kind: str, begin: Callable[[str], str], out: Path | None, talk: In
     from hknob_cli.specs.preset import names
     from hknob_cli.specs.source import span_of
     from hknob_cli.specs.starter import WITH_SCENE
-    from hknob_cli.specs.starter_answers import Question, answered, questions, refuse
+    from hknob_cli.specs.starter_answers import Question, answered, put, questions, refuse
 
     own, beside = "own", out.parent if out else Path()
     origin = own
@@ -90,7 +90,7 @@ def interview(kind: str, begin: Callable[[str], str], out: Path | None, talk: In
     begin_name, end_name = span_of(text, ("name",))
     out = Path(talk.answer("File to write", free(text[begin_name:end_name]), _refuse_taken))
     if re.fullmatch(r"[A-Za-z][A-Za-z0-9._-]*", out.stem):  # the folder of the results has the file's name
-        text = text[:begin_name] + out.stem + text[end_name:]
+        text = put(text, ("name",), out.stem)
     return text, out
 
 

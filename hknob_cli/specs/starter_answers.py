@@ -109,12 +109,14 @@ def answered(kind: str, text: str, answers: Mapping[Question, str]) -> str:
         text = own_starter(kind, {"wall": scale}, scale)
     for one, answer in given.items():
         words = f"[{', '.join(map(json.dumps, answer.split()))}]" if one.many else answer
-        if one.comment:
-            text = _made_active(text, one, words)
-        else:
-            begin, end = span_of(text, one.place)
-            text = text[:begin] + words + text[end:]
+        text = _made_active(text, one, words) if one.comment else put(text, one.place, words)
     return text
+
+
+def put(text: str, place: Place, words: str) -> str:
+    """A text with other words at a place. Raises `KeyError` if there is none."""
+    begin, end = span_of(text, place)
+    return text[:begin] + words + _moved(text[end:], len(words) - (end - begin))
 
 
 def refuse(kind: str, text: str, answers: Mapping[Question, str], beside: Path) -> None:
@@ -152,4 +154,11 @@ def _made_active(text: str, one: Question, words: str) -> str:
     before, after = text[: found.start()], text[found.end() :]
     if one.instead:
         before = re.sub(rf"^{one.instead}:.*\n(?: .*\n)*", "", before, count=1, flags=re.MULTILINE)
-    return f"{before}{found[1]}{one.comment}: {value}{found[3] or ''}\n{after}"
+    line = f"{found[1]}{one.comment}: {value}"
+    rest = f"{found[3] or ''}\n{after}"
+    return f"{before}{line}{_moved(rest, len(line) - (found.end(2) - found.start()))}"
+
+
+def _moved(rest: str, by: int) -> str:
+    """What follows in a line that has become longer, the comment in it in the column where it was, if there is room."""
+    return re.sub(r"^([^\n#]*?)( +)(?=#)", lambda gap: gap[1] + " " * max(1, len(gap[2]) - by), rest, count=1)

@@ -78,6 +78,7 @@ def test_starters_from_presets(kind: str, preset: str, tmp_path: Path) -> None:
         ("remedies", "perceive", "{knob_radius: 8.9 mm}"),
         ("design", "constraints.hearing", "{above_present: 0, people: 0.34}"),
         ("sysid", "knob_radius", "8.9 mm"),
+        ("sysid", "excitation", "continuous"),
         ("hw-run", "device", "{driver: serial, url: /dev/ttyACM0}"),
         ("hw-run", "limits", "{torque: 20 mN*m}"),
         ("hw-run", "remedies", "{plain wall: {}, softer wall: {change: {wall: {stiffness: 0.135}}}}"),

@@ -76,6 +76,15 @@ def test_answers_are_in_the_spec_and_its_comments_stay() -> None:
     assert plan.axes == {"sample_rate_hz": [1000.0, 2000.0], "counts_per_rev": [512]}
     assert plan.perceive.knob_radius == pytest.approx(0.009)
     assert plan.starts.span == (-0.05, 0.05, -5.0, 5.0)
+    same_column = [
+        ("inertia: 60 g*cm^2", "# of knob"),
+        ("coulomb_torque: 0.5 mN*m", "# friction"),
+        ("name: heavy", "# names"),
+    ]
+    for value, comment in same_column:
+        (new,), (old,) = ([line for line in one.splitlines() if comment in line] for one in (text, starter("sweep")))
+        assert value in new
+        assert new.index(comment) == old.index(comment)
     assert all(one.strip() in text for one in ("# of knob and motor", "# default: floor", "# the push into the wall"))
 
 
@@ -114,7 +123,7 @@ def test_a_wrong_answer_is_asked_again(tmp_path: Path) -> None:
 def test_a_preset_has_its_numbers_and_a_file_all(tmp_path: Path) -> None:
     person = Person({"Presets": "smartknob", "File": "trial.yaml"})
     text, _ = talk("remedies", person)
-    assert text == starter("remedies", "smartknob").replace("name: my-smartknob", "name: trial")
+    assert text == starter("remedies", "smartknob").replace("name: my-smartknob", "name: trial       ")
     assert not any("Inertia" in one or "Stiffness" in one for one in person.asked)
     assert any("Push" in one for one in person.asked)
     (tmp_path / "own.yaml").write_text(SPEC)
