@@ -91,7 +91,7 @@ WATCHED: dict[str, tuple[str, ...]] = {
     "general/sets/friction_step.py": (f"{PROOF}test_friction_step_margins.py",),
     "general/sets/lagged_step.py": (f"{PROOF}test_lagged_step_margins.py",),
     "general/sets/friction_room.py": (
-        *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "friction_rounding", "lagged_rounding")),
+        *(f"{PROOF}test_{name}.py" for name in ("friction_room_margins", "lagged_room_margins", "friction_rounding")),
     ),
     "general/sets/friction_rest.py": (f"{PROOF}test_friction_rest_margins.py",),
     "general/sets/friction_piece.py": FRICTION_SETS,

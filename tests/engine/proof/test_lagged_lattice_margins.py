@@ -78,4 +78,19 @@ def test_what_is_merged_has_the_torques_of_all(way: float) -> None:
         largest = sum(abs(float(end)) for end in (min(ends), max(ends)))
         assert told >= 4.0 * EPSILON * largest / LAG
         if one[1] == other[1] == 0.0:
-            assert told == pytest.approx(4.0 * EPSILON * (0.5 * 8.0 + 4.0 + largest / LAG), rel=1e-12)
+            assert told == pytest.approx(4.0 * EPSILON * (0.5 * 8.0 + 4.0 + largest / LAG), rel=1e-12, abs=0.0)
+        # Four roundings of each torque, and no more.
+        lates = [spread + LAG * error + 4.0 * EPSILON * abs(a) for a, error, spread in (one, other)]
+        low = min(way * one[0] - lates[0], way * other[0] - lates[1])
+        high = max(way * one[0] + lates[0], way * other[0] + lates[1])
+        assert (middle, left) == (0.5 * (low + high), 0.5 * (high - low))
+
+
+def test_without_a_lag_no_torques_differ() -> None:
+    room = make_piece_room(zeros, 2, 0, lattice=16, deep=8)
+    plain: Any = SimpleNamespace(order=2, reach=2.0, lag=0.0)
+    room.scale[0], room.stack[SPREAD] = 1.0, 9.0
+    for x in (4.0, 5.0):
+        assert keep(room, [x, 2.0], 0.0, [], 0, 0.0, -1.0, 7.0, 0.25, SQUARE, 4, WIDTH, DRIFT, plain)
+    assert release(room, 0, 0, DRIFT) == 1
+    assert room.stack[SPREAD] == 0.0
