@@ -12,7 +12,7 @@ from typing import Any
 from tests import digits as mp
 from tests.controllers.reference import Law, Rig, law_of
 
-from .general_reference import KNOB, SPEED, Control, Friction, build
+from .general_reference import KNOB, SPEED, Control, Friction, build, magnetic_damping
 
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
@@ -29,7 +29,7 @@ class Firmware:
         """Nothing has happened yet."""
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
-        self.rig = Rig(plain, rate_hz, counts, mp.mpf)
+        self.rig = Rig(plain, rate_hz, counts, mp.mpf, magnetic_damping(scene))
         self.law: Law = law_of(self.rig, scene["controller"])
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
@@ -148,13 +148,22 @@ def simulate_law(
 
 
 def periodic_wave(
-    scene: dict[str, Any], rate_hz: float, counts: int, control: Control, shown: list[Any], looks: list[list[Any]]
+    scene: dict[str, Any],
+    rate_hz: float,
+    counts: int,
+    control: Control,
+    shown: list[Any],
+    looks: list[list[Any]],
+    energy: Any = None,
 ) -> list[Pieces]:
     """Torques of a period of readings that has gone on for so long that the beginning is forgotten to 40 digits.
 
-    ``looks``: those in the interval *before* each sample.
+    ``looks``: those in the interval *before* each sample. ``energy``: that a passivity controller begins with which
+    never begins anew, and so forgets nothing [J].
     """
     firmware = Firmware(scene, rate_hz, counts, control)
+    if energy is not None:
+        firmware.law.energy = energy
     n = len(shown)
     law, actuator = scene["controller"], scene.get("actuator") or {}
     least = LEAST[law["kind"] == "phase_damping"] + n + law.get("window", 1)

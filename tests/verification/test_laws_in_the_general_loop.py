@@ -115,7 +115,12 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
         thetas, seen_between = run_period(motion, wave, control, detections)
         return [motion.z[i] / units[i] - value for value, i in zip(given, free, strict=True)], thetas, seen_between
 
-    wave = None if law.senses else periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks)
+    energy = None
+    if law.drifts >= 0 and not one.scene["controller"].get("reset", True):
+        energy = mp.mpf(orbit.line[law.drifts]) * control.stiffness * control.quantum**2
+    wave = None
+    if not law.senses:
+        wave = periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks, energy)
     off, thetas, between = residual(values, wave)
     for _ in range(6):
         if max(map(abs, off)) < CLOSED:
