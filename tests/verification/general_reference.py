@@ -490,11 +490,11 @@ class Relays:
 
     ``on``: by edge; the count is the highest that is on. ``log``: of what was seen, the sample that it led to, whether
     it was a turning point, the angle, and its least distance [counts] to where a relay of the wall would have turned,
-    or would not have.
+    or would not have; ``everywhere``: or any relay.
     """
 
-    def __init__(self, control: Control, theta: Any) -> None:
-        self.control, self.half = control, control.hysteresis / 2
+    def __init__(self, control: Control, theta: Any, *, everywhere: bool = False) -> None:
+        self.control, self.half, self.everywhere = control, control.hysteresis / 2, everywhere
         count = int(mp.nint(control.measured(theta) / control.quantum - control.offset))
         self.on = {edge: self.above(edge) <= count for edge in range(-300, 300) if self.above(edge) is not None}
         self.log: list[tuple[int, bool, Any, float]] = []
@@ -512,7 +512,7 @@ class Relays:
         for edge, on in self.on.items():
             goes = at < edge - self.half if on else at >= edge + self.half
             self.on[edge] = on != goes
-            if self.above(edge) <= 0:
+            if self.everywhere or self.above(edge) <= 0:
                 gap = min(gap, float(abs(at - (edge - self.half if on else edge + self.half))))
         self.log.append((sample, turn, theta, gap))
 
