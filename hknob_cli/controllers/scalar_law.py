@@ -40,7 +40,7 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
     whole = int(scene.actuator.delay_samples) if scene.actuator else 0
     ages = whole + 1 + (1 if split > 0.0 else 0)
     looks, parts = len(control.looks), len(control.parts)
-    line = rows + 1 + looks
+    line = rows + 1 + looks + (1 if knob.wall.hysteresis > 0.0 else 0)
     pieces = _pieces(control, split, ages - 1 - whole, rows + 1, line, knob)
     body = add_spans(knob.body, [piece[0] for piece in pieces])
     outside = control.reads_outside or knob.wall.damping > 0.0 or knob.wall.table is not None
@@ -67,7 +67,8 @@ def make_law(scene: Scene, *, sample_rate_hz: float, counts_per_rev: int) -> Law
         anchor=control.anchor,
         drifts=control.drifts,
         senses=control.senses_speed,
-        provable=fading.fade < 1.0 and not (control.senses_speed and body.friction > 0.0),
+        provable=fading.fade < 1.0
+        and not (control.senses_speed and (body.friction > 0.0 or knob.wall.hysteresis > 0.0)),
         cuts=control.cuts,
         unproven=CYCLE_EXPANDS if control.senses_speed else CYCLE_NOT_AFFINE,
         watch=knob.wall._replace(damping=1.0 if outside else 0.0),

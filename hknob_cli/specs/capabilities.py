@@ -169,8 +169,8 @@ _TABLE = {
     "dead_band":       "--P-P ---PPP -EE~ ----~",
     "rounding":        "PEPPP PPPPPP PEE~ ~P~E~",
     "offset":          "PEPPP PPPPPP PEE~ ~P~E~",
-    "hysteresis":      "--P-- ------ -EE~ ~----",
-    "backlash":        "--P-- ------ -EE~ ~----",
+    "hysteresis":      "--P-P ------ -EE~ ~----",
+    "backlash":        "--P-P ------ -EE~ ~----",
     "bare":            "--PP- ------ -EE~ ---E-",
     "unsampled":       "---P- ------ -E-- ---E-",
     "controller":      "----P ----P- -EE~ ----~",
@@ -228,7 +228,7 @@ EXCEPTIONS = {
     **{
         (part, "virtual_damping", "general"): (
             REFUSED,
-            "it needs the counts of the last turning point and of the last sample, and this loop has one",
+            "it needs the counts of the last turning point and of the last sample; controllers have both",
         )
         for part in ("hysteresis", "backlash")
     },
@@ -243,6 +243,10 @@ EXCEPTIONS = {
     },
     ("friction", "bare", "general"): (EXACT, "the period map is not shown to contract"),
     ("friction", "speed_sensor", "laws"): (EXACT, "the torque follows the motion, which is not affine"),
+    **{
+        (part, "speed_sensor", "laws"): (EXACT, "how far motions part between samples is not bounded")
+        for part in ("hysteresis", "backlash")
+    },
     ("bare", "dead_band", "general"): (REFUSED, "where the torque jumps is watched at count edges alone"),
     **{("bare", name, "general"): (REFUSED, "its torque is a table with a row for each count") for name in OVER_ANGLE},
 }

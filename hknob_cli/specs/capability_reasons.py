@@ -46,7 +46,6 @@ WHY = {
         for part in ("hysteresis", "backlash")
         for column, why in (
             ("unsampled", "its events are edges without memory"),
-            ("laws", "a controller reads counts without memory"),
             ("relay", "its relay has no memory"),
             ("formulas", "its formulas have no memory"),
         )

@@ -129,7 +129,9 @@ def contradictions(scene: SceneSpec, axes: Axes) -> Faults:
             (places[0], "must be absent where encoder is none: " + EXCEPTIONS["bare", "dead_band", "general"][1])
         )
     for part in ("hysteresis", "backlash"):
-        if given(scene, axes, PARTS[part].path) and (places := given(scene, axes, "wall.damping")):
+        if scene.controller or not given(scene, axes, PARTS[part].path):
+            continue
+        if places := given(scene, axes, "wall.damping"):
             why = EXCEPTIONS[part, "virtual_damping", "general"][1]
             found.append((places[0], f"must be absent beside {PARTS[part].title}: {why}"))
     if scene.hand and scene.hand.finger:

@@ -19,12 +19,16 @@ Pieces = list[tuple[Any, Any]]  # torque [N m], duration [s]
 
 @dataclass
 class Rig:
-    """Hand, knob, wall and encoder of a ``scene``, sampled; ``number``: float or mp.mpf."""
+    """Hand, knob, wall and encoder of a ``scene``, sampled; ``number``: float or mp.mpf.
+
+    ``braked``: damping by a motor or a brake [N m s/rad], which the scene's knob and hand do not have.
+    """
 
     scene: dict[str, Any]
     rate_hz: float
     counts: int
     number: Callable[..., Any] = float
+    braked: Any = 0.0
     _holds: dict[Any, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -32,6 +36,7 @@ class Rig:
         number, hand, bias = self.number, self.scene.get("hand", {}), self.scene.get("bias", {})
         self.inertia = number(self.scene["knob"]["inertia"]) + number(hand.get("inertia", 0.0))
         self.damping = number(self.scene["knob"].get("damping", 0.0)) + number(hand.get("damping", 0.0))
+        self.damping += number(self.braked)
         self.stiffness = number(hand.get("stiffness", 0.0))
         self.wall = number(self.scene["wall"]["stiffness"])
         self.period = 1 / number(self.rate_hz)
@@ -104,6 +109,7 @@ class Law:
 
     detections = 1
     silent = False  # whether nothing at all is commanded now
+    energy: Any = 0  # of a passivity controller [J]
 
     def __init__(self, rig: Rig, **numbers: Any) -> None:
         """Nothing has happened yet."""

@@ -490,16 +490,20 @@ class Relays:
 
     ``on``: by edge; the count is the highest that is on. ``log``: of what was seen, the sample that it led to, whether
     it was a turning point, the angle, and its least distance [counts] to where a relay of the wall would have turned,
-    or would not have.
+    or would not have; ``everywhere``: or any relay.
     """
 
-    def __init__(self, control: Control, theta: Any) -> None:
-        self.control, self.half = control, control.hysteresis / 2
+    def __init__(self, control: Control, theta: Any, *, everywhere: bool = False) -> None:
+        self.control, self.half, self.everywhere = control, control.hysteresis / 2, everywhere
         count = int(mp.nint(control.measured(theta) / control.quantum - control.offset))
-        self.up = control.rounding != "ceil"
-        # An edge belongs to the count above it where counts are rounded down, to the one below it where up.
-        self.on = {edge: edge <= count + (0 if self.up else -1) for edge in range(-300, 300)}
+        self.on = {edge: self.above(edge) <= count for edge in range(-300, 300) if self.above(edge) is not None}
         self.log: list[tuple[int, bool, Any, float]] = []
+
+    def above(self, edge: int) -> Any:
+        """The count above an edge; None where there is no edge, in the middle of the count 0 of `truncate`."""
+        if self.control.rounding == "truncate":
+            return None if edge == 0 else edge if edge > 0 else edge + 1
+        return edge + 1 if self.control.rounding == "ceil" else edge
 
     def see(self, theta: Any, sample: int, *, turn: bool) -> None:
         """Go to an angle, from the last one without turning round."""
@@ -508,13 +512,13 @@ class Relays:
         for edge, on in self.on.items():
             goes = at < edge - self.half if on else at >= edge + self.half
             self.on[edge] = on != goes
-            if edge <= (0 if self.up else -1):
+            if self.everywhere or self.above(edge) <= 0:
                 gap = min(gap, float(abs(at - (edge - self.half if on else edge + self.half))))
         self.log.append((sample, turn, theta, gap))
 
     def read(self) -> Any:
         """Angle that the encoder reports [rad]."""
-        count = max(edge for edge, on in self.on.items() if on) + (0 if self.up else 1)
+        count = max(self.above(edge) for edge, on in self.on.items() if on)
         return (count + self.control.offset) * self.control.quantum
 
 
@@ -557,6 +561,19 @@ class Trial:
         return max(float(abs(s.velocity)) for s in self.samples)
 
 
+def magnetic_damping(scene: dict[str, Any]) -> Any:
+    """Damping by an eddy brake, and by a winding without inductance [N m s/rad]."""
+    motor, brake = scene.get("motor"), scene.get("eddy_brake")
+    found = mp.zero
+    if brake:
+        density, radius = mp.mpf(brake["flux_density"]), mp.mpf(brake["radius"])
+        found = mp.mpf(brake["share"]) * mp.mpf(brake["conductivity"]) * mp.mpf(brake["thickness"])
+        found *= mp.mpf(brake["area"]) * density**2 * radius**2
+    if motor and motor["winding"] != "current" and not motor.get("inductance"):
+        found += mp.mpf(motor["torque_constant"]) ** 2 / mp.mpf(motor["resistance"])
+    return found
+
+
 def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int | None) -> tuple[Bodies, Control]:
     """The model of a spec's ``scene``; each number enters as exactly the double that the spec holds."""
 
@@ -579,26 +596,20 @@ def build(scene: dict[str, Any], *, sample_rate_hz: float, counts_per_rev: int |
             "pad_damping": number(pad, "damping"),
             "pad_stiffness": number(pad, "stiffness"),
         }
-    motor, brake = scene.get("motor"), scene.get("eddy_brake")
-    magnetic, lag, limit_of_supply = mp.zero, number(actuator, "time_constant"), None
-    if brake:
-        density, radius = number(brake, "flux_density"), number(brake, "radius")
-        magnetic = number(brake, "share") * number(brake, "conductivity") * number(brake, "thickness")
-        magnetic *= number(brake, "area") * density**2 * radius**2
+    motor = scene.get("motor")
+    lag, limit_of_supply = number(actuator, "time_constant"), None
     if motor:
         kt, r, inductance = (number(motor, name) for name in ("torque_constant", "resistance", "inductance"))
         if motor["winding"] != "current" and inductance:
             driven = motor["winding"] == "voltage"
             parts |= {"torque_constant": kt, "resistance": r, "inductance": inductance, "driven": driven}
-        elif motor["winding"] != "current":
-            magnetic += kt**2 / r
         if motor.get("bandwidth"):
             lag = 1 / (2 * mp.pi * number(motor, "bandwidth"))
         if motor.get("supply_voltage"):
             limit_of_supply = kt / r * number(motor, "supply_voltage")
     bodies = Bodies(
         inertia=number(knob, "inertia") + number(hand, "inertia"),
-        damping=number(knob, "damping") + number(hand, "damping") + magnetic,
+        damping=number(knob, "damping") + number(hand, "damping") + magnetic_damping(scene),
         stiffness=number(hand, "stiffness"),
         friction=number(knob, "coulomb_torque"),
         bias=mp.mpf(wall["stiffness"]) * quantum / 2 if bias.get("half_quantum") else number(bias, "torque"),

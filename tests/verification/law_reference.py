@@ -12,7 +12,7 @@ from typing import Any
 from tests import digits as mp
 from tests.controllers.reference import Law, Rig, law_of
 
-from .general_reference import KNOB, SPEED, Control, Friction, build
+from .general_reference import KNOB, SPEED, Control, Friction, Relays, build, magnetic_damping
 
 # Samples of readings, at least, until a memory can have settled. Phase damping does nothing before it has seen
 # crossings, and its mean of 64 samples takes 64 log(10^36) to be what it stays.
@@ -29,7 +29,7 @@ class Firmware:
         """Nothing has happened yet."""
         plain = {name: part for name, part in scene.items() if name != "controller"}
         self.control = control
-        self.rig = Rig(plain, rate_hz, counts, mp.mpf)
+        self.rig = Rig(plain, rate_hz, counts, mp.mpf, magnetic_damping(scene))
         self.law: Law = law_of(self.rig, scene["controller"])
         self.before: Any = None
         self.step = float("inf")  # least distance of a torque to where the D/A converter rounds it otherwise, N m
@@ -70,7 +70,32 @@ def window(wave: list[Pieces], begin: Any, end: Any, period: Any) -> Pieces:
     return found
 
 
-def move(motion: Friction, pieces: Pieces, control: Control, detections: int) -> list[Any]:
+class Encoder:
+    """What is shown of a motion: with hysteresis by relays, which see its turning points as well."""
+
+    def __init__(self, control: Control, motion: Friction) -> None:
+        self.control, self.motion, self.relays = control, motion, None
+        self.clear = float("inf")  # least distance to where the count would have been another, counts
+
+    def show(self) -> Any:
+        """Angle that the encoder reports now [rad]."""
+        control, theta = self.control, self.motion.z[KNOB]
+        if not control.hysteresis:
+            self.clear = min(self.clear, control.edge_distance(theta) / float(control.quantum))
+            return control.measured(theta)
+        if self.relays is None:
+            self.relays = Relays(control, theta, everywhere=True)
+            self.motion.turns.clear()
+        for angle in self.motion.turns:
+            self.relays.see(angle, 0, turn=True)
+        self.motion.turns.clear()
+        self.relays.see(theta, 0, turn=False)
+        self.clear = min(self.clear, *(gap for _, _, _, gap in self.relays.log))
+        self.relays.log.clear()
+        return self.relays.read()
+
+
+def move(motion: Friction, pieces: Pieces, control: Control, detections: int, encoder: Encoder) -> list[Any]:
     """Move through an interval; what the encoder shows at each look."""
     looks, time = [], mp.zero
     due = [control.period * k / detections for k in range(1, detections)]
@@ -80,7 +105,7 @@ def move(motion: Friction, pieces: Pieces, control: Control, detections: int) ->
             if due[0] > time:
                 motion.hold(torque, due[0] - time)
             time = due.pop(0)
-            looks.append(control.measured(motion.z[KNOB]))
+            looks.append(encoder.show())
         if end - time > control.period * mp.mpf(10) ** -35:
             motion.hold(torque, end - time)
         time = end
@@ -124,37 +149,50 @@ def simulate_law(
     bodies, control = build(scene, sample_rate_hz=rate_hz, counts_per_rev=counts)
     at = mp.mpf(angle), mp.mpf(velocity)
     start = (*at, *(at if bodies.finger else (mp.zero, mp.zero)), mp.zero, mp.zero, mp.one, mp.zero)
-    motion = Friction(bodies, control.period, start)
+    motion = Friction(bodies, control.period, start, find_turns=control.hysteresis > 0)
     if pulse:
         pushed = replace(bodies, bias=bodies.bias - mp.mpf(pulse["torque"]), _kept={})
-        motion = Pushed(pushed, control.period, start, after=bodies, release=mp.mpf(pulse["duration"]))
+        turns = control.hysteresis > 0
+        motion = Pushed(
+            pushed, control.period, start, find_turns=turns, after=bodies, release=mp.mpf(pulse["duration"])
+        )
     motion.hold(mp.zero, mp.mpf(phase) * control.period)
     firmware = Firmware(scene, rate_hz, counts, control)
     detections = firmware.law.detections
-    looks = [control.measured(motion.z[KNOB])] * (detections - 1)
+    encoder = Encoder(control, motion)
+    looks = [encoder.show()] * (detections - 1)
     wave: list[Pieces] = []
     clear = float("inf")
     i = 0
     while True:
         theta = motion.z[KNOB]
-        clear = min(clear, control.edge_distance(theta) / float(control.quantum))
-        wave.append(firmware.command(control.measured(theta), motion.z[SPEED], looks))
+        wave.append(firmware.command(encoder.show(), motion.z[SPEED], looks))
+        clear = min(clear, encoder.clear)
         if control.step:
             clear = min(clear, firmware.step / float((control.stiffness or 1) * control.quantum))
         yield theta, motion.z[SPEED], clear
         begin = (i - control.delay) * control.period
-        looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections)
+        looks = move(motion, window(wave, begin, begin + control.period, control.period), control, detections, encoder)
         i += 1
 
 
 def periodic_wave(
-    scene: dict[str, Any], rate_hz: float, counts: int, control: Control, shown: list[Any], looks: list[list[Any]]
+    scene: dict[str, Any],
+    rate_hz: float,
+    counts: int,
+    control: Control,
+    shown: list[Any],
+    looks: list[list[Any]],
+    energy: Any = None,
 ) -> list[Pieces]:
     """Torques of a period of readings that has gone on for so long that the beginning is forgotten to 40 digits.
 
-    ``looks``: those in the interval *before* each sample.
+    ``looks``: those in the interval *before* each sample. ``energy``: that a passivity controller begins with which
+    never begins anew, and so forgets nothing [J].
     """
     firmware = Firmware(scene, rate_hz, counts, control)
+    if energy is not None:
+        firmware.law.energy = energy
     n = len(shown)
     law, actuator = scene["controller"], scene.get("actuator") or {}
     least = LEAST[law["kind"] == "phase_damping"] + n + law.get("window", 1)
@@ -185,27 +223,34 @@ def run_closed(
     control = firmware.control
     firmware.before = firmware.law.before = last
     wave: list[Pieces] = [[(u, control.period)] for u in under_way]
-    thetas = []
+    encoder, thetas = Encoder(control, motion), []
     for i in range(samples):
         thetas.append(motion.z[KNOB])
         wave.append(firmware.command(control.measured(motion.z[KNOB]), motion.z[SPEED], []))
         begin = (len(under_way) + i - control.delay) * control.period
-        move(motion, window(wave, begin, begin + control.period, control.period), control, 1)
+        move(motion, window(wave, begin, begin + control.period, control.period), control, 1, encoder)
     thetas.append(motion.z[KNOB])
     return thetas, [torque for pieces in wave for torque, _ in pieces]
 
 
 def run_period(
-    motion: Friction, wave: list[Pieces], control: Control, detections: int
+    motion: Friction, wave: list[Pieces], control: Control, detections: int, readings: list[Any] | None = None
 ) -> tuple[list[Any], list[list[Any]]]:
-    """Run a period of torques that has always gone on: angles at its samples and one more, looks in each interval."""
-    n = len(wave)
+    """Run a period of torques that has always gone on: angles at its samples and one more, looks in each interval.
+
+    ``readings``: takes what the encoder shows at the samples of a second period, after a first one.
+    """
+    n, encoder = len(wave), Encoder(control, motion)
     back = int(mp.ceil(control.delay / n)) + 1 if control.delay else 0
     long = wave * (back + 1)
     thetas, looks = [], []
-    for i in range(n):
+    for i in range(n if readings is None else 2 * n):
         thetas.append(motion.z[KNOB])
-        begin = (back * n + i - control.delay) * control.period
-        looks.append(move(motion, window(long, begin, begin + control.period, control.period), control, detections))
+        shown = encoder.show()
+        if readings is not None and i >= n:
+            readings.append(shown)
+        begin = (back * n + i % n - control.delay) * control.period
+        pieces = window(long, begin, begin + control.period, control.period)
+        looks.append(move(motion, pieces, control, detections, encoder))
     thetas.append(motion.z[KNOB])
     return thetas, looks

@@ -19,7 +19,9 @@ from hknob_cli.specs.scene import SceneSpec
 
 from . import general_reference as reference
 from .general_scenes import TWO_PARTS, Case, scene
+from .law_scenes import Drawn, reduce, search
 from .test_general_trajectory import AWAY, bounds
+from .test_laws_in_the_general_loop import LONGEST, ORDER, balance, check_orbit, check_trial, scenes
 
 HALF = {"torque": None, "half_quantum": True}
 
@@ -129,3 +131,41 @@ def test_a_proven_cycle_is_what_the_model_settles_to(one: Case, samples: int) ->
     assert orbit.margin == pytest.approx(min(gap for _, _, _, gap in log), abs=1e-8)
     rubbed = measured.friction_loss_j if knob.body.friction else 0.0
     assert measured.wall_work_j == pytest.approx(measured.damping_loss_j + rubbed, rel=1e-9)
+
+
+def with_hysteresis(controller: str, count: int, seed: int) -> list[Drawn]:
+    """Random scenes under a controller, whose count stays behind by a part of a count or by more than one."""
+    found = []
+    for k, one in enumerate(scenes(controller, count, seed)):
+        key, value = ("backlash", 0.002) if k % 3 == 1 else ("hysteresis_counts", (0.3, 0.0, 1.2)[k % 3])
+        encoder = {**one.scene.get("encoder", {}), key: value}
+        found.append(one._replace(scene={**one.scene, "encoder": encoder}))
+    return found
+
+
+def check_controlled(drawn: list[Drawn]) -> tuple[int, int]:
+    """Trials that could be compared, and proven cycles derived again, turning points and all."""
+    trials = cycles = 0
+    for one in drawn:
+        trials += bool(np.isfinite(check_trial(one)))
+        made = reduce(one)
+        engine, attractors = search(one, made)
+        for orbit in attractors:
+            assert made.law.provable or not orbit.certified
+            if orbit.outcome is Outcome.CYCLE and orbit.certified and orbit.period <= LONGEST:
+                check_orbit(one, made, engine, orbit)
+                balance(made, engine, orbit, one)
+                cycles += 1
+    return trials, cycles
+
+
+@pytest.mark.one_in(6)
+@pytest.mark.parametrize("controller", ORDER)
+def test_beside_a_controller(controller: str) -> None:
+    trials, _ = check_controlled(with_hysteresis(controller, 3, seed=31))
+    assert trials, "rounding could decide in all scenes: nothing was tested"
+
+
+def test_proven_cycles_beside_a_controller() -> None:
+    _, cycles = check_controlled(with_hysteresis("bounded lag", 12, seed=32))
+    assert cycles >= 2

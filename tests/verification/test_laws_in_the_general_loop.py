@@ -42,7 +42,7 @@ def scenes(controller: str, count: int, seed: int = 0) -> list[Drawn]:
 
 
 def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """States at samples, (samples + 1, n), and counts at the looks of each interval, (samples, looks)."""
+    """States at samples, (samples + 1, n), and counts at each and at the looks after it, (samples, 1 + looks)."""
     n, law = made.knob.body.order, made.law
     functions: Any = compiled("laws")
     z, memory = np.array(state, dtype=np.float64), np.array(past, dtype=np.float64)
@@ -51,7 +51,7 @@ def run(engine: LawEngine, made: Any, state: Any, past: Any, samples: int) -> tu
     for _ in range(samples):
         functions["general.laws.advance_with_law"](z, memory, body, made.knob.wall, engine._law, pad)
         states.append(z.copy())
-        looks.append(memory[law.rows + 1 : law.line].copy())
+        looks.append(memory[law.rows : law.rows + 1 + law.looks].copy())
     return np.array(states), np.array(looks)
 
 
@@ -86,9 +86,13 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
     seen = states[:, 0]
     z = to_si(knob, control, state, bodies)
     detections = one.scene["controller"].get("detections", 1)
-    shown = [control.measured((mp.mpf(float(x)) + mp.mpf(knob.shift)) * control.quantum) for x in seen[:n]]
+    counts = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
+    if control.hysteresis:
+        shown = [row[0] for row in counts]
+    else:
+        shown = [control.measured((mp.mpf(float(x)) + mp.mpf(knob.shift)) * control.quantum) for x in seen[:n]]
     # What is seen between the samples is part of what the law reads: at each sample that of the interval before.
-    angles = [[(mp.mpf(float(count)) + control.offset) * control.quantum for count in row] for row in between_counts]
+    angles = [row[1:] for row in counts]
     looks = [angles[-1], *angles[:-1]]
     torque = mp.mpf(knob.torque_nm)
     current = torque / bodies.torque_constant if bodies.torque_constant else mp.one
@@ -104,18 +108,23 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
         at = list(z)
         for value, i in zip(given, free, strict=False):
             at[i] = value * units[i]
-        motion = Friction(bodies, control.period, tuple(at))
+        motion = Friction(bodies, control.period, tuple(at), find_turns=control.hysteresis > 0)
         if law.senses:
             before = [u * units[4] for u in given[len(free) :]]
             firmware = Firmware(one.scene, one.rate_hz, one.counts, control)
             thetas, torques = run_closed(motion, firmware, shown[-1], before, n)
             late = torques[len(torques) - len(before) :]
             ends = [motion.z[i] / units[i] for i in free] + [u / units[4] for u in late]
-            return [end - value for end, value in zip(ends, given, strict=True)], thetas, between_counts
+            return [end - value for end, value in zip(ends, given, strict=True)], thetas, angles
         thetas, seen_between = run_period(motion, wave, control, detections)
         return [motion.z[i] / units[i] - value for value, i in zip(given, free, strict=True)], thetas, seen_between
 
-    wave = None if law.senses else periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks)
+    energy = None
+    if law.drifts >= 0 and not one.scene["controller"].get("reset", True):
+        energy = mp.mpf(orbit.line[law.drifts]) * control.stiffness * control.quantum**2
+    wave = None
+    if not law.senses:
+        wave = periodic_wave(one.scene, one.rate_hz, one.counts, control, shown, looks, energy)
     off, thetas, between = residual(values, wave)
     for _ in range(6):
         if max(map(abs, off)) < CLOSED:
@@ -135,7 +144,15 @@ def check_orbit(one: Drawn, made: Any, engine: LawEngine, orbit: Attractor) -> t
         worst = max(worst, float(abs(mp.mpf(float(x)) - exact)))
     allowed = orbit.bound + ROUNDINGS * n * float(np.ptp(seen) + np.abs(seen).max())
     assert worst <= allowed, f"{worst:.3g} counts off, bound {orbit.bound:.3g}: {one}"
-    assert [control.measured(theta) for theta in thetas[:n]] == shown, one
+    if control.hysteresis:
+        at, readings = list(z), []
+        for value, i in zip(values, free, strict=False):
+            at[i] = value * units[i]
+        motion = Friction(bodies, control.period, tuple(at), find_turns=True)
+        between = run_period(motion, wave, control, detections, readings)[1][n:]
+        assert readings == shown, one
+    else:
+        assert [control.measured(theta) for theta in thetas[:n]] == shown, one
     assert detections == 1 or [between[-1], *between[:-1]] == looks, one
     return worst, worst / orbit.bound
 

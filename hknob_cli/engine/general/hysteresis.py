@@ -5,10 +5,34 @@ decide (its count goes by them alone, as all rate-independent memory does: Broka
 the count is taken at each of its turning points, which are exact.
 """
 
-from hknob_cli.engine.general.advance import next_mode, slide
-from hknob_cli.engine.general.body import acceleration
+from hknob_cli.engine.general.advance import FREE, advance_hold, next_mode, slide
+from hknob_cli.engine.general.body import HALVES, HALVINGS, acceleration, distance, rate_of
 from hknob_cli.engine.general.controller import edge_gap, read_after
 from hknob_cli.engine.general.slide_two import way
+
+STILL = 1e-11  # counts, relative: what moves by less has settled, and meets a velocity of 0 at every rounding
+
+
+def way_at_most(z, u, span, body, pad):
+    """How far a body of more states without friction moves at most over ``span`` under ``u``; inf of another.
+
+    Its rates are a motion without a torque, whose energy never grows.
+    """
+    if body.order == 2 or body.friction > 0.0 or body.play > 0.0:
+        return float("inf")
+    rate_of(z, u, FREE, body, pad)
+    return distance(pad, body) * span
+
+
+def pass_still(z, u, span, body, pad):
+    """Move a body of more states without friction over ``span``, by its binary digits, past all turning points."""
+    half, h = 0, 1.0
+    while span > 0.0 and half < HALVINGS:
+        if span >= h:
+            advance_hold(z, u, HALVES + half, body, pad)
+            span -= h
+        half += 1
+        h *= 0.5
 
 
 def turn_and_count(z, u, span, shown, body, wall, pad):
@@ -17,6 +41,11 @@ def turn_and_count(z, u, span, shown, body, wall, pad):
     ``shown``: the count at the start; the margin is how far the turning points may move until the command changes.
     """
     left, margin = span, float("inf")
+    moved = way_at_most(z, u, span, body, pad)
+    if moved <= STILL * (1.0 + abs(z[0])):
+        margin = edge_gap(z[0], shown, shown, wall) - moved
+        pass_still(z, u, span, body, pad)
+        return shown, margin
     mode = way(z[1], acceleration(z, u, body), body.friction)
     while left > 0.0:
         t, ended, _, _, _ = slide(z, u, mode, left, 0.0, 0.0, 0.0, False, body, pad)

@@ -8,9 +8,10 @@ from typing import NamedTuple
 from hknob_cli.controllers.scalar_law import LawKnob
 from hknob_cli.engine.general.advance import advance_span
 from hknob_cli.engine.general.body import Body
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, read_after
+from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.laws.law import LOOK, PIECE, SPAN, TORQUE
-from hknob_cli.engine.general.laws.step import begin_past, decide
+from hknob_cli.engine.general.laws.step import begin_past, sense
 
 DUE, RELEASE = -1, -2  # beside the pieces of an interval: a point that was asked for, and the end of a pulse
 
@@ -50,22 +51,24 @@ def follow_law(
     named = {time for time, piece in stops if piece == RELEASE or events[piece]}
     stops += [(min(i * every, until), DUE) for i in range(int(until / every * (1.0 + 1e-12)) + 1)]
     z, pad, past = list(start), [0.0] * (2 * body.order), [0.0] * len(law.beside)
-    acting, time, begun = 0.0, 0.0, False
+    acting, time, begun, held = 0.0, 0.0, False, law.line - 1
     for at, piece in sorted(one for one in stops if one[0] <= until and (one[1] != DUE or one[0] not in named)):
         while time < at:
             step = min(at - time, 1.0)
-            advance_span(z, acting, step, body, pad)
+            if wall.hysteresis > 0.0:
+                past[held], _ = turn_and_count(z, acting, step, past[held], body, wall, pad)
+            else:
+                advance_span(z, acting, step, body, pad)
             time = at if step == at - time else time + step
         if piece >= 0:
-            shown = read(z[0], wall)
             look = int(numbers[piece - 1][LOOK])
             if begun and look >= 0:
-                past[look] = shown
+                past[look] = read_after(z[0], past[held], wall)
             if piece == 0:
                 if not begun:
-                    begin_past(past, shown, law)
+                    begin_past(past, read(z[0], wall), law)
                     begun = True
-                decide(shown, z[1], past, wall, law)
+                sense(z[0], z[1], past, wall, law)
             acting = past[int(numbers[piece][TORQUE])]
         elif piece == RELEASE:
             body = knob.body

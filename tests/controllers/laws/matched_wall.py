@@ -25,7 +25,7 @@ class Source(Law):
 
     def begin(self) -> None:
         rig = self.rig
-        exact = Rig(rig.scene, rig.rate_hz, rig.counts, mp.mpf)
+        exact = Rig(rig.scene, rig.rate_hz, rig.counts, mp.mpf, rig.braked)
         (p11, p12, g1), (p21, p22, g2) = exact.hold(exact.period)[:2]
         half = exact.damping / (2 * exact.inertia)
         root = mp.sqrt(mp.mpc(half**2 - (exact.stiffness + exact.wall) / exact.inertia))

@@ -9,8 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hknob_cli.engine.follow import CYCLE_PROVEN
+from hknob_cli.engine.general.advance import rub_many
 from hknob_cli.engine.general.controller import Controller, edge_gap, read_after
 from hknob_cli.engine.general.follow import FIELDS, captured
+from hknob_cli.engine.general.hysteresis import pass_still, turn_and_count, way_at_most
 from hknob_cli.engine.general.search import GeneralEngine
 from hknob_cli.scene.general_knob import sample_general
 from hknob_cli.scene.trial import simulate
@@ -33,6 +35,10 @@ grid:
   counts_per_rev: [1024]
 starts: {angle: 0.02, velocity: 0.0, phases: 4}
 """
+
+
+HAND = "hand: {inertia: 3.0e-7, damping: 3.45e-4, stiffness: 0.04}"
+FINGER = "hand: {finger: {inertia: 3e-7, damping: 3e-4, stiffness: 0.5}, fingerpad: {damping: 1e-3, stiffness: 20.0}}"
 
 
 def wall(hysteresis: float) -> Controller:
@@ -183,7 +189,7 @@ STARTS = "starts: {angle: 0.02, velocity: 0.0, phases: 4}"
         (
             "wall: {stiffness: 0.27}",
             "wall: {stiffness: 0.27, damping: 1.0e-5}",
-            "6:36: scene.wall.damping: must be absent beside hysteresis of the encoder: the last reading is not kept",
+            "6:36: scene.wall.damping: must be absent beside hysteresis of the encoder: it needs the counts",
         ),
         (
             "  sample_rate_hz: [1000]",
@@ -201,12 +207,49 @@ STARTS = "starts: {angle: 0.02, velocity: 0.0, phases: 4}"
             "growth: {duration: 1.0}\nstarts:",
             f"{PLACE}: must be absent where 'growth' is given",
         ),
-        (
-            "  encoder:",
-            "  controller: {kind: bounded_lag}\n  encoder:",
-            f"{PLACE}: must be absent where a controller is given: a controller reads counts",
-        ),
     ],
 )  # fmt: skip
 def test_faults_say_where_what_and_why(old: str, new: str, fault: str) -> None:
     assert fault in faults_of(TEXT.replace(old, new))
+
+
+@pytest.mark.parametrize("controller", ["bounded_lag", "half_sample"])
+def test_a_controller_reads_the_count_that_stays(controller: str) -> None:
+    """Virtual damping goes along. One so narrow that no count stays behind changes nothing, to rounding."""
+    law = TEXT.replace(
+        "wall: {stiffness: 0.27}", f"wall: {{stiffness: 0.27, damping: 1.0e-5}}\n  controller: {{kind: {controller}}}"
+    )
+    plain, tiny, wide = (
+        SweepStage(loaded(law.replace("hysteresis_counts: 0.5", f"hysteresis_counts: {width}")), jobs=1).run()
+        for width in ("0.0", "1.0e-9", "1.5")
+    )
+    rows = [tables.cells.to_pylist()[0] for tables in (plain, tiny, wide)]
+    largest = [max(tables.orbits.column("p2p_rad").to_pylist()) for tables in (plain, tiny, wide)]
+    assert [row["certified_fraction"] for row in rows] == [1.0, 1.0, 1.0]
+    assert largest[1] == pytest.approx(largest[0], rel=1e-6)
+    assert largest[2] > 1.2 * largest[0]
+
+
+def test_a_velocity_sensor_beside_hysteresis_is_labelled() -> None:
+    law = TEXT.replace("grid:", "  controller: {kind: half_sample, velocity: sensor}\ngrid:")
+    assert SweepStage(loaded(law), jobs=1).run().cells.to_pylist()[0]["certified_fraction"] == 0.0
+
+
+@pytest.mark.parametrize("still", [0.0, 1e-15])
+def test_a_body_that_has_settled_is_passed_over(still: float) -> None:
+    """A finger at rest but for roundings, whose turning points would be met without end; one that moves is not."""
+    knob = sample_general(loaded(TEXT.replace(HAND, FINGER)).scene, sample_rate_hz=1000.0, counts_per_rev=1024)
+    body, pad = knob.body, [0.0] * 8
+    u = knob.body.push  # balances the push: all rest at 0
+    z = [still, -still, still, still]
+    most = way_at_most(z, u, 1.0, body, pad)
+    assert most <= 1e3 * still
+    shown, margin = turn_and_count(z, u, 1.0, 0.0, body, knob.wall, pad)
+    assert shown == 0.0
+    assert margin == still + 0.25 - most  # to the edge of the way down, half a hysteresis of 0.5 below
+    assert max(map(abs, z)) <= 100.0 * still
+    assert way_at_most([1e-6, 0.0, 0.0, 0.0], u, 1.0, body, pad) > 1e-7
+    moved, other = [0.3, 0.01, -0.02, 0.03], [0.3, 0.01, -0.02, 0.03]
+    pass_still(moved, u, 0.7, body, pad)
+    rub_many(other, u, 0.7, body, pad)
+    assert moved == pytest.approx(other, rel=1e-12)

@@ -27,11 +27,11 @@ FINGER = {
 }
 
 
+@pytest.mark.parametrize("encoder", [{}, {"hysteresis_counts": 0.8}], ids=["", "hysteresis"])
 @pytest.mark.parametrize("hand", [SCENE["hand"], FINGER], ids=["hand", "finger"])
-def test_samples_are_those_of_the_search(hand: Any) -> None:
-    made = make_law(
-        SceneSpec.model_validate({**SCENE, "hand": hand}).plain(), sample_rate_hz=1000.0, counts_per_rev=512
-    )
+def test_samples_are_those_of_the_search(hand: Any, encoder: Any) -> None:
+    scene = {**SCENE, "hand": hand, "encoder": encoder}
+    made = make_law(SceneSpec.model_validate(scene).plain(), sample_rate_hz=1000.0, counts_per_rev=512)
     knob, law = made.knob, made.law
     start, phase = knob.start(0.02, 0.0), 0.25
     points = [one for one in follow_law(made, start, phase=phase, until=60.0, every=0.5) if one.event == "sample"]

@@ -14,7 +14,7 @@ from hknob_cli.engine.follow import (
     UNSETTLED,
 )
 from hknob_cli.engine.general.body import distance
-from hknob_cli.engine.general.controller import inside, read
+from hknob_cli.engine.general.controller import inside, read_after
 from hknob_cli.engine.general.follow import CYCLE_AT_EVENT, CYCLE_EXPANDS, FIELDS, KNOWN, PATIENCE, WAIT, has_period
 from hknob_cli.engine.general.laws.cascade import (
     apart,
@@ -102,7 +102,7 @@ def follow_with_law(
     tolerance, left_alone = loosest, 0
     kept, kept_fate = 0, CYCLE_ON_EDGE
     resting_on_edge, settling = False, False
-    shown = read(z[0], wall)
+    shown = read_after(z[0], past[law.line - 1], wall)
     run, next_test = 0, FIRST_REST_TEST
     for i in range(budget):
         x = z[0]
@@ -119,14 +119,15 @@ def follow_with_law(
             if row >= 0:
                 return KNOWN, row, i
         last = shown
-        shown = read(x, wall)
+        read_now = read_after(x, past[law.line - 1], wall)
+        shown = read_now
         if law.watch.damping == 0.0:
             shown = inside(shown, wall)
         if shown == last:
             run += 1
             if run >= next_test:
                 next_test = 2 * run
-                fate = settles_with_law(z, read(x, wall), past, body, wall, law, space.orbit, space.away)
+                fate = settles_with_law(z, read_now, past, body, wall, law, space.orbit, space.away)
                 if fate == SETTLING:
                     settling = True
                     copy_to(space.state, z)

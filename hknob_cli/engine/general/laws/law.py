@@ -24,8 +24,9 @@ class Law(NamedTuple):
     """A controller of one cell, with room to work in.
 
     ``past`` of a trial is one array: ``rows`` numbers that the law remembers, the last reading, those of ``looks``
-    into the last interval, and from ``line`` on the torques of ``ages`` samples, ``parts`` each, the newest last,
-    as accelerations of the knob. The oldest of them no longer matters once the next sample has come.
+    into the last interval, with hysteresis the count at the last turning point, and from ``line`` on the torques of
+    ``ages`` samples, ``parts`` each, the newest last, as accelerations of the knob. The oldest of them no longer
+    matters once the next sample has come.
     """
 
     act: Any  # the function of a controller, or its address

@@ -9,7 +9,7 @@ from math import sqrt
 
 from hknob_cli.engine.certificate import DIFFERENT, EPSILON, NEUTRAL, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.general.body import distance, norm, stiffness
-from hknob_cli.engine.general.controller import count_gap, edge_gap, read, table_size
+from hknob_cli.engine.general.controller import count_gap, edge_gap, read_after, table_size
 from hknob_cli.engine.general.laws.cascade import (
     apart,
     faded,
@@ -21,7 +21,7 @@ from hknob_cli.engine.general.laws.cascade import (
 )
 from hknob_cli.engine.general.laws.law import AT_SWITCH, LOOK, PIECE, ROUNDINGS
 from hknob_cli.engine.general.laws.sensed import begin_columns, certify_sensed, move_piece_columns
-from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, decide
+from hknob_cli.engine.general.laws.step import FREE, advance_with_law, copy_to, count_piece, decide
 from hknob_cli.engine.general.period_map import AT_EVENT, EXPANDS, LEAST_SCALE, NEWTON_STEPS
 from hknob_cli.engine.general.powers import dissipates, invert
 
@@ -48,23 +48,31 @@ def turn_with_law(past, period, body, wall, law, space, m):
     newest = law.line + (law.ages - 1) * law.parts
     for _ in range(period):
         x = space.state[0]
-        shown = read(x, wall)
-        margin = min(margin, edge_gap(x, shown, shown, law.watch))
+        before = past[law.line - 1]
+        shown = read_after(x, before, wall)
+        margin = min(margin, edge_gap(x, shown, before, law.watch))
         edge = min(edge, count_gap(x, wall))
         reach = max(reach, abs(x))
         pace = max(pace, abs(space.state[1]))
         guard = min(guard, decide(shown, space.state[1], past, wall, law))
+        if wall.hysteresis > 0.0:
+            past[law.line - 1] = shown
         for i in range(law.parts):
             strength = max(strength, abs(past[newest + i]) + table_size(shown, wall))
         if law.anchor >= 0 and past[law.anchor] > 0.0:
             anchored = True
         for piece in range(law.pieces):
             at = piece * PIECE
+            if wall.hysteresis > 0.0:
+                for i in range(n):
+                    space.away[i] = space.state[i]
+                margin = min(margin, count_piece(space.away, past, piece, body, law.watch, law, space.pad))
             move_piece_columns(past, at, body, law, space, m)
             look = int(law.sched[at + LOOK])
             if look >= 0:
-                past[look] = read(space.state[0], wall)
-                margin = min(margin, edge_gap(space.state[0], past[look], past[look], law.watch))
+                before = past[law.line - 1]
+                past[look] = read_after(space.state[0], before, wall)
+                margin = min(margin, edge_gap(space.state[0], past[look], before, law.watch))
         pace = max(pace, abs(space.state[0] - x))
     return margin, edge, reach, pace, guard, strength, anchored
 

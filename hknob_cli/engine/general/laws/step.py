@@ -1,7 +1,8 @@
 """One sample interval under a law: sense, decide, and move from change of torque to change of torque; many of them."""
 
 from hknob_cli.engine.general.advance import advance_hold, rub_many
-from hknob_cli.engine.general.controller import read, send
+from hknob_cli.engine.general.controller import read_after, send
+from hknob_cli.engine.general.hysteresis import turn_and_count
 from hknob_cli.engine.general.laws.law import LOOK, MATRIX, PIECE, SPAN, TORQUE, F, G, S
 from hknob_cli.engine.general.slide_two import step_with_friction
 from hknob_cli.engine.general.torque_table import command_at, is_there
@@ -85,14 +86,38 @@ def move_piece(z, past, piece, body, law, pad):
         advance_hold(z, u, int(law.sched[at + MATRIX]), body, pad)
 
 
+def sense(x, speed, past, wall, law):
+    """Read the encoder at ``x`` and let the law act on it; the least guard.
+
+    With hysteresis ``past[law.line - 1]`` is the count at the last turning point, and then at the sample.
+    """
+    shown = read_after(x, past[law.line - 1], wall)
+    guard = decide(shown, speed, past, wall, law)
+    if wall.hysteresis > 0.0:
+        past[law.line - 1] = shown
+    return guard
+
+
+def count_piece(z, past, piece, body, wall, law, pad):
+    """Move ``z`` over one piece of an interval, and the count with it; how far its turning points may move."""
+    at = piece * PIECE
+    u = past[int(law.sched[at + TORQUE])]
+    last = law.line - 1
+    past[last], margin = turn_and_count(z, u, law.sched[at + SPAN], past[last], body, wall, pad)
+    return margin
+
+
 def advance_with_law(z, past, body, wall, law, pad):
     """One interval from a sample to the next; the least guard."""
-    guard = decide(read(z[0], wall), z[1], past, wall, law)
+    guard = sense(z[0], z[1], past, wall, law)
     for piece in range(law.pieces):
-        move_piece(z, past, piece, body, law, pad)
+        if wall.hysteresis > 0.0:
+            count_piece(z, past, piece, body, wall, law, pad)
+        else:
+            move_piece(z, past, piece, body, law, pad)
         look = int(law.sched[piece * PIECE + LOOK])
         if look >= 0:
-            past[look] = read(z[0], wall)
+            past[look] = read_after(z[0], past[law.line - 1], wall)
     return guard
 
 
@@ -118,12 +143,15 @@ def chart_with_law(z, past, period, body, wall, law, pad, pieces):
     """Write down one period of an orbit, as `general.trace.chart_period`."""
     rows = 0
     for _ in range(period):
-        decide(read(z[0], wall), z[1], past, wall, law)
+        sense(z[0], z[1], past, wall, law)
         for piece in range(law.pieces):
-            at = piece * PIECE
+            at, begun = piece * PIECE, rows
             u = past[int(law.sched[at + TORQUE])]
             rows = chart(z, u, law.sched[at + SPAN], body, pad, rows, pieces)
+            if wall.hysteresis > 0.0:
+                for row in range(begun, rows):
+                    past[law.line - 1] = read_after(pieces.states[row * body.order], past[law.line - 1], wall)
             look = int(law.sched[at + LOOK])
             if look >= 0:
-                past[look] = read(z[0], wall)
+                past[look] = read_after(z[0], past[law.line - 1], wall)
     return rows

@@ -3,7 +3,7 @@
 from hknob_cli.engine.certificate import DIFFERENT, NOT_CAPTURED, ON_EDGE, PROVEN
 from hknob_cli.engine.ensemble import near
 from hknob_cli.engine.follow import CYCLE_PROVEN, REST_EDGE, REST_PROVEN, UNSETTLED
-from hknob_cli.engine.general.controller import read
+from hknob_cli.engine.general.controller import read, read_after
 from hknob_cli.engine.general.ensemble import begin, find, is_cycle
 from hknob_cli.engine.general.follow import FIELDS, KNOWN
 from hknob_cli.engine.general.laws.cascade import nearly_same
@@ -68,7 +68,7 @@ def enter_with_law(
         if period == 1 and (law.senses or not law.provable):
             cycle, fate = False, rest_of_law(z, past, body, wall, law, space)
     rest = fate == REST_NOT_PROVEN or fate == REST_PROVEN or fate == REST_EDGE
-    shown = read(z[0], wall) if rest and body.friction > 0.0 else float("nan")
+    shown = read_after(z[0], past[law.line - 1], wall) if rest and body.friction > 0.0 else float("nan")
     row = find(fate, period, z, shown, rows, table, states, n)
     if cycle and row == rows:
         status, margin, edge, closure, bound = certify_with_law(z, past, period, body, wall, law, space)
