@@ -67,6 +67,7 @@ def test_halves_of_each_length_are_kept_once() -> None:
     for body, split, spans in (
         (SOFT, 0.0, [1.0]), (SOFT, 0.5, [0.5, 0.5]), (SOFT, 0.25, [0.25, 0.75]), (STIFF, 0.0, [0.25] * 4),
         (STIFF, 0.25, [0.25, 0.1875, 0.1875, 0.1875, 0.1875]),
+        (STIFF, 0.5, [0.25] * 4),
     ):  # fmt: skip
         course, lags, places = _plan(body, wall_of(split=split), None)
         assert [course[k + 1] for k in range(0, len(course), LEG)] == spans

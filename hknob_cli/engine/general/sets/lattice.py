@@ -103,9 +103,9 @@ def keep(room, z, before, ring, head, error, level, sample, weight, corners, cou
     slack = body.reach * error + 4.0 * EPSILON * abs(z[0])
     slack_v = error + 4.0 * EPSILON * abs(z[1])
     if body.lag > 0.0:
-        late = room.own[SPREAD] + body.lag * error + 4.0 * EPSILON * abs(z[2])
-        room.cells[base + LOW_LATE] = min(room.cells[base + LOW_LATE], z[2] - late)
-        room.cells[base + HIGH_LATE] = max(room.cells[base + HIGH_LATE], z[2] + late)
+        apart = room.own[SPREAD] + body.lag * error + 4.0 * EPSILON * abs(z[2])
+        room.cells[base + LOW_LATE] = min(room.cells[base + LOW_LATE], z[2] - apart)
+        room.cells[base + HIGH_LATE] = max(room.cells[base + HIGH_LATE], z[2] + apart)
     for k in range(count):
         at_x, at_v = z[0] + corners[2 * k], z[1] + corners[2 * k + 1]
         room.cells[base + LOW_X] = min(room.cells[base + LOW_X], at_x - slack)
