@@ -3,6 +3,7 @@
 import math
 import subprocess
 from functools import cache
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 
 from hknob_cli.specs.load import load
 from hknob_cli.stages.remedies.run import RemediesStage
-from tests.conftest import EXPERIMENTS, HKNOB
+from tests.conftest import EXPERIMENTS, HKNOB, ROOT
 
 from .page import says, table
 
@@ -35,6 +36,23 @@ def times(row: Any) -> str:
     return text if row.certified_fraction == 1.0 else text + "*"
 
 
+IN_README = {"none": "plain wall", "virtual damping": "virtual damping, differenced, tuned"}
+
+
+def readme_table() -> dict[str, str]:
+    """The buzz of each remedy in the README's table."""
+    lines = (ROOT / "README.md").read_text().partition("| remedy | buzz | costs |")[2].splitlines()[2:]
+    cells = [[cell.strip() for cell in line.split("|")] for line in takewhile(str.strip, lines)]
+    return {row[1]: row[2] for row in cells}
+
+
+def test_the_readme_has_a_few_of_them() -> None:
+    """Each is a row of the page; the numbers are compared where all are tried."""
+    printed = {row[0] for row in table(PAGE, "## On a knob with friction, delay and lag")}
+    assert len(readme_table()) == 6
+    assert {IN_README.get(name, name) for name in readme_table()} <= printed
+
+
 @pytest.mark.long
 def test_the_table_of_remedies() -> None:
     """Every remedy, cell by cell; the plain wall in mrad. The columns are the cells in the order of the grid."""
@@ -49,6 +67,11 @@ def test_the_table_of_remedies() -> None:
     plain, lag = (rows[name].iloc[2] for name in ("plain wall", "bounded lag"))
     small, large = (f"{1e3 * one.p2p_max_rad:.2g} mrad at {one.frequency_at_max_hz:.0f} Hz" for one in (lag, plain))
     says(PAGE, f"at 1 kHz and 512 counts {small} in place of {large}")
+    for name, shown in readme_table().items():
+        one = rows[IN_README.get(name, name)].iloc[2]
+        assert (one.sample_rate_hz, one.counts_per_rev, one.certified_fraction) == (1000.0, 512, 1.0)
+        buzz = f"{1e3 * one.p2p_max_rad:.2g} mrad, {one.frequency_at_max_hz:.0f} Hz"
+        assert shown == ("rest" if one.at_rest_fraction == 1.0 else buzz), name
 
 
 INERTIAS = "knob.inertia: [2.0e-6, 1.0e-5, 2.0e-5, 5.0e-5]}"

@@ -170,7 +170,8 @@ def test_trials_are_proven_where_the_table_says(part: str) -> None:
 BESIDE = ("friction", "virtual_damping", "delay", "torque_step", "lag", "detents")
 FEW_STARTS = [(part, "phases") for part in BESIDE]
 FEW_STARTS += [(part, "phases") for part in ("profile", "end_stops", "dead_zone")]
-FEW_STARTS += [("finger", starts) for starts in ("phases", "one", "ranges")]
+FEW_STARTS += [(part, starts) for part in ("finger", "hysteresis") for starts in ("phases", "one", "ranges")]
+FEW_STARTS += [("backlash", "phases")]
 
 
 @pytest.mark.parametrize(("part", "starts"), FEW_STARTS)
