@@ -18,6 +18,10 @@ from .page import says, table
 
 PAGE = "explanation/remedies.md"
 LAG = "scene.controller={kind: bounded_lag, keep: 0.15, time_constant: 0.2}"
+TRIED_ON_PRESETS = (
+    *("bounded lag, tuned", "phase damping, both ways, tuned", "first-order hold, corrected"),
+    *("impulse, whole sample", "half-sample prediction"),
+)
 CELL = "base.grid={sample_rate_hz: 1000, counts_per_rev: 512, "
 
 
@@ -72,6 +76,21 @@ def test_the_table_of_remedies() -> None:
         assert (one.sample_rate_hz, one.counts_per_rev, one.certified_fraction) == (1000.0, 512, 1.0)
         buzz = f"{1e3 * one.p2p_max_rad:.2g} mrad, {one.frequency_at_max_hz:.0f} Hz"
         assert shown == ("rest" if one.at_rest_fraction == 1.0 else buzz), name
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("preset", ["idrive", "hapkit"])
+def test_remedies_on_a_knob_that_is_sold_or_built(preset: str) -> None:
+    """The largest cycle in mrad, remedy by remedy and hand by hand."""
+    found = tried("remedies_presets", f"base.scene.from={preset}").set_index(["hand", "remedy"])
+    names = ("plain wall", *TRIED_ON_PRESETS)
+    printed = {row[0]: row[1:] for row in table(PAGE, "## On knobs that are sold or built")}
+    for hand in found.index.unique("hand"):
+        cells = []
+        for row in (found.loc[hand, name] for name in names):
+            text = "rest" if row.at_rest_fraction == 1.0 else f"{1e3 * row.p2p_max_rad:.3g}"
+            cells.append(text if row.certified_fraction == 1.0 else f"{text}*")
+        assert printed[f"{preset}, {hand}"] == cells
 
 
 INERTIAS = "knob.inertia: [2.0e-6, 1.0e-5, 2.0e-5, 5.0e-5]}"
