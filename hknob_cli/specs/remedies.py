@@ -106,6 +106,9 @@ def validate_remedies(source: Source) -> RemediesPlan:
     axes: set[str] = set()
     if not faults:
         axes = set(derived_sweep(source, base, PLACES).axes)  # faults of the base alone are said once
+        if not axes >= {RATE, COUNTS}:
+            text = "must be sampled, and have an encoder: remedies act at a sample rate, on counts"
+            raise SpecError([source.fault(("base", "scene"), text)])
     remedies = []
     hands = Hand(by_person=tuple(hand.plain() for hand in spec.hands.values()))
     for name, remedy in spec.remedies.items():

@@ -315,3 +315,15 @@ def test_every_value_of_a_tuned_remedy_is_planned() -> None:
     plan = validate(parse(text, "spec.yaml"))
     assert isinstance(plan, RemediesPlan)
     assert [[one.value for one in remedy.tuned] for remedy in plan.remedies] == [[], [0.1, 0.2]]
+
+
+@pytest.mark.parametrize(
+    ("scene", "grid"),
+    [("{sampling: continuous, ", "{counts_per_rev: [1024]}"), ("{encoder: none, ", "{sample_rate_hz: [1000]}")],
+    ids=["no clock", "no counts"],
+)
+def test_remedies_act_at_a_rate_and_on_counts(scene: str, grid: str) -> None:
+    text = TRIAL.replace("  scene:\n    knob: {inertia: 1.9e-6}\n    wall: {stiffness: 0.27}\n", f"  scene: {scene}"
+                         "knob: {inertia: 1.9e-6}, wall: {stiffness: 0.27}}\n")  # fmt: skip
+    text = text.replace("{sample_rate_hz: [1000], counts_per_rev: [1024]}", grid)
+    assert wrong(text) == ["base.scene: must be sampled, and have an encoder: remedies act at a sample rate, on counts"]

@@ -121,7 +121,7 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "no stop": ({"end_stops": {"stiffness": 1}}, "scene.end_stops: must have one of 'low' and 'high', or both"),
     "no count": (
         {"end_stops": {"low": -1, "stiffness": 1}, "encoder": "none"},
-        "scene.encoder: must not be none beside a pair of end stops: its torque is a table over counts",
+        "scene.encoder: must not be none beside a pair of end stops: its torque is a table with a row for each count",
     ),
     "half a quantum of no wall": (
         {"end_stops": {"low": -1, "stiffness": 1}, "bias": {"half_quantum": True}},

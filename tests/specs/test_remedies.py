@@ -118,7 +118,7 @@ def test_a_dead_band_needs_counts(axis: str) -> None:
     text = SPEC.replace("  counts_per_rev: [1024]\n", "").replace("grid:\n", "grid:\n" + axis, 1)
     found = faults_of(text.replace("grid:", f"  encoder: none\n  actuator: {actuator}\ngrid:", 1))
     place = 'grid["actuator.dead_band"]' if axis else "scene.actuator.dead_band"
-    assert f"{place}: must be absent where encoder is none: the angle at which the torque jumps is not" in found
+    assert f"{place}: must be absent where encoder is none: where the torque jumps is watched" in found
 
 
 @pytest.mark.parametrize(
