@@ -12,7 +12,7 @@ from hknob_cli.hardware.control import ControlledWall, begins_of, looks_of
 from hknob_cli.hardware.port import Control
 from hknob_cli.hardware.wire.answers import Ack, most_samples
 from hknob_cli.hardware.wire.codes import Kind, Law, State, Status, Trip
-from hknob_cli.hardware.wire.commands import Alive, Configure, SetAct
+from hknob_cli.hardware.wire.commands import Again, Alive, Configure, SetAct
 from tests.hardware.controllers import CONTROLLERS, READING, readings, told, within
 from tests.hardware.firmware import CControl, ScriptedTarget, events_of, library, samples_of
 from tests.hardware.golden import LAG, PIECE, PULSE, SETTINGS, TABLE
@@ -142,6 +142,42 @@ def test_readings_that_a_block_or_the_record_has_no_room_for_are_not_armed() -> 
     # 65,536 readings in all, and the record has room for 100 ms.
     assert armed_with(most, 10_000, 3).status == Status.DONE
     assert armed_with(most, 20_000, 3).status == Status.OUT_OF_RANGE
+
+
+@pytest.mark.parametrize("frees", [True, False])
+def test_readings_go_round_in_the_record(frees: bool) -> None:
+    """With 63 readings a sample the record keeps 1024 samples; more come only where the host has taken the first."""
+    settings = told("impulse as long as an interval", 4000)._replace(block_samples=3)
+    assert settings.control is not None
+    settings = settings._replace(control=settings.control._replace(numbers=(0.0, 1.0, 1.0, 63.0)))
+    assert settings.control is not None
+    target, sent = ScriptedTarget(), []
+    target.command(Configure(1, settings.plain))
+    target.command(SetAct(2, settings.control))
+    target.plain(Kind.ARM)
+    target.sample()
+    target.plain(Kind.START)
+    calls = 0
+    while calls < 64 * 1300 and target.call_at < 2**64 - 1:
+        target.angle = -(calls % 1000)  # the angle tells which call it was
+        target.sample()
+        calls += 1
+        if calls % 640 == 0:
+            sent += samples_of(target.tell(Alive(1000 + calls, sent[-1].block if frees and sent else 0)))
+    if not frees:
+        target.c.target_serve()
+        said = target.said()
+        assert [(one.fault, one.index) for one in events_of(said)] == [(Trip.NO_ROOM, 1023)]
+        sent += samples_of(said)
+        # Of what is kept the first is sent again as it was.
+        again = samples_of(target.tell(Again(5000, 0, 2)))
+        assert [one.samples.looks.tolist() for one in again] == [one.samples.looks.tolist() for one in sent[:2]]
+    angles = np.concatenate([one.samples.angle_counts for one in sent])
+    looks = np.concatenate([one.samples.looks for one in sent])
+    assert len(angles) > (1200 if frees else 1000)
+    expected = -(np.arange(64 * (len(angles) - 2)) % 1000).reshape(-1, 64)
+    assert angles[1:-1].tolist() == expected[:, 0].tolist()
+    assert looks[2:].tolist() == expected[:, 1:].tolist()
 
 
 def test_a_pulse_or_a_torque_over_the_angle_reads_nothing_within() -> None:
