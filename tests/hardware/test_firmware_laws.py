@@ -222,6 +222,12 @@ def test_a_reading_that_is_late_makes_its_sample_an_overrun() -> None:
         sent = samples_of(target.tell(Alive(99, 0)))
         assert sent[-1].samples.looks.tolist() == [[0, -1, -2]]
         assert sent[-1].samples.overruns == overruns
+    # The next trial tells nothing that this one has read.
+    target.plain(Kind.RELEASE)
+    target.plain(Kind.ARM)
+    target.sample()
+    (first,) = samples_of(target.tell(Alive(99, 0)))
+    assert (first.samples.looks.tolist(), first.samples.overruns) == ([[0, 0, 0]], 0)
 
 
 def begun(state: State) -> ScriptedTarget:
